@@ -1,0 +1,78 @@
+# Needs make and a Python of 3.11 or newer; everything else goes into .venv. `make help` lists the targets.
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.SUFFIXES:
+MAKEFLAGS += --no-print-directory
+
+VENV := .venv
+PYTHON := $(VENV)/bin/python
+XDIST ?= -n 2
+# Which Python makes .venv: the first of these that will do.
+BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export MPLBACKEND ?= Agg
+
+.PHONY: demo test lint docs bench verify soak clean help
+
+demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with figures, into runs/four_bar
+	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures
+
+test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
+	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
+
+lint: $(VENV)/.dev  ## style, types, import contracts
+	@$(PYTHON) -m ruff check .
+	@$(PYTHON) -m mypy
+	@$(VENV)/bin/lint-imports
+
+docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
+	@$(PYTHON) -m sphinx -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html
+	@echo "docs/_build/html/index.html"
+
+bench: $(VENV)/.runtime  ## measure speed into benchmarks/latest.json
+	@$(PYTHON) benchmarks/run.py
+
+verify: $(VENV)/.test  ## the long comparisons with references and published numbers
+	@$(PYTHON) -m pytest $(XDIST) -m verify $(PYTEST)
+
+soak: $(VENV)/.test  ## long runs, killed and restarted
+	@$(PYTHON) -m pytest -m soak $(PYTEST)
+
+clean:  ## remove what was built, except .venv and runs/
+	@rm -rf build dist docs/_build docs/api docs/examples docs/sg_execution_times.rst \
+	    .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	@find src tests examples benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+
+help:  ## this list
+	@sed -n 's/^\([a-z]*\):.*##  *\(.*\)/  make \1#\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F'#' '{ printf "%-14s %s\n", $$1, $$2 }'
+
+# A stamp for each set of packages; all are laid again when pyproject.toml changes, or when .venv was made anew.
+
+$(PYTHON):
+	@base=; \
+	for name in $(BASE_PYTHON); do \
+	    if $$name -c 'import ensurepip, sys, venv; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' >/dev/null 2>&1; \
+	    then base=$$name; break; fi; \
+	done; \
+	if [ -z "$$base" ]; then \
+	    echo "None of ($(BASE_PYTHON)) is a Python 3.11 to 3.14 with its venv module; name one: make BASE_PYTHON=..." >&2; exit 1; \
+	fi; \
+	echo "Making $(VENV) with $$($$base --version)"; \
+	$$base -m venv --clear $(VENV)
+
+$(VENV)/.runtime: pyproject.toml $(PYTHON)
+	@echo "Installing vfife into $(VENV) (a minute or two the first time)"
+	@$(PYTHON) -m pip install -qq --editable .
+	@touch $@
+
+$(VENV)/.test: pyproject.toml $(PYTHON)
+	@echo "Installing vfife and what its tests need into $(VENV) (a minute or two the first time)"
+	@$(PYTHON) -m pip install -qq --editable '.[test]'
+	@touch $(VENV)/.runtime $@
+
+$(VENV)/.dev: pyproject.toml $(PYTHON)
+	@echo "Installing vfife and what its developers need into $(VENV) (a minute or two the first time)"
+	@$(PYTHON) -m pip install -qq --editable '.[dev]'
+	@touch $(VENV)/.runtime $(VENV)/.test $@

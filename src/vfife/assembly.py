@@ -1,0 +1,101 @@
+"""What assemble hands on: arrays for the kernels, and which row belongs to which named thing. The observation reads these maps only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels.arrays import Layout, Topology
+from .mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class BodyMap:
+    """Where a body is found: its particles (indices), elements (indices), its entry among ``body_*`` blocks and, if driven, ``driven_*``.
+
+    ``reference`` is the point of the body's frame (m) at which its one particle sits if it is rigid: the centre of mass, or the pivot if it is
+    driven. ``mass`` (kg), ``inertia`` about the centre of mass (kg m^2) and ``center`` (m) are those of the whole body as it is calculated.
+    """
+
+    name: str
+    model: str
+    particles: tuple[int, ...]
+    elements: tuple[int, ...] = ()
+    row: int = 0
+    driven: int | None = None
+    reference: tuple[float, float] = (0.0, 0.0)
+    mass: float = 0.0
+    inertia: float = 0.0
+    center: tuple[float, float] = (0.0, 0.0)
+    pins: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StepChoice:
+    """The step (s), what allowed it, and how long a run with it is."""
+
+    step: float
+    stable: float
+    culprit: str
+    automatic: bool
+    limits: tuple[tuple[str, float], ...]
+    turn: float | None
+    outputs_every: int
+    outputs: int
+
+    @property
+    def steps(self) -> int:
+        """Steps after the first."""
+        return self.outputs_every * self.outputs
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Model and state of one mechanism.
+
+    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``clearances``, ``ideals`` and ``pivots`` are joint names in
+    the order of the rows of ``clearance_*``, ``ideal_*`` and ``driven_*`` (a pivot is the ideal joint to the ground of a driven body).
+    """
+
+    mechanism: Mechanism
+    topology: Topology
+    layout: Layout
+    state: NDArray[np.float64]
+    tables: NDArray[np.float64]
+    bodies: dict[str, BodyMap]
+    clearances: tuple[str, ...]
+    ideals: tuple[str, ...]
+    pivots: tuple[str, ...]
+    choice: StepChoice
+    mobility: Any = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass
+class Record:
+    """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps * step.
+
+    Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0.
+    """
+
+    assembly: Assembly
+    steps: NDArray[np.int64]
+    rows: NDArray[np.float64]
+    kept: NDArray[np.uint32]
+    wall: float = 0.0
+    loop: str = ""
+    status: str = "complete"
+
+    def block(self, name: str) -> NDArray[np.float64]:
+        """Recorded values of a block, shape (outputs, entities)."""
+        layout = self.assembly.layout
+        where = {int(row): k for k, row in enumerate(self.kept)}
+        rows = range(*layout[name].indices(layout.rows))
+        return self.rows[:, [where[row] for row in rows]]
+
+    def parameter(self, name: str) -> NDArray[np.float64]:
+        """Values of a parameter block, shape (entities,)."""
+        return self.assembly.state[self.assembly.layout[name]]

@@ -1,0 +1,315 @@
+"""The contract between the rooms: every number a step reads or writes, with its entity, unit and meaning.
+
+All of it lies in one array ``S`` of shape ``(rows, lanes)``. Each entity (a particle, an element, a joint ...) has a record of rows, one for each
+of its blocks: state, extremes since the last output, parameters, scratch. One array is what lets the compiler see that two rows never overlap,
+so that four simulations share a vector register; records keep what belongs together in one cache line. A checkpoint is this array and the
+step number, a run's record is a choice of its rows at each output step.
+
+The topology reaches the data-driven loop as one array ``I`` of unsigned integers: a header, then lists of records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+Role = Literal["state", "extreme", "parameter", "scratch"]
+
+CONTACT_SLOTS = 8
+FRICTION_SLOTS = 8
+
+
+class Fields:
+    """Row of each field within a record; a field of several rows is named by its first."""
+
+    def __init__(self, widths: Iterable[tuple[str, int]]) -> None:
+        self.SIZE = 0
+        for name, width in widths:
+            setattr(self, name, self.SIZE)
+            self.SIZE += width
+
+    def __getattr__(self, name: str) -> int:
+        raise AttributeError(name)
+
+
+@dataclass(frozen=True)
+class Block:
+    """One named quantity: what it is counted over, its unit, its role and its meaning."""
+
+    name: str
+    entity: str
+    unit: str
+    role: Role
+    meaning: str
+    width: int = 1
+
+    @property
+    def field(self) -> str:
+        """Name within the entity's record."""
+        return self.name.removeprefix(f"{self.entity}_")
+
+
+def _blocks(role: Role, entity: str, table: str) -> list[Block]:
+    rows = [[cell.strip() for cell in line.split("|")] for line in table.strip().splitlines()]
+    return [Block(name, entity, unit, role, meaning, int(width[0]) if width else 1) for name, unit, meaning, *width in rows]
+
+
+BLOCKS: tuple[Block, ...] = (
+    *_blocks("state", "particle", """
+        particle_x | m | position at step n
+        particle_y | m | position at step n
+        particle_theta | rad | rotation at step n
+        particle_u | m/s | velocity at step n + 1/2
+        particle_v | m/s | velocity at step n + 1/2
+        particle_w | rad/s | angular velocity at step n + 1/2
+        particle_ax | m/s^2 | acceleration at step n
+        particle_ay | m/s^2 | acceleration at step n
+        particle_aw | rad/s^2 | angular acceleration at step n"""),
+    *_blocks("state", "element", """
+        element_axial_force | N | axial force, tension positive, at step n
+        element_moment_1 | N m | internal moment at the first node at step n
+        element_moment_2 | N m | internal moment at the second node at step n
+        reference_length | m | length at the start of the path unit
+        reference_inverse_length | 1/m | its inverse
+        reference_cosine | 1 | direction at the start of the path unit
+        reference_sine | 1 | direction at the start of the path unit
+        reference_theta_1 | rad | rotation of the first node at the start of the path unit
+        reference_theta_2 | rad | rotation of the second node at the start of the path unit
+        reference_axial_force | N | axial force at the start of the path unit
+        reference_moment_1 | N m | moment at the first node at the start of the path unit
+        reference_moment_2 | N m | moment at the second node at the start of the path unit"""),
+    *_blocks("state", "clearance", """
+        clearance_normal_force | N | normal force F_N at step n
+        clearance_friction_force | N | friction force F_T at step n, along t on the journal
+        clearance_penetration | m | signed penetration e - c at step n
+        clearance_slowness | s/m | inverse of the impact speed at the last onset, 0 in free flight
+        clearance_memory | m | bristle deflection or other friction memory
+        clearance_damping_power | W | power lost in normal damping at step n
+        clearance_friction_power | W | power lost in friction at step n
+        clearance_damping_work | J | energy lost in normal damping up to step n + 1/2
+        clearance_friction_work | J | energy lost in friction up to step n + 1/2
+        clearance_onsets | 1 | contacts that began
+        clearance_grazing | 1 | onsets slower than the floor of the impact speed
+        clearance_deep | 1 | onsets that landed deeper than the landing depth
+        clearance_deepest | m | deepest first landing
+        clearance_contact_steps | 1 | steps in continuous contact"""),
+    *_blocks("state", "ideal", """
+        ideal_fx | N | force on the journal at step n
+        ideal_fy | N | force on the journal at step n"""),
+    *_blocks("state", "driven", """
+        driven_torque | N m | torque of the driver at step n
+        driven_fx | N | force of the ground on the driven body at step n
+        driven_fy | N | force of the ground on the driven body at step n
+        driven_power | W | power of the driver at step n
+        driven_work | J | work of the driver up to step n + 1/2"""),
+    *_blocks("state", "body", """
+        body_alpha | rad/s^2 | angular acceleration of a rigid body or of an elastic link's chord at step n"""),
+    *_blocks("state", "function", """
+        function_value | unit of the table | value at step n
+        function_rate | unit of the table / s | first derivative at step n
+        function_acceleration | unit of the table / s^2 | second derivative at step n
+        function_next | unit of the table | value at step n + 1"""),
+    *_blocks("state", "system", """
+        damping_power | W | power lost in mass-proportional damping at step n
+        damping_work | J | energy lost in mass-proportional damping up to step n + 1/2
+        external_power | W | power of time-dependent loads at step n
+        external_work | J | work of time-dependent loads up to step n + 1/2"""),
+    *_blocks("extreme", "clearance", """
+        clearance_force_squared_max | N^2 | largest squared joint force since the last output
+        clearance_penetration_max | m | largest signed penetration since the last output"""),
+    *_blocks("extreme", "ideal", """
+        ideal_force_squared_max | N^2 | largest squared joint force since the last output"""),
+    *_blocks("extreme", "driven", """
+        driven_force_squared_max | N^2 | largest squared ground force since the last output
+        driven_torque_max | N m | largest absolute torque since the last output"""),
+    *_blocks("extreme", "body", """
+        body_alpha_max | rad/s^2 | largest absolute angular acceleration since the last output"""),
+    *_blocks("parameter", "particle", """
+        particle_inverse_mass | 1/kg | 0 where the motion is prescribed
+        particle_inverse_inertia | 1/(kg m^2) | 0 where the rotation is prescribed
+        particle_load_x | N | constant load, weight included
+        particle_load_y | N | constant load, weight included
+        particle_load_m | N m | constant moment"""),
+    *_blocks("parameter", "element", """
+        element_axial_stiffness | N | E A
+        element_bending_stiffness | N m^2 | E I"""),
+    *_blocks("parameter", "clearance", """
+        clearance_bearing_x | m | bearing centre in its body's frame
+        clearance_bearing_y | m | bearing centre in its body's frame
+        clearance_journal_x | m | journal centre in its body's frame
+        clearance_journal_y | m | journal centre in its body's frame
+        clearance_size | m | c = R_B - R_J
+        clearance_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
+        clearance_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
+        clearance_arm_overlap | 1 | share of the penetration by which the arms change
+        clearance_floor | m/s | least impact speed
+        clearance_landing | m | depth at which a first contact may land
+        clearance_contact | unit of the law | parameters of the contact law | 8
+        clearance_friction_slots | unit of the law | parameters of the friction law | 8"""),
+    *_blocks("parameter", "ideal", """
+        ideal_bearing_x | m | pin in the bearing body's frame
+        ideal_bearing_y | m | pin in the bearing body's frame
+        ideal_journal_x | m | pin in the journal body's frame
+        ideal_journal_y | m | pin in the journal body's frame"""),
+    *_blocks("parameter", "driven", """
+        driven_angle | rad | angle at t = 0 of a driver of constant speed
+        driven_speed | rad/s | its speed
+        driven_inertia | kg m^2 | inertia about the pivot
+        driven_moment_x | kg m | mass times centre of mass, in the body's frame from the pivot
+        driven_moment_y | kg m | mass times centre of mass, in the body's frame from the pivot
+        driven_weight_x | N/kg | gravity
+        driven_weight_y | N/kg | gravity"""),
+    *_blocks("parameter", "load", """
+        load_x | m | point of attack in the particle's frame
+        load_y | m | point of attack in the particle's frame
+        load_fx | 1 | force per unit of its function
+        load_fy | 1 | force per unit of its function
+        load_m | 1 | moment per unit of its function"""),
+    *_blocks("parameter", "system", """
+        step | s | time step
+        damping | 1/s | coefficient of mass-proportional damping"""),
+    *_blocks("scratch", "particle", """
+        fx | N | force so far at step n
+        fy | N | force so far at step n
+        mz | N m | moment so far at step n
+        c | 1 | cosine of the rotation at step n
+        s | 1 | sine of the rotation at step n
+        vu | m/s | velocity at step n
+        vv | m/s | velocity at step n
+        vw | rad/s | angular velocity at step n
+        xn | m | position at step n + 1
+        yn | m | position at step n + 1
+        cn | 1 | cosine of the rotation at step n + 1
+        sn | 1 | sine of the rotation at step n + 1
+        rn | 1/kg | velocities per unit of a joint's normal force | 3
+        rt | 1/kg | velocities per unit of a joint's friction force | 3"""),
+    *_blocks("scratch", "clearance", """
+        nx | 1 | direction from bearing to journal centre
+        ny | 1 | direction from bearing to journal centre
+        jn | m | lever of the normal force on the journal's body
+        jt | m | lever of the friction force on the journal's body
+        bn | m | lever of the normal force on the bearing's body
+        bt | m | lever of the friction force on the bearing's body
+        elastic | N | elastic part of the normal force
+        damping_coefficient | N s/m | damping coefficient
+        normal | N | normal force to start from
+        friction | N | friction force to start from"""),
+    *_blocks("scratch", "ideal", """
+        bx | m | arm of the pin on the bearing's body
+        by | m | arm of the pin on the bearing's body
+        kx | m | arm of the pin on the journal's body
+        ky | m | arm of the pin on the journal's body"""),
+)  # fmt: skip
+
+BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
+ENTITIES = ("system", "particle", "element", "clearance", "ideal", "driven", "load", "body", "function")
+
+
+def _fields(entity: str) -> Fields:
+    return Fields((block.field, block.width) for block in BLOCKS if block.entity == entity)
+
+
+Y, P, E, C, R, D, L, B, F = (_fields(entity) for entity in ENTITIES)  # rows of each entity's record
+
+# Records of the integer array: rows of S and kinds.
+JE = Fields((name, 1) for name in ("row", "first", "second", "release"))
+JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction"))
+JR = Fields((name, 1) for name in ("row", "bearing", "journal"))
+JD = Fields((name, 1) for name in ("row", "body", "function"))
+JL = Fields((name, 1) for name in ("row", "body", "function"))
+JB = Fields((name, 1) for name in ("row", "first", "second", "element"))
+JF = Fields((name, 1) for name in ("row", "table"))
+JK = Fields((name, 1) for name in ("first", "second", "body", "first_arm", "second_arm", "same", "upper", "lower"))
+
+LISTS = ("free", "trig", "jointed", "pinned", "particle", "element", "clearance", "ideal", "couple", "row", "driven", "load", "body", "function")
+H = Fields(
+    (name, 1)
+    for name in (
+        *LISTS,
+        *(f"{name}_count" for name in LISTS),
+        *("profile", "profile_count", "inverse", "y", "gn", "gt", "path_unit", "damped", "close_again"),
+    )
+)
+
+
+@dataclass(frozen=True)
+class Topology:
+    """Integers that say what is joined to what. Two models with equal topology share one generated step.
+
+    Particle 0 is the ground. Each tuple has one entry per entity.
+    """
+
+    particles: int
+    free: tuple[int, ...] = ()
+    trig: tuple[int, ...] = ()
+    element_nodes: tuple[tuple[int, int], ...] = ()
+    element_release: tuple[int, ...] = ()
+    clearance_bearing: tuple[int, ...] = ()
+    clearance_journal: tuple[int, ...] = ()
+    clearance_contact: tuple[int, ...] = ()
+    clearance_friction: tuple[int, ...] = ()
+    ideal_bearing: tuple[int, ...] = ()
+    ideal_journal: tuple[int, ...] = ()
+    driven: tuple[int, ...] = ()
+    driven_function: tuple[int, ...] = ()
+    load_particle: tuple[int, ...] = ()
+    load_function: tuple[int, ...] = ()
+    body_nodes: tuple[tuple[int, int], ...] = ()
+    function_start: tuple[int, ...] = ()
+    path_unit: int = 1
+    damped: bool = False
+    contact_laws: tuple[type, ...] = ()
+    friction_laws: tuple[type, ...] = ()
+
+    def counts(self) -> dict[str, int]:
+        """Number of rows per entity."""
+        return {
+            "particle": self.particles,
+            "element": len(self.element_nodes),
+            "clearance": len(self.clearance_bearing),
+            "ideal": len(self.ideal_bearing),
+            "driven": len(self.driven),
+            "load": len(self.load_particle),
+            "body": len(self.body_nodes),
+            "function": len(self.function_start),
+            "system": 1,
+        }
+
+
+class Layout:
+    """Where each block lies: ``layout["particle_x"]`` is a strided slice of rows, ``layout.row("particle_x", 3)`` one row."""
+
+    def __init__(self, topology: Topology) -> None:
+        counts = topology.counts()
+        self.base: dict[str, int] = {}
+        self.slices: dict[str, slice] = {}
+        self.rows = 0
+        for entity, fields in zip(ENTITIES, (Y, P, E, C, R, D, L, B, F), strict=True):
+            self.base[entity] = self.rows
+            self.rows += counts[entity] * fields.SIZE
+        sizes = dict(zip(ENTITIES, (Y, P, E, C, R, D, L, B, F), strict=True))
+        for block in BLOCKS:
+            fields = sizes[block.entity]
+            start = self.base[block.entity] + getattr(fields, block.field)
+            self.slices[block.name] = slice(start, start + counts[block.entity] * fields.SIZE, fields.SIZE)
+
+    def __getitem__(self, name: str) -> slice:
+        return self.slices[name]
+
+    def row(self, name: str, index: int = 0) -> int:
+        """Row of entity ``index`` in block ``name``; of its first row where the block is wider."""
+        where = self.slices[name]
+        return int(where.start + index * where.step)
+
+    def of_entity(self, entity: str) -> range:
+        """All rows of an entity."""
+        later = [base for base in self.base.values() if base > self.base[entity]]
+        return range(self.base[entity], min(later, default=self.rows))
+
+    def of(self, *roles: Role) -> list[int]:
+        """All rows of the given roles, block by block."""
+        chosen = [block for block in BLOCKS if block.role in roles]
+        return [
+            row + k for block in chosen for row in range(*self.slices[block.name].indices(self.rows)) for k in range(block.width)
+        ]

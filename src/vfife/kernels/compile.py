@@ -1,0 +1,122 @@
+"""From text to a callable: compiled and cached on disk, or interpreted.
+
+A text is written to a file in a folder named by its hash, numba version and processor, and compiled from there with numba's disk cache. Files
+are written under another name and renamed; whatever is wrong with a cached file, it is thrown away and compiled again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import platform
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+HEADER = '''"""Written by vfife; compiled from its physics. Safe to delete."""
+import math
+import numba
+
+jit = numba.njit(error_model="numpy", forceinline={inline})
+entry = numba.njit(error_model="numpy", cache=True)
+
+'''
+
+
+def cache_folder() -> Path:
+    """Folder of compiled steps: ``VFIFE_CACHE``, else the user's cache folder. It holds nothing that changes a result."""
+    chosen = os.environ.get("VFIFE_CACHE")
+    if chosen:
+        return Path(chosen)
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(base) / "vfife"
+
+
+def key(text: str) -> str:
+    """Hash of everything that decides the machine code."""
+    import llvmlite
+    import numba
+
+    parts = (text, numba.__version__, llvmlite.__version__, sys.version, platform.machine(), platform.platform())
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:24]
+
+
+def place(text: str) -> tuple[Path, bool]:
+    """File that holds the text, and whether it was there before; a folder of this process's own if the cache cannot be written."""
+    name = key(text)
+    folder = cache_folder() / name
+    path = folder / f"step_{name}.py"
+    if path.exists():
+        return path, any(folder.glob("__pycache__/*.nbi"))
+    try:
+        cache_folder().mkdir(parents=True, exist_ok=True)
+        fresh = Path(tempfile.mkdtemp(prefix="new-", dir=cache_folder()))
+    except OSError:
+        folder = Path(tempfile.mkdtemp(prefix="vfife-"))
+        (folder / path.name).write_text(text)
+        return folder / path.name, False
+    (fresh / path.name).write_text(text)
+    try:
+        fresh.rename(folder)
+    except OSError:  # another process was first
+        shutil.rmtree(fresh, ignore_errors=True)
+    return path, False
+
+
+def load(path: Path) -> Any:
+    """The module at ``path``."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{path} cannot be loaded")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def compiled(body: str, name: str, *, inline: bool) -> Callable[..., Any]:
+    """The function ``name`` of the text, compiled at its first call or read from the cache."""
+    text = HEADER.format(inline=inline) + body.replace(f"@jit\ndef {name}(", f"@entry\ndef {name}(")
+    path, _ = place(text)
+    return _Recovering(path, name, text)
+
+
+def interpreted(body: str, name: str) -> Callable[..., Any]:
+    """The same function run as plain Python: slow, and the same bits."""
+    import math
+
+    space: dict[str, Any] = {"math": math, "jit": lambda f: f}
+    exec(compile(body, f"<vfife {name}>", "exec"), space)  # the text is our own and the user's laws, never a model file's
+    function: Callable[..., Any] = space[name]
+    return function
+
+
+class _Recovering:
+    """Calls a cached function; a cache that cannot be read is deleted and the function compiled anew, once."""
+
+    def __init__(self, path: Path, name: str, text: str) -> None:
+        self.path, self.name, self.text = path, name, text
+        self.function = getattr(load(path), name)
+        self.sound = False
+
+    def __call__(self, *arguments: Any) -> Any:
+        if self.sound:
+            return self.function(*arguments)
+        try:
+            self.function.compile(tuple(_type(a) for a in arguments))
+        except Exception:
+            shutil.rmtree(self.path.parent / "__pycache__", ignore_errors=True)
+            self.path, _ = place(self.text)
+            self.function = getattr(load(self.path), self.name)
+        self.sound = True
+        return self.function(*arguments)
+
+
+def _type(value: Any) -> Any:
+    import numba
+
+    return numba.typeof(value)

@@ -1,0 +1,146 @@
+"""One text per compiled step: the physics functions, the laws at hand and a loop, gathered into a single module.
+
+The text is compiled by numba, run as plain Python, or given to another compiler by changing what ``jit`` is. Because everything that
+decides its bits is in it, its hash is a complete cache key; numba's own cache does not notice a change in another module.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import textwrap
+from collections.abc import Callable, Mapping
+from types import FunctionType
+from typing import Any
+
+from . import loop
+from .arrays import CONTACT_SLOTS, FRICTION_SLOTS, Fields
+
+
+class SourceError(ValueError):
+    """A law's function uses something that cannot be compiled into the step."""
+
+
+class Gathered:
+    """Source texts of functions by the name they go by, each after those it calls."""
+
+    def __init__(self, given: Mapping[str, str] | None = None) -> None:
+        self.texts: dict[str, str] = {}
+        self.origin: dict[str, object] = {}
+        self.given = dict(given or {})
+
+    def add(self, function: Callable[..., Any], name: str | None = None) -> str:
+        """Adds a function, under another name if asked, and all it calls; returns the name it goes by."""
+        require_plain(function)
+        name = name or function.__name__
+        if name in self.origin:
+            if self.origin[name] is not function:
+                raise SourceError(f"two different functions are called {name!r}; rename one of them")
+            return name
+        self.origin[name] = function
+        for used in global_names(function):
+            self._resolve(function, used)
+        self.texts.pop(name, None)
+        self.texts[name] = definition(function, name)
+        return name
+
+    def _resolve(self, function: Callable[..., Any], used: str) -> None:
+        if used in self.given:
+            if used not in self.texts:
+                self.texts[used] = self.given[used]
+            return
+        value = function.__globals__.get(used, math)  # type: ignore[attr-defined]
+        if value is math or isinstance(value, Fields):
+            return
+        if isinstance(value, FunctionType):
+            known = self.add(value)
+            if known != used:
+                self.texts[used] = f"{used} = {known}\n"
+        elif isinstance(value, (bool, int, float)):
+            self.texts[used] = f"{used} = {value!r}\n"
+        else:
+            raise SourceError(
+                f"{function.__module__}.{function.__qualname__} uses {used!r}, a {type(value).__name__}; a law's function may use its "
+                "arguments, math.sqrt, numbers and plain functions of numbers"
+            )
+
+    def text(self) -> str:
+        """All texts in order of need."""
+        return "\n\n".join(self.texts.values())
+
+
+def require_plain(function: Callable[..., Any]) -> None:
+    """Raises SourceError unless ``function`` is a plain Python function without closure, whose text can be read."""
+    if not isinstance(function, FunctionType):
+        raise SourceError(f"{function!r} is not a plain function")
+    if function.__closure__:
+        raise SourceError(f"{function.__qualname__} closes over {', '.join(function.__code__.co_freevars)}; pass numbers as parameters")
+
+
+def global_names(function: Callable[..., Any]) -> list[str]:
+    """Names a function takes from its module, in order of first use."""
+    code = function.__code__  # type: ignore[attr-defined]
+    space = function.__globals__  # type: ignore[attr-defined]
+    return [name for name in code.co_names if name in space]
+
+
+def definition(function: Callable[..., Any], name: str) -> str:
+    """Source of a function as a jitted definition called ``name``, without decorators, annotations and docstring."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    if not isinstance(tree, ast.FunctionDef):
+        raise SourceError(f"{function.__qualname__} is no def")
+    tree.name = name
+    tree.decorator_list = []
+    tree.returns = None
+    for argument in [*tree.args.args, *tree.args.kwonlyargs, *tree.args.posonlyargs]:
+        argument.annotation = None
+    if ast.get_docstring(tree) is not None:
+        tree.body = tree.body[1:] or [ast.Pass()]
+    tree = ast.fix_missing_locations(_Literal(function).visit(tree))
+    return "@jit\n" + ast.unparse(tree) + "\n"
+
+
+class _Literal(ast.NodeTransformer):
+    """Writes the row of a field, ``P.x``, as the number it is."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.space = function.__globals__  # type: ignore[attr-defined]
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None
+        return ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else node
+
+
+def law_name(kind: str, law: type) -> str:
+    """Name of a law's function in a gathered text."""
+    return f"{kind}_{law.name.replace('-', '_')}"  # type: ignore[attr-defined]
+
+
+def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
+    """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law``."""
+    signature = {"contact": "depth, slowness", "friction": "normal, free, mobility, memory, dt"}[kind]
+    room = {"contact": CONTACT_SLOTS, "friction": FRICTION_SLOTS}[kind]
+    lines = ["@jit", f"def {kind}_law(kind, {signature}, S, base):"]
+    for number, law in enumerate(laws):
+        count = len(law.slots)  # type: ignore[attr-defined]
+        if count > room:
+            raise SourceError(f"law {law.name!r} has {count} parameters; a law may have {room}")  # type: ignore[attr-defined]
+        name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
+        slots = "".join(f"S[base + {k}], " for k in range(count))
+        lines += [f"    if kind == {number}:", f"        return {name}({signature}, ({slots}))"]
+    lines.append("    return 0.0, 0.0" if kind == "contact" else "    return 0.0, memory")
+    return "\n".join(lines) + "\n"
+
+
+def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
+    """Text of the data-driven loop with an if-chain over the given laws."""
+    laws = Gathered()
+    chains = {
+        "contact_law": dispatch("contact", contact_laws, laws),
+        "friction_law": dispatch("friction", friction_laws, laws),
+    }
+    body = Gathered(chains)
+    body.add(loop.advance)
+    texts = {**laws.texts, **body.texts}
+    return "\n\n".join(texts.values())

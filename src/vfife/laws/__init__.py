@@ -1,0 +1,18 @@
+"""Contact and friction laws, and what they need to know of the two surfaces."""
+
+from .contact import LankaraniNikravesh, Pereira
+from .friction import Ambrosio, Frictionless
+from .law import ContactLaw, FrictionLaw, Law, Material, Pair, quantity
+
+__all__ = [
+    "Ambrosio",
+    "ContactLaw",
+    "FrictionLaw",
+    "Frictionless",
+    "LankaraniNikravesh",
+    "Law",
+    "Material",
+    "Pair",
+    "Pereira",
+    "quantity",
+]

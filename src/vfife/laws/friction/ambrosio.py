@@ -1,0 +1,46 @@
+"""Ambrosio 2003: Coulomb friction with a ramp between two speeds (the VFIFE paper's modified Coulomb law, Eq. 32-33)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..law import FrictionLaw, Pair, quantity
+
+
+@dataclass(frozen=True)
+class Ambrosio(FrictionLaw):
+    """F_T = -c_f c_d F_N sign(v_T), c_d = 0 below v_0, (|v_T| - v_0)/(v_1 - v_0) to v_1, 1 beyond."""
+
+    name: ClassVar[str] = "ambrosio"
+    source: ClassVar[str] = (
+        "Ambrosio: Impact of rigid and flexible multibody systems: deformation description and contact models. "
+        "In: Virtual Nonlinear Multibody Systems, NATO Science Series 103 (2003) 57-81"
+    )
+    formula: ClassVar[str] = "F = -f c_d N sign(v), c_d a ramp from 0 at v0 to 1 at v1"
+    slots: ClassVar[tuple[str, ...]] = ("coefficient", "v0", "ramp")
+
+    coefficient: float = quantity("1", "friction coefficient c_f", 0.1, low=0.0)
+    v0: float = quantity("m/s", "speed below which there is no friction", 1e-4, low=0.0)
+    v1: float = quantity("m/s", "speed from which friction is whole", 1e-2, low=0.0)
+
+    def parameters(self, pair: Pair) -> tuple[float, ...]:
+        """Coefficient (1), v_0 and v_1 - v_0 (m/s)."""
+        return self.coefficient, self.v0, self.v1 - self.v0
+
+    @staticmethod
+    def force(
+        normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]
+    ) -> tuple[float, float]:
+        """Friction force (N), solved with the velocity it causes.
+
+        On the ramp |v| = free - m limit c_d and c_d = (|v| - v_0)/(v_1 - v_0) give c_d = (free - v_0)/(v_1 - v_0 + m limit); beyond either end
+        the same quotient lies below 0 or above 1.
+        """
+        coefficient, v0, ramp = p
+        limit = coefficient * normal_force
+        share = (abs(free_velocity) - v0) / (ramp + mobility * limit)
+        share = 0.0 if share < 0.0 else share
+        share = 1.0 if share > 1.0 else share
+        force = limit * share
+        return -force if free_velocity > 0.0 else force, memory

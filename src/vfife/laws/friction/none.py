@@ -1,0 +1,28 @@
+"""No friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..law import FrictionLaw, Pair
+
+
+@dataclass(frozen=True)
+class Frictionless(FrictionLaw):
+    """F_T = 0."""
+
+    name: ClassVar[str] = "none"
+    source: ClassVar[str] = "definition"
+    formula: ClassVar[str] = "F = 0"
+
+    def parameters(self, pair: Pair) -> tuple[float, ...]:
+        """Nothing."""
+        return ()
+
+    @staticmethod
+    def force(
+        normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]
+    ) -> tuple[float, float]:
+        """Zero; the memory stays as it is."""
+        return 0.0, memory

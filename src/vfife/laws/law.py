@@ -1,0 +1,110 @@
+"""What a law is: a frozen dataclass whose fields a user sets, and one static function of plain numbers that the step runs.
+
+A contact law turns penetration (m) and impact speed (m/s) into an elastic force (N) and a damping coefficient (N s/m):
+F_N = elastic + damping * rate, never below zero. It is linear in the rate, so a step solves it in closed form. A friction law solves its own
+relation: given the normal force, the sliding velocity without friction, and the mobility, the sliding velocity is free + mobility * force.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+
+@dataclass(frozen=True)
+class Material:
+    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3)."""
+
+    name: str = "steel"
+    youngs_modulus: float = 207e9
+    poissons_ratio: float = 0.3
+    density: float = 7800.0
+
+    @property
+    def compliance(self) -> float:
+        """(1 - nu^2)/E in 1/Pa."""
+        return (1.0 - self.poissons_ratio**2) / self.youngs_modulus
+
+
+@dataclass(frozen=True)
+class Pair:
+    """The two surfaces that meet: bearing radius, clearance and axial length (m), and their materials."""
+
+    bearing_radius: float
+    clearance: float
+    axial_length: float
+    bearing: Material = Material()
+    journal: Material = Material()
+
+    @property
+    def journal_radius(self) -> float:
+        """R_J = R_B - c (m), Eq. 18."""
+        return self.bearing_radius - self.clearance
+
+    @property
+    def composite_modulus(self) -> float:
+        """E* with 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j (Pa); Eq. 28 for equal materials."""
+        return 1.0 / (self.bearing.compliance + self.journal.compliance)
+
+
+def quantity(unit: str, meaning: str, default: Any = dataclasses.MISSING, *, low: float | None = None, high: float | None = None) -> Any:
+    """A field of a law: its unit ("1" if it has none), its meaning, its default and the limits it must keep."""
+    return dataclasses.field(default=default, metadata={"unit": unit, "meaning": meaning, "low": low, "high": high})
+
+
+@dataclass(frozen=True)
+class Law:
+    """Shared by contact and friction laws. Subclasses register themselves by ``name``."""
+
+    name: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+    formula: ClassVar[str] = ""
+    slots: ClassVar[tuple[str, ...]] = ()
+    registry: ClassVar[dict[str, type[Law]]] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if cls.__dict__.get("name"):
+            cls.registry[cls.name] = cls
+
+    def parameters(self, pair: Pair) -> tuple[float, ...]:
+        """The numbers of ``slots``, derived from the fields and the two surfaces."""
+        raise NotImplementedError
+
+    def derived(self, pair: Pair) -> dict[str, str]:
+        """Numbers worth printing, by slot name."""
+        return {name: f"{value:.6g}" for name, value in zip(self.slots, self.parameters(pair), strict=True)}
+
+
+@dataclass(frozen=True)
+class ContactLaw(Law):
+    """Normal contact law."""
+
+    registry: ClassVar[dict[str, type[Law]]] = {}
+
+    @staticmethod
+    def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
+        """Elastic force (N) and damping coefficient (N s/m).
+
+        The penetration (m) is never negative; ``slowness`` is 1/impact_speed (s/m), held from the onset of a contact to its end.
+        """
+        raise NotImplementedError
+
+    def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
+        """Energy (J) stored at a penetration (m), of any shape: integral of the elastic force."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class FrictionLaw(Law):
+    """Friction law."""
+
+    registry: ClassVar[dict[str, type[Law]]] = {}
+
+    @staticmethod
+    def force(
+        normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]
+    ) -> tuple[float, float]:
+        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force."""
+        raise NotImplementedError

@@ -1,0 +1,428 @@
+"""Rigid-mechanism analysis against published four-bar maxima, closed forms and balances it does not use itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vfife.kinematics import (
+    AssemblyError,
+    Drive,
+    Pin,
+    RigidSystem,
+    accelerations,
+    close,
+    mobility,
+    velocities,
+)
+
+GRAVITY = 9.81
+
+
+def rods(names, lengths, masses, joints, drives=()):
+    """Uniform rods along their own x axis; ends of a joint are given as (body, fraction of half length) or a point."""
+    half = [0.0, *(0.5 * length for length in lengths)]
+
+    def end(body, at):
+        return at if body == 0 else (at * half[body], 0.0)
+
+    pins = [Pin(name, a, np.array(end(a, at_a)), b, np.array(end(b, at_b))) for name, a, at_a, b, at_b in joints]
+    mass = np.array([0.0, *masses])
+    inertia = np.array([0.0, *(m * length**2 / 12.0 for m, length in zip(masses, lengths, strict=True))])
+    return RigidSystem(("ground", *names), mass, inertia, pins, drives)
+
+
+def along(*points):
+    """Row of a rod from its end points: centre and angle."""
+    start, end = np.array(points[0]), np.array(points[1])
+    return [*(0.5 * (start + end)), np.arctan2(*(end - start)[::-1])]
+
+
+def four_bar(ground=0.150, crank=0.400, coupler=0.260, follower=0.460, drives=()):
+    return rods(
+        ("crank", "coupler", "follower"),
+        (crank, coupler, follower),
+        (3.120, 2.028, 3.588),
+        (
+            ("A", 0, (0.0, 0.0), 1, -1.0),
+            ("B", 1, 1.0, 2, -1.0),
+            ("C", 2, 1.0, 3, 1.0),
+            ("D", 3, -1.0, 0, (ground, 0.0)),
+        ),
+        drives,
+    )
+
+
+def driven(system, angle, speed=0.0, acceleration=0.0, body=1):
+    return replace(system, drives=(Drive(body, angle, speed, acceleration),))
+
+
+def rough_guess(side=1.0):
+    b, c, d = (0.4, 0.0), (0.55, side * 0.22), (0.15, 0.0)
+    return np.array([[0.0, 0.0, 0.0], along((0.0, 0.0), b), along(b, c), along(d, c)])
+
+
+def at_angle(angle, side=1.0):
+    """Closed drag-link four-bar at a crank angle, its branch followed from crank angle 0 in small steps."""
+    position = rough_guess(side)
+    for step in np.linspace(0.0, angle, max(2, int(abs(angle) / 0.1) + 2)):
+        position = close(driven(four_bar(), step), position).position
+    return position
+
+
+def double_crank(bars=3):
+    """Parallel cranks 0.2 m long from (x, 0) carrying one coupler; all cranks at 1.1 rad."""
+    feet, angle = (0.0, 0.3, 0.5)[:bars], 1.1
+    tip = 0.2 * np.array([np.cos(angle), np.sin(angle)])
+    joints = []
+    for k, x in enumerate(feet, start=1):
+        joints.append((f"A{k}", 0, (x, 0.0), k, -1.0))
+        joints.append((f"B{k}", k, 1.0, bars + 1, (x - 0.25) / 0.25))
+    names = (*(f"crank {k + 1}" for k in range(bars)), "coupler")
+    system = rods(names, (0.2,) * bars + (0.5,), (*(1.0, 1.5, 0.7)[:bars], 2.0), joints)
+    rows = [along((x, 0.0), (x + tip[0], tip[1])) for x in feet]
+    return system, np.array([[0.0, 0.0, 0.0], *rows, along(tip, (tip[0] + 0.5, tip[1]))]), angle
+
+
+def weight(system):
+    force = np.zeros((len(system.names), 3))
+    force[1:, 1] = -GRAVITY * system.mass[1:]
+    return force
+
+
+def left_over(system, position, acceleration, force, reactions, torque):
+    """Newton-Euler sum of every moving body [n-1,3], built from the reactions alone."""
+    total = np.array(force)
+    for pin, reaction in zip(system.joints, reactions, strict=True):
+        for sign, body, point in ((-1.0, pin.body_a, pin.point_a), (1.0, pin.body_b, pin.point_b)):
+            angle = position[body, 2]
+            arm = np.exp(1j * angle) * complex(*point)
+            total[body, :2] += sign * reaction
+            total[body, 2] += sign * (arm.real * reaction[1] - arm.imag * reaction[0])
+    for drive, moment in zip(system.drives, torque, strict=True):
+        total[drive.body, 2] += moment
+    inertial = np.column_stack([system.mass, system.mass, system.inertia]) * acceleration
+    return (total - inertial)[1:]
+
+
+@pytest.fixture(scope="module")
+def full_turn():
+    position, path = rough_guess(), []
+    for angle in np.linspace(0.0, 2.0 * np.pi, 1441):
+        position = close(driven(four_bar(), angle), position).position
+        path.append((angle, position))
+    return path
+
+
+def peak(samples):
+    """Largest of equally spaced samples, refined by the parabola through its neighbours."""
+    k = int(np.argmax(samples[1:-1])) + 1
+    left, top, right = samples[k - 1 : k + 2]
+    return top - (right - left) ** 2 / (8.0 * (left - 2.0 * top + right))
+
+
+@pytest.mark.parametrize(
+    ("speed", "follower", "maxima"),
+    [
+        (10.0 * np.pi, 912.642, (1577.0, 2613.5, 4538.6)),
+        (50.0 * np.pi, 22816.05, (39425.3, 65338.1, 113464.7)),
+    ],
+)
+def test_four_bar_reaches_the_published_maxima(full_turn, speed, follower, maxima):
+    turning, pins = [], []
+    for angle, position in full_turn:
+        system = driven(four_bar(), angle, speed)
+        acceleration, reactions, _ = accelerations(system, position, velocities(system, position), np.zeros((4, 3)))
+        turning.append(abs(acceleration[3, 2]))
+        pins.append(np.hypot(*reactions.T))
+    assert peak(turning) == pytest.approx(follower, rel=1e-6)
+    assert peak(turning) == pytest.approx(0.924700 * speed**2, rel=1e-6)
+    np.testing.assert_allclose([peak(row) for row in np.array(pins).T[1:]], maxima, rtol=1e-5)
+
+
+def test_four_bar_returns_to_its_start_on_the_same_branch(full_turn):
+    first, last = full_turn[0][1], full_turn[-1][1]
+    np.testing.assert_allclose(last[:, :2], first[:, :2], atol=1e-14)
+    np.testing.assert_allclose(last[1:, 2] - first[1:, 2], 2.0 * np.pi, rtol=1e-14)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_closure_is_the_intersection_of_two_circles(side):
+    b, d = np.array([0.4, 0.0]), np.array([0.15, 0.0])
+    x = (0.25**2 + 0.46**2 - 0.26**2) / (2.0 * 0.25)
+    c = d + np.array([x, side * np.sqrt(0.46**2 - x**2)])
+    closure = close(driven(four_bar(), 0.0), rough_guess(side))
+    np.testing.assert_allclose(closure.position[2], along(b, c), atol=2e-15)
+    np.testing.assert_allclose(closure.position[3], along(d, c), atol=2e-15)
+    assert closure.residual < 1e-15
+    assert 1 < closure.iterations < 12
+
+
+def test_a_long_step_stays_on_the_branch_of_the_guess():
+    np.testing.assert_allclose(close(driven(four_bar(), 1.5), at_angle(0.0)).position, at_angle(1.5), atol=1e-13)
+
+
+def test_a_guess_whole_turns_away_takes_the_angle_of_the_drive():
+    guess = at_angle(0.7)
+    guess[1, 2] -= 4.0 * np.pi
+    guess[0] = 7.0
+    np.testing.assert_allclose(close(driven(four_bar(), 0.7), guess).position, at_angle(0.7), atol=1e-14)
+
+
+def test_wild_guesses_close_on_one_of_the_two_branches():
+    upper, lower = at_angle(0.7), at_angle(0.7, -1.0)
+    draw = np.random.default_rng(1)
+    for _ in range(60):
+        position = close(driven(four_bar(), 0.7), draw.normal(size=(4, 3)) * (1.0, 1.0, 2.0)).position
+        found = np.where(abs(position[2, 0] - upper[2, 0]) < abs(position[2, 0] - lower[2, 0]), upper, lower)
+        np.testing.assert_allclose(position[:, :2], found[:, :2], atol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_size_does_not_matter(scale):
+    system = driven(four_bar(*(scale * length for length in (0.15, 0.4, 0.26, 0.46))), 0.0, 2.0)
+    position = close(system, rough_guess() * (scale, scale, 1.0)).position
+    here = at_angle(0.0)
+    np.testing.assert_allclose(position, here * (scale, scale, 1.0), rtol=1e-13, atol=1e-15 * scale)
+    turning = velocities(driven(four_bar(), 0.0, 2.0), here)[:, 2]
+    np.testing.assert_allclose(velocities(system, position)[:, 2], turning, rtol=1e-12)
+    assert mobility(system, position).free == 1
+
+
+def test_a_free_mechanism_closes_near_its_guess_and_a_closed_one_stays():
+    closed = at_angle(0.7)
+    np.testing.assert_array_equal(close(four_bar(), closed).position, closed)
+    disturbed = closed + 1e-4 * np.sin(np.arange(12.0)).reshape(4, 3)
+    closure = close(four_bar(), disturbed)
+    assert closure.residual < 1e-15
+    assert np.abs(closure.position - disturbed)[1:].max() < 5e-4
+
+
+def test_mirror_image_has_mirrored_motion_and_opposite_torque():
+    mirror = np.array([1.0, -1.0, -1.0])
+    results = []
+    for sign in (1.0, -1.0):
+        system = driven(four_bar(), sign * 0.9, sign * 3.0, sign * 2.0)
+        position = at_angle(sign * 0.9, sign)
+        velocity = velocities(system, position)
+        force = weight(system) * (1.0, sign, 1.0)
+        results.append((position, velocity, *accelerations(system, position, velocity, force)))
+    (p, v, a, r, t), (p2, v2, a2, r2, t2) = results
+    for one, other in ((p, p2), (v, v2), (a, a2), (r, r2)):
+        np.testing.assert_allclose(other, one * mirror[: one.shape[1]], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(t2, -t, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("angle", "speed"), [(-np.pi / 2.0, 0.0), (0.0, 2.0), (0.6, -5.0)])
+def test_pendulum_reaction_is_the_closed_form(angle, speed):
+    length, mass = 0.8, 1.7
+    system = rods(("rod",), (length,), (mass,), (("P", 0, (0.3, 0.1), 1, -1.0),))
+    axis, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    foot = np.array([0.3, 0.1])
+    position = np.array([[0.0, 0.0, 0.0], along(foot, foot + length * axis)])
+    velocity = np.zeros((2, 3))
+    velocity[1] = [*(0.5 * length * speed * across), speed]
+    acceleration, reactions, torque = accelerations(system, position, velocity, weight(system))
+    expected = mass * (GRAVITY * np.sin(angle) - 0.5 * length * speed**2) * axis
+    expected = expected + 0.25 * mass * GRAVITY * np.cos(angle) * across
+    np.testing.assert_allclose(reactions[0], expected, rtol=1e-13, atol=1e-13)
+    assert acceleration[1, 2] == pytest.approx(-1.5 * GRAVITY * np.cos(angle) / length, rel=1e-13, abs=1e-14)
+    assert torque.shape == (0,)
+
+
+def test_held_pendulum_needs_the_torque_of_its_weight():
+    system = driven(rods(("rod",), (0.8,), (1.7,), (("P", 0, (0.0, 0.0), 1, -1.0),)), 0.4)
+    position = close(system, np.zeros((2, 3))).position
+    acceleration, reactions, torque = accelerations(system, position, np.zeros((2, 3)), weight(system))
+    np.testing.assert_allclose(acceleration, 0.0, atol=1e-14)
+    np.testing.assert_allclose(reactions, [[0.0, 1.7 * GRAVITY]], atol=1e-13)
+    np.testing.assert_allclose(torque, [1.7 * GRAVITY * 0.4 * np.cos(0.4)], rtol=1e-14)
+
+
+def test_double_pendulum_obeys_lagranges_equations():
+    (l1, l2), (m1, m2), (q1, q2), (w1, w2) = (0.5, 0.3), (1.2, 0.9), (-0.4, -1.9), (3.0, -7.0)
+    system = rods(("upper", "lower"), (l1, l2), (m1, m2), (("O", 0, (0.0, 0.0), 1, -1.0), ("K", 1, 1.0, 2, -1.0)))
+    knee = l1 * np.array([np.cos(q1), np.sin(q1)])
+    tip = knee + l2 * np.array([np.cos(q2), np.sin(q2)])
+    position = np.array([[0.0, 0.0, 0.0], along((0.0, 0.0), knee), along(knee, tip)])
+    tied = replace(system, drives=(Drive(1, q1, w1), Drive(2, q2, w2)))
+    velocity = velocities(tied, position)
+    cross = 0.5 * m2 * l1 * l2
+    matrix = [
+        [m1 * l1**2 / 3.0 + m2 * l1**2, cross * np.cos(q1 - q2)],
+        [cross * np.cos(q1 - q2), m2 * l2**2 / 3.0],
+    ]
+    right = [
+        -cross * np.sin(q1 - q2) * w2**2 - (0.5 * m1 + m2) * GRAVITY * l1 * np.cos(q1),
+        cross * np.sin(q1 - q2) * w1**2 - 0.5 * m2 * GRAVITY * l2 * np.cos(q2),
+    ]
+    acceleration = accelerations(system, position, velocity, weight(system))[0]
+    np.testing.assert_allclose(acceleration[1:, 2], np.linalg.solve(matrix, right), rtol=1e-13)
+    assert mobility(tied, position).free == 2
+    assert mobility(tied, position).after_drives == 0
+
+
+def test_velocity_and_acceleration_are_the_time_derivatives_along_a_path():
+    def state(time):
+        angle, speed, rate = 0.8 + 0.5 * np.sin(3.0 * time), 1.5 * np.cos(3.0 * time), -4.5 * np.sin(3.0 * time)
+        system = driven(four_bar(), angle, speed, rate)
+        position = close(system, start).position
+        velocity = velocities(system, position)
+        return position, velocity, accelerations(system, position, velocity, np.zeros((4, 3)))[0]
+
+    start, step, now = at_angle(1.0), 1e-3, 0.2
+    _, velocity, acceleration = state(now)
+    ahead, behind, far, back = (state(now + k * step) for k in (1, -1, 2, -2))
+    for order, exact in ((0, velocity), (1, acceleration)):
+        slope = (8.0 * (ahead[order] - behind[order]) - far[order] + back[order]) / (12.0 * step)
+        np.testing.assert_allclose(slope, exact, rtol=1e-9, atol=1e-9)
+
+
+def test_reactions_balance_every_body_and_the_drive_supplies_the_power():
+    system = driven(four_bar(), 2.1, 9.0, 40.0)
+    position = at_angle(2.1)
+    velocity = velocities(system, position)
+    force = weight(system)
+    acceleration, reactions, torque = accelerations(system, position, velocity, force)
+    np.testing.assert_allclose(
+        left_over(system, position, acceleration, force, reactions, torque), 0.0, atol=1e-12 * np.abs(reactions).max()
+    )
+    inertial = np.column_stack([system.mass, system.mass, system.inertia]) * acceleration
+    power = np.sum((inertial - force) * velocity)
+    assert torque[0] * 9.0 == pytest.approx(power, rel=1e-12)
+
+
+def test_a_caught_rod_keeps_its_angular_momentum_about_the_pin():
+    length, mass = 0.8, 1.7
+    system = rods(("rod",), (length,), (mass,), (("P", 0, (0.0, 0.0), 1, -1.0),))
+    position = np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0]])
+    flying = np.array([[9.0, 9.0, 9.0], [5.0, 2.0, -1.5]])
+    speed = (mass * 0.4 * 2.0 - mass * length**2 / 12.0 * 1.5) / (mass * length**2 / 3.0)
+    np.testing.assert_allclose(
+        velocities(system, position, flying), [[0.0, 0.0, 0.0], [0.0, 0.4 * speed, speed]], atol=1e-14
+    )
+    np.testing.assert_array_equal(velocities(system, position), np.zeros((2, 3)))
+
+
+def test_parallel_cranks_report_the_redundant_joint_and_still_move():
+    system, position, angle = double_crank()
+    result = mobility(driven(system, angle), position)
+    assert (result.free, result.after_drives) == (1, 0)
+    assert (result.redundant, result.redundant_joints) == (1, ("B3",))
+    moving = driven(system, angle, 4.0)
+    assert close(moving, position + 0.01).residual < 1e-15
+    velocity = velocities(moving, position)
+    np.testing.assert_allclose(velocity[1:, 2], [4.0, 4.0, 4.0, 0.0], atol=1e-13)
+
+
+def test_redundant_pins_share_the_load_without_self_stress():
+    system, position, angle = double_crank()
+    moving = driven(system, angle, 4.0, -6.0)
+    velocity, force = velocities(moving, position), weight(system)
+    acceleration, reactions, torque = accelerations(moving, position, velocity, force)
+    largest = np.abs(reactions).max()
+    np.testing.assert_allclose(
+        left_over(moving, position, acceleration, force, reactions, torque), 0.0, atol=1e-13 * largest
+    )
+    self_stress = np.repeat([0.2, -0.5, 0.3], 2)[:, None] * [np.cos(angle), np.sin(angle)]
+    assert abs(np.sum(self_stress * reactions)) < 1e-13 * largest
+
+
+def test_mobility_of_a_four_bar_is_one_and_none_when_driven():
+    position = at_angle(0.7)
+    assert mobility(four_bar(), position).after_drives == 1
+    result = mobility(driven(four_bar(), 0.7), position)
+    assert (result.free, result.after_drives, result.redundant, result.redundant_joints) == (1, 0, 0, ())
+
+
+def test_flat_parallelogram_gains_a_freedom_at_its_change_point():
+    system = four_bar(0.3, 0.2, 0.3, 0.2)
+    flat = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.35, 0.0, 0.0], [0.4, 0.0, 0.0]])
+    assert mobility(system, flat).free == 2
+    assert mobility(system, flat).redundant_joints == ("D",)
+    opened = close(driven(system, 1e-3), flat).position
+    assert mobility(system, opened).free == 1
+
+
+def test_a_loop_too_short_names_its_joints_and_the_missing_length():
+    guess = np.array([[0.0, 0.0, 0.0], [0.0, 0.1, 1.2], [0.3, 0.3, 0.4], [0.9, 0.2, 1.9]])
+    with pytest.raises(
+        AssemblyError, match=r"A by 25 mm, B by 25 mm.*100 mm together.*A, B, C, D cannot reach"
+    ) as info:
+        close(four_bar(1.0, 0.2, 0.3, 0.4), guess)
+    assert info.value.joints == ("A", "B", "C", "D")
+    assert sum(info.value.gaps) == pytest.approx(0.1, rel=1e-9)
+    assert isinstance(info.value, ValueError)
+
+
+def test_a_drive_beyond_its_range_is_blamed_with_the_gap_of_the_other_links():
+    system = driven(four_bar(1.0, 0.4, 0.5, 0.5), np.pi / 2.0)
+    guess = np.array([[0.0, 0.0, 0.0], [0.1, 0.2, 1.2], [0.4, 0.5, -0.2], [0.8, 0.2, 2.0]])
+    with pytest.raises(AssemblyError, match="driven angle of crank") as info:
+        close(system, guess)
+    assert sum(info.value.gaps) == pytest.approx(np.hypot(1.0, 0.4) - 1.0, rel=1e-2)
+
+
+def test_a_guess_between_two_branches_is_called_so():
+    guess = np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.53, 0.0, 0.0], [0.38, 0.0, 0.0]])
+    with pytest.raises(AssemblyError, match="between two branches"):
+        close(driven(four_bar(), 0.0), guess)
+
+
+def dead_centre():
+    """Crank and coupler in line; the follower, driven, cannot go on."""
+    system = four_bar(0.40, 0.10, 0.35, 0.25)
+    angle = np.arccos((0.40**2 + 0.45**2 - 0.25**2) / (2.0 * 0.40 * 0.45))
+    axis = np.array([np.cos(angle), np.sin(angle)])
+    rows = [along((0.0, 0.0), 0.1 * axis), along(0.1 * axis, 0.45 * axis), along((0.4, 0.0), 0.45 * axis)]
+    return system, np.array([[0.0, 0.0, 0.0], *rows])
+
+
+def test_a_driven_dead_centre_has_no_velocity():
+    system, position = dead_centre()
+    pushed = driven(system, position[3, 2], 1.0, body=3)
+    with pytest.raises(AssemblyError, match=r"no velocity satisfies .*the drive of follower.*dead centre"):
+        velocities(pushed, position)
+    held = driven(system, position[3, 2], 0.0, body=3)
+    np.testing.assert_array_equal(velocities(held, position), np.zeros((4, 3)))
+
+
+def test_a_velocity_that_parts_redundant_pins_has_no_acceleration():
+    system, position, _ = double_crank()
+    velocity = np.zeros((5, 3))
+    velocity[1:4, 2] = [4.0, 4.0, 5.0]
+    with pytest.raises(AssemblyError, match="no acceleration satisfies") as info:
+        accelerations(system, position, velocity, np.zeros((5, 3)))
+    assert "B3" in info.value.joints
+
+
+def test_a_loose_body_moves_as_its_force_says():
+    system = rods(("rod",), (0.6,), (2.0,), ())
+    position = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
+    assert close(system, position).iterations == 0
+    assert mobility(system, position).free == 3
+    np.testing.assert_allclose(velocities(system, position, position), position, rtol=1e-15)
+    acceleration, reactions, _ = accelerations(system, position, position, np.array([[1.0, 1.0, 1.0], [4.0, 6.0, 0.3]]))
+    np.testing.assert_allclose(acceleration, [[0.0, 0.0, 0.0], [2.0, 3.0, 5.0]], rtol=1e-14)
+    assert reactions.shape == (0, 2)
+
+
+def test_bad_input_is_refused():
+    good = four_bar()
+    with pytest.raises(ValueError, match="one entry for each"):
+        replace(good, mass=np.ones(3))
+    with pytest.raises(ValueError, match="greater than zero"):
+        replace(good, inertia=np.array([0.0, 1.0, 0.0, 1.0]))
+    for body, point in ((1, (0.0, 0.0)), (4, (0.0, 0.0)), (0, (0.0, 0.0, 0.0)), (0, (0.0, np.nan))):
+        with pytest.raises(ValueError, match=r"joint X must join a point .* of two different bodies"):
+            replace(good, joints=[Pin("X", 1, (0.0,) * len(point), body, point)])
+    with pytest.raises(ValueError, match="every drive must be finite"):
+        replace(good, drives=(Drive(1, np.inf),))
+    with pytest.raises(ValueError, match="moving body of its own"):
+        replace(good, drives=(Drive(0, 0.0),))
+    with pytest.raises(ValueError, match="moving body of its own"):
+        replace(good, drives=(Drive(1, 0.0), Drive(1, 0.1)))
+    with pytest.raises(ValueError, match=r"guess must .* shape \(4, 3\)"):
+        close(good, np.zeros((3, 3)))
+    with pytest.raises(ValueError, match="guess_velocity must be finite"):
+        velocities(good, np.zeros((4, 3)), np.full((4, 3), np.nan))
