@@ -38,11 +38,15 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Body:
-    """What all bodies have: a name, an approximate angle (rad) and position of the frame's origin (m) to close the mechanism from."""
+    """What all bodies have: a name, an approximate angle (rad) and position of the frame's origin (m) to close the mechanism from.
+
+    ``velocity`` (m/s, m/s, rad/s) is the initial velocity of a body that no driver moves; joints with clearance then do not hold it at the start.
+    """
 
     name: str
     angle: float = 0.0
     position: Point | None = None
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     material: Material = field(default_factory=Material)
 
     @property

@@ -21,8 +21,9 @@ HEADER = '''"""Written by vfife; compiled from its physics. Safe to delete."""
 import math
 import numba
 
-jit = numba.njit(error_model="numpy", forceinline={inline})
-entry = numba.njit(error_model="numpy", cache=True)
+lean = dict(error_model="numpy", no_rewrites=True, no_cfunc_wrapper=True, _nrt=False)
+jit = numba.njit(forceinline=True, no_cpython_wrapper=True, **lean)
+entry = numba.njit(cache=True, **lean)
 
 '''
 
@@ -45,26 +46,35 @@ def key(text: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:24]
 
 
-def place(text: str) -> tuple[Path, bool]:
-    """File that holds the text, and whether it was there before; a folder of this process's own if the cache cannot be written."""
+def location(text: str) -> Path:
+    """File that the cache holds for a text."""
     name = key(text)
-    folder = cache_folder() / name
-    path = folder / f"step_{name}.py"
+    return cache_folder() / name / f"step_{name}.py"
+
+
+def is_compiled(body: str, name: str) -> bool:
+    """Whether the function ``name`` of a text is in the cache."""
+    return any(location(HEADER + named(body, name)).parent.glob("__pycache__/*.nbi"))
+
+
+def place(text: str) -> Path:
+    """Writes the text where the cache holds it, or to a folder of this process's own if the cache cannot be written."""
+    path = location(text)
     if path.exists():
-        return path, any(folder.glob("__pycache__/*.nbi"))
+        return path
     try:
         cache_folder().mkdir(parents=True, exist_ok=True)
         fresh = Path(tempfile.mkdtemp(prefix="new-", dir=cache_folder()))
     except OSError:
-        folder = Path(tempfile.mkdtemp(prefix="vfife-"))
-        (folder / path.name).write_text(text)
-        return folder / path.name, False
+        own = Path(tempfile.mkdtemp(prefix="vfife-")) / path.name
+        own.write_text(text)
+        return own
     (fresh / path.name).write_text(text)
     try:
-        fresh.rename(folder)
+        fresh.rename(path.parent)
     except OSError:  # another process was first
         shutil.rmtree(fresh, ignore_errors=True)
-    return path, False
+    return path
 
 
 def load(path: Path) -> Any:
@@ -78,11 +88,15 @@ def load(path: Path) -> Any:
     return module
 
 
-def compiled(body: str, name: str, *, inline: bool) -> Callable[..., Any]:
+def compiled(body: str, name: str) -> Callable[..., Any]:
     """The function ``name`` of the text, compiled at its first call or read from the cache."""
-    text = HEADER.format(inline=inline) + body.replace(f"@jit\ndef {name}(", f"@entry\ndef {name}(")
-    path, _ = place(text)
-    return _Recovering(path, name, text)
+    text = HEADER + named(body, name)
+    return _Recovering(place(text), name, text)
+
+
+def named(body: str, name: str) -> str:
+    """The text with the function ``name`` as the one that is called from outside."""
+    return body.replace(f"@jit\ndef {name}(", f"@entry\ndef {name}(")
 
 
 def interpreted(body: str, name: str) -> Callable[..., Any]:
@@ -110,7 +124,7 @@ class _Recovering:
             self.function.compile(tuple(_type(a) for a in arguments))
         except Exception:
             shutil.rmtree(self.path.parent / "__pycache__", ignore_errors=True)
-            self.path, _ = place(self.text)
+            self.path = place(self.text)
             self.function = getattr(load(self.path), self.name)
         self.sound = True
         return self.function(*arguments)

@@ -4,7 +4,7 @@
 drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2). Velocities at half steps are algebraically the paper's Eq. 3-5.
 """
 
-from .arrays import JB, JC, JD, JE, JF, JL, B, C, D, E, F, H, L, P, Y
+from .arrays import JB, JC, JD, JE, JF, JL, JR, B, C, D, E, F, H, L, P, R, Y
 from .drive import polynomial
 from .elementary import sincos
 from .frame import axial, bending, bending_released, chord, nodal_force, step_turn, turn
@@ -364,6 +364,10 @@ def observe(S, I, span):
         S[at] = larger(S[at], rx * rx + ry * ry)
         at = k + D.torque_max
         S[at] = larger(S[at], abs(torque))
+    for m in range(I[H.ideal_count]):
+        i = I[I[H.ideal] + JR.SIZE * m]
+        at = i + R.force_squared_max
+        S[at] = larger(S[at], S[i + R.fx] * S[i + R.fx] + S[i + R.fy] * S[i + R.fy])
     for m in range(I[H.body_count]):
         r = I[H.body] + JB.SIZE * m
         k = I[r + JB.row]

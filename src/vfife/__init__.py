@@ -1,0 +1,67 @@
+"""vfife: planar mechanisms whose pins have play, by the vector form intrinsic finite element method.
+
+Everything a script needs is here; numba, xarray and matplotlib are loaded only when something asks for them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .bodies import Link, PointMass, RigidBody, Section
+from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
+from .joints import ClearanceRevolute, IdealRevolute
+from .laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira, quantity
+from .loads import PointForce
+from .mechanism import Mechanism, Settings, Start
+
+if TYPE_CHECKING:
+    from .assemble import assemble
+    from .modelfile import load
+    from .result import Result
+    from .simulate import simulate
+
+__version__ = "0.1.0"
+
+_LAZY = {"simulate": "simulate", "assemble": "assemble", "Result": "result", "load": "modelfile"}
+
+
+def __getattr__(name: str) -> Any:
+    """Loads what needs compiled code or large libraries when it is first asked for."""
+    if name in _LAZY:
+        from importlib import import_module
+
+        value = getattr(import_module(f".{_LAZY[name]}", __name__), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'vfife' has no attribute {name!r}")
+
+
+__all__ = [
+    "Ambrosio",
+    "AngleTable",
+    "ClearanceRevolute",
+    "ConstantSpeed",
+    "ContactLaw",
+    "FrictionLaw",
+    "Frictionless",
+    "IdealRevolute",
+    "LankaraniNikravesh",
+    "Link",
+    "Material",
+    "Mechanism",
+    "Pair",
+    "Pereira",
+    "PointForce",
+    "PointMass",
+    "Ramp",
+    "Result",
+    "RigidBody",
+    "Section",
+    "Settings",
+    "Start",
+    "Torque",
+    "assemble",
+    "load",
+    "quantity",
+    "simulate",
+]

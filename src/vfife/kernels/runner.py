@@ -1,0 +1,106 @@
+"""The two loops behind one face: state in, recorded rows out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arrays import Topology
+from .compile import compiled, interpreted
+from .generate import straight_line
+from .graph import tables
+from .source import data_driven
+
+Rows = NDArray[np.float64]
+
+
+def aligned(count: int) -> Rows:
+    """Zeros that begin a cache line: vector loads that straddle two lines cost a quarter of the speed."""
+    space = np.zeros(count + 8)
+    skip = (-space.ctypes.data // 8) % 8
+    return space[skip : skip + count]
+
+
+@lru_cache(maxsize=16)
+def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpret: bool) -> Callable[..., Any]:
+    body = data_driven(contact, friction)
+    return interpreted(body, "advance") if interpret else compiled(body, "advance")
+
+
+@lru_cache(maxsize=16)
+def _straight_line(topology: Topology, lanes: int, interpret: bool) -> Callable[..., Any]:
+    body = straight_line(topology, lanes)
+    return interpreted(body, "advance") if interpret else compiled(body, "advance")
+
+
+class Runner:
+    """Advances one or more simulations of one topology, all lanes in step.
+
+    ``loop``: "data-driven" (one lane), "generated" (any number of lanes), or "interpreted" (the data-driven text as plain Python).
+    ``states`` has shape (rows, lanes), ``tables`` (lanes, length). ``advance`` takes ``outputs`` times ``count`` steps and returns the rows
+    ``kept`` after each ``count``, shape (outputs, kept, lanes).
+    """
+
+    def __init__(self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: NDArray[np.uint32]) -> None:
+        self.topology, self.loop, self.kept = topology, loop, kept
+        self.integers, self.layout, self.rows = tables(topology)
+        self.lanes = states.shape[1]
+        self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
+        self.functions = np.ascontiguousarray(functions, dtype=float).reshape(self.lanes, -1)
+        self.done = 0
+        self.single = _data_driven(topology.contact_laws, topology.friction_laws, loop == "interpreted")
+        self.wide = _straight_line(topology, self.lanes, False) if loop == "generated" else None
+        self.S = aligned((self.layout.rows + 1) * self.lanes)
+        self.S.reshape(-1, self.lanes)[: self.layout.rows] = states
+        self.spare = np.zeros(self.layout.rows * self.lanes)
+
+    @property
+    def states(self) -> Rows:
+        """Present state, shape (rows, lanes)."""
+        return self.S.reshape(-1, self.lanes)[: self.layout.rows]
+
+    def advance(self, count: int, outputs: int) -> Rows:
+        """``outputs`` times ``count`` steps from where the state is."""
+        out = np.zeros((outputs, len(self.kept), self.lanes))
+        if self.wide is None:
+            for lane in range(self.lanes):
+                self._single(lane, self.done, count, out[:, :, lane], self.extremes)
+        else:
+            self._wide(self.wide, count, out)
+        self.done += count * outputs
+        return out
+
+    def _wide(self, wide: Callable[..., Any], count: int, out: Rows) -> None:
+        total, done = count * len(out), 0
+        if self.done == 0:  # the first step starts the central difference and is not in the straight line
+            self._seldom(0, self.extremes)
+            done = self._note(1, count, out)
+        while done < total:
+            done = wide(self.S, self.functions.ravel(), self.done, count, done, out, self.kept, self.extremes, self.spare)
+            if done < total:
+                self._seldom(self.done + done, np.zeros(0, dtype=np.uint32))
+                done = self._note(done + 1, count, out)
+
+    def _note(self, done: int, count: int, out: Rows) -> int:
+        if done % count == 0:
+            out[done // count - 1] = self.states[self.kept]
+        return done
+
+    def _seldom(self, n: int, extremes: NDArray[np.uint32]) -> None:
+        """One step of every lane by the data-driven loop."""
+        for lane in range(self.lanes):
+            self._single(lane, n, 1, np.zeros((1, len(self.kept))), extremes)
+
+    def _single(self, lane: int, n: int, count: int, out: Rows, extremes: NDArray[np.uint32]) -> None:
+        S = np.zeros(self.rows)
+        S[: self.layout.rows] = self.states[:, lane]
+        S[self.layout["c"]] = S[self.layout["cn"]] = 1.0
+        rows = np.zeros(out.shape)
+        self.single(S, self.functions[lane], self.integers, n, count, rows, self.kept, extremes)
+        out[:] = rows
+        self.states[:, lane] = S[: self.layout.rows]
+

@@ -1,0 +1,180 @@
+"""Runs an assembled mechanism chunk by chunk: progress, Ctrl-C, run file, a stop where numbers blow up."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .assemble import assemble
+from .assembly import Assembly, Record
+from .drivers import Torque
+from .mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from .result import Result
+    from .runfile import RunFile
+
+Loop = Literal["auto", "data-driven", "generated", "interpreted"]
+
+CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
+COMPILE_SECONDS = 4.0  # of a straight-line step
+LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still written out
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a run stands."""
+
+    done: int
+    steps: int
+    seconds: float
+
+    @property
+    def share(self) -> float:
+        """Part that is done, 0 to 1."""
+        return self.done / self.steps
+
+    @property
+    def speed(self) -> float:
+        """Steps a second."""
+        return self.done / self.seconds if self.seconds > 0.0 else 0.0
+
+    @property
+    def left(self) -> float:
+        """Seconds left."""
+        return (self.steps - self.done) / self.speed if self.speed else float("nan")
+
+
+def entities(assembly: Assembly) -> int:
+    """Elements and joints: what a step's work grows with."""
+    t = assembly.topology
+    return len(t.element_nodes) + len(t.clearance_bearing) + len(t.ideal_bearing)
+
+
+def choose_loop(assembly: Assembly, loop: Loop) -> str:
+    """The loop of a run: straight-line code where it saves more time than its compilation costs, or is compiled already."""
+    if loop != "auto":
+        return loop
+    straight = entities(assembly) <= LARGEST_STRAIGHT_LINE and assembly.topology.path_unit == 1
+    saved = 30e-9 * max(entities(assembly), 2) * assembly.choice.steps
+    if not straight or saved < 0.3 * COMPILE_SECONDS:
+        return "data-driven"
+    return "generated" if saved > COMPILE_SECONDS or _compiled(assembly) else "data-driven"
+
+
+def _compiled(assembly: Assembly) -> bool:
+    from .kernels.compile import is_compiled
+    from .kernels.generate import straight_line
+
+    return is_compiled(straight_line(assembly.topology, 1), "advance")
+
+
+def recorded_rows(assembly: Assembly) -> NDArray[np.uint32]:
+    """Rows of S that a run keeps: all state and all extremes."""
+    return np.array(assembly.layout.of("state", "extreme"), dtype=np.uint32)
+
+
+def run(
+    assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None
+) -> Record:
+    """Steps a mechanism from its start to the end of its choice of steps.
+
+    Ctrl-C ends it after the present chunk with status "interrupted", numbers that are no longer finite with "diverged"; what was computed
+    before is kept.
+    """
+    from .kernels.runner import Runner
+
+    kept = recorded_rows(assembly)
+    chosen = choose_loop(assembly, loop)
+    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
+    choice = assembly.choice
+    parts = [runner.advance(1, 1)[:, :, 0]]
+    record = Record(assembly, np.zeros(1, dtype=np.int64), parts[0], kept, loop=chosen)
+    status, done, wall, chunk = "complete", 0, 0.0, 1
+    if file is not None:
+        file.append(np.zeros(1, dtype=np.int64), parts[0])
+    try:
+        while done < choice.outputs:
+            some = min(chunk, choice.outputs - done)
+            began = time.perf_counter()
+            rows = runner.advance(choice.outputs_every, some)[:, :, 0]
+            spent = time.perf_counter() - began
+            wall += spent
+            sound = int(np.argmin(np.isfinite(rows).all(axis=1))) if not np.isfinite(rows).all() else len(rows)
+            parts.append(rows[:sound])
+            steps = (done + 1 + np.arange(sound)) * choice.outputs_every
+            if file is not None:
+                file.append(steps, rows[:sound])
+                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[:, 0])
+            done += sound
+            if sound < some:
+                status = "diverged"
+                break
+            if progress is not None:
+                progress(Progress(done * choice.outputs_every, choice.steps, wall))
+            chunk = max(1, min(4 * some, int(some * CHUNK_SECONDS / max(spent, 1e-6))))
+    except KeyboardInterrupt:
+        status = "interrupted"
+    record.steps = np.arange(done + 1, dtype=np.int64) * choice.outputs_every
+    record.rows = np.concatenate(parts)[: done + 1]
+    record.wall, record.status = wall, status
+    return record
+
+
+def expected_forces(reference: Result | None) -> Mapping[str, float]:
+    """Largest forces of the ideal mechanism, by joint."""
+    if reference is None:
+        return {}
+    return {name.removesuffix(".force.max"): value for name, value in reference.measures.items() if name.endswith(".force.max")}
+
+
+def reference_of(mechanism: Mechanism) -> Result | None:
+    """One turn of the ideal mechanism, where a driver makes it comparable turn by turn."""
+    if not mechanism.clearances or not any(not isinstance(d, Torque) for d in mechanism.drivers.values()):
+        return None
+    return simulate(mechanism.ideal(), turns=None if mechanism.settings.duration else 1.0, reference=False)
+
+
+def simulate(
+    mechanism: Mechanism,
+    *,
+    turns: float | None = None,
+    duration: float | None = None,
+    step: float | str | None = None,
+    outputs: int | None = None,
+    loop: Loop = "auto",
+    reference: bool | Result = True,
+    force_step: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+    file: RunFile | None = None,
+) -> Result:
+    """Simulates a mechanism.
+
+    ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; ``outputs`` per turn (per run without a crank); ``loop`` "auto",
+    "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run the ideal mechanism to compare with.
+    An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. Raises ValueError for a
+    mechanism that cannot be assembled and StepError for too large a step.
+    """
+    from .result import Result
+
+    ideal = reference if not isinstance(reference, bool) else reference_of(mechanism) if reference else None
+    expected = expected_forces(ideal)
+    options = dict(turns=turns, duration=duration, outputs=outputs, force_step=force_step)
+    assembly = assemble(mechanism, step, expected=expected, **options)
+    record = run(assembly, loop=loop, progress=progress, file=file)
+    for _ in range(3):
+        if not assembly.choice.automatic or record.status != "complete" or not record.rows[-1:].size or not _too_deep(record):
+            break
+        assembly = assemble(mechanism, 0.5 * assembly.choice.step, expected=expected, **options)
+        record = run(assembly, loop=loop, progress=progress, file=file)
+    return Result(record, ideal)
+
+
+def _too_deep(record: Record) -> bool:
+    """Whether a first contact landed deeper than its joint allows."""
+    return bool(record.assembly.clearances) and bool(record.block("clearance_deep")[-1].any())

@@ -1,0 +1,200 @@
+"""The largest step that stays stable, what sets it, and the step a run takes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .assembly import StepChoice
+from .functions import largest_speed
+from .kernels.arrays import Layout, Topology
+from .mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+SAFETY = 0.9
+CONTACT_STEPS = 25  # steps in half a period of the stiffest contact
+TURN_STEPS = 3600  # steps a turn where nothing else limits them
+
+
+class StepError(ValueError):
+    """The step asked for is larger than the stable one."""
+
+
+def element_limits(layout: Layout, state: Array, topology: Topology) -> tuple[Array, Array]:
+    """Stable steps (s) of each element, axial and bending.
+
+    Mass of a node is shared among its elements in the ratio of their stiffness, so each bound holds for the whole (Irons and Treharne 1971):
+    axial w^2 = sum over both nodes of K/m, K the sum of EA/l there. Bending of particles with rotary inertia: the symmetric and the
+    antisymmetric mode, EI/l and 3 EI/l with the rotations, 12 EI/l^3 with the translations, added.
+    """
+    nodes = np.array(topology.element_nodes, dtype=int).reshape(-1, 2)
+    inverse = state[layout["reference_inverse_length"]]
+    axial = state[layout["element_axial_stiffness"]] * inverse
+    release = np.array(topology.element_release)
+    bend = np.where(release == 0, state[layout["element_bending_stiffness"]] * inverse, np.where(release == 3, 0.0, 0.75 * state[layout["element_bending_stiffness"]] * inverse))
+    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
+
+    def at_nodes(stiffness: Array) -> Array:
+        total = np.zeros(topology.particles)
+        for column in (0, 1):
+            np.add.at(total, nodes[:, column], stiffness)
+        return total
+
+    def both(values: Array) -> Array:
+        return values[nodes[:, 0]] + values[nodes[:, 1]]
+
+    stretch = both(at_nodes(axial) * im)
+    sway = both(at_nodes(12.0 * bend * inverse**2) * im)
+    turn = both(at_nodes(4.0 * bend) * ii)
+    with np.errstate(divide="ignore"):
+        return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(sway + turn)
+
+
+def tangent(law: object, slots: tuple[float, ...], force: float) -> tuple[float, float]:
+    """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m) there."""
+
+    def elastic(depth: float) -> float:
+        return float(law.force(depth, 0.0, slots)[0])  # type: ignore[attr-defined]
+
+    low, high = 1e-15, 1e-9
+    while elastic(high) < force and high < 1.0:
+        low, high = high, 2.0 * high
+    for _ in range(60):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if elastic(middle) < force else (low, middle)
+    return high, (elastic(1.001 * high) - elastic(0.999 * high)) / (0.002 * high)
+
+
+def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> float:
+    """Largest inverse mass (1/kg) that a clearance joint can meet in any direction."""
+    total = 0.0
+    for side, bodies in (("bearing", topology.clearance_bearing), ("journal", topology.clearance_journal)):
+        body = bodies[index]
+        arm = state[layout.row(f"clearance_{side}_x", index)] ** 2 + state[layout.row(f"clearance_{side}_y", index)] ** 2
+        total += state[layout.row("particle_inverse_mass", body)] + arm * state[layout.row("particle_inverse_inertia", body)]
+    return total
+
+
+def contact_limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]) -> dict[str, float]:
+    """Stable step (s) of each clearance joint at the tangent of its law under twice the force it is expected to carry."""
+    limits = {}
+    for index, (name, joint) in enumerate(mechanism.clearances.items()):
+        row = layout.row("clearance_contact", index)
+        slots = tuple(float(v) for v in state[row : row + len(joint.contact.slots)])
+        mobility = joint_mobility(layout, state, topology, index)
+        force = 2.0 * expected.get(name, 0.0) or _impact_force(joint, slots, state, layout, mobility)
+        stiffness = tangent(joint.contact, slots, force)[1]
+        limits[name] = 2.0 / math.sqrt(stiffness * mobility) if mobility > 0.0 else math.inf
+    return limits
+
+
+def _impact_force(joint: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float) -> float:
+    """Force of an impact at the largest speed in the mechanism, where no ideal reaction is known."""
+    speed = max(float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
+    energy = 0.5 * speed**2 / max(mobility, 1e-12)
+    depth = 1e-9
+    law = joint.contact  # type: ignore[attr-defined]
+    while law.elastic_energy(depth, slots) < energy and depth < 1.0:
+        depth *= 1.1
+    return float(law.force(depth, 0.0, slots)[0])
+
+
+def turn_of(mechanism: Mechanism) -> float | None:
+    """Period (s) of a turn of the fastest driven body, or None."""
+    speed = max((largest_speed(driver) for driver in mechanism.drivers.values()), default=0.0)
+    return 2.0 * math.pi / speed if speed > 0.0 else None
+
+
+def choose_step(
+    mechanism: Mechanism,
+    layout: Layout,
+    state: Array,
+    topology: Topology,
+    clearances: tuple[str, ...],
+    step: float | str | None,
+    expected: Mapping[str, float] | None,
+    *,
+    turns: float | None = None,
+    duration: float | None = None,
+    outputs: int | None = None,
+    force_step: bool = False,
+) -> StepChoice:
+    """The step, its limits, and the number of steps and outputs.
+
+    "auto" takes 0.9 of the stable step, at most 1/25 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
+    StepError for a larger one than stable unless ``force_step``.
+    """
+    limits = _limits(mechanism, layout, state, topology, expected or {})
+    stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
+    turn = turn_of(mechanism)
+    settings = mechanism.settings
+    length = _length(mechanism, turns, duration, turn)
+    wanted: float | Literal["auto"] | str = settings.step if step is None else step
+    per = outputs or settings.outputs
+    if wanted == "auto":
+        largest = SAFETY * stable
+        for name, value in contact_limits(mechanism, layout, state, topology, expected or {}).items():
+            accurate = 0.5 * math.pi * value / CONTACT_STEPS
+            largest, culprit = min((largest, culprit), (accurate, f"joint {name}, {CONTACT_STEPS} steps in half a period of its contact"))
+        default = (turn or _time_scale(mechanism, layout, state, length)) / TURN_STEPS
+        largest, culprit = min((largest, culprit), (default, f"{TURN_STEPS} steps a turn" if turn else "the motion itself"))
+        chunk = turn or length / max(1, round(length / (turn or length)))
+        every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12)))
+        size = chunk / (per * every)
+    else:
+        size = float(wanted)
+        if size > SAFETY * stable and not force_step:
+            raise StepError(
+                f"a step of {size:.4g} s is too large: {culprit} allows {stable:.4g} s, and {SAFETY} of it ({SAFETY * stable:.4g} s) is the most "
+                f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step)'
+            )
+        every = _divisor(max(1, round((turn or length) / size)), per)
+    count = max(1, math.ceil(length / size / every * (1.0 - 1e-9)))
+    return StepChoice(size, stable, culprit, wanted == "auto", tuple(limits), turn, every, count)
+
+
+def _limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]) -> list[tuple[str, float]]:
+    limits = [(f"contact of joint {name}", value) for name, value in contact_limits(mechanism, layout, state, topology, expected).items()]
+    if topology.element_nodes:
+        for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology), strict=True):
+            worst = int(np.argmin(steps))
+            if math.isfinite(steps[worst]):
+                limits.append((f"element {worst} ({kind})", float(steps[worst])))
+    return limits
+
+
+def _length(mechanism: Mechanism, turns: float | None, duration: float | None, turn: float | None) -> float:
+    settings = mechanism.settings
+    if turns is None and duration is None:
+        turns, duration = settings.turns, settings.duration
+    if duration is not None:
+        return duration
+    if turn is None:
+        if turns is not None:
+            raise ValueError("a run of so many turns needs a driver; give a duration in seconds instead")
+        return 1.0
+    return (2.0 if turns is None else turns) * turn
+
+
+def _divisor(per_turn: int, outputs: int) -> int:
+    """Steps between outputs: a divisor of the steps of a turn, so that a turn holds whole intervals, near what is asked for."""
+    wanted = max(1, round(per_turn / outputs))
+    near = sorted(range(max(1, wanted // 2), 2 * wanted + 1), key=lambda every: abs(every - wanted))
+    return next((every for every in near if per_turn % every == 0), wanted)
+
+
+def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
+    """A period (s) to be resolved where no crank gives one: size over the largest speed, or the root of size over gravity."""
+    size = max([math.hypot(*pin) for body in mechanism.bodies.values() for pin in body.pins.values()] + [1e-3])
+    gravity = math.hypot(*mechanism.gravity)
+    speed = float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max())
+    spin = float(np.abs(state[layout["particle_w"]]).max())
+    scales = [2.0 * math.pi * math.sqrt(size / gravity)] if gravity else []
+    scales += [2.0 * math.pi * size / speed] if speed else []
+    scales += [2.0 * math.pi / spin] if spin else []
+    return min([*scales, length])

@@ -1,0 +1,181 @@
+"""The motion a run starts from: positions closed from approximate angles, velocities and accelerations of the ideal mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .bodies import Body, Point
+from .drivers import AngleTable, ConstantSpeed, Driver, Ramp, Torque
+from .functions import angle_function
+from .joints import ClearanceRevolute, Joint
+from .kinematics import AssemblyError, Drive, Mobility, Pin, RigidSystem, accelerations, close, mobility, velocities
+from .lumping import rigid_properties
+from .mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Ideal motion at one instant, bodies in the order of the mechanism, ground first.
+
+    ``position``, ``velocity``, ``acceleration`` of centres of mass, shape (bodies + 1, 3); ``reaction`` of joint on the journal side (N).
+    """
+
+    names: tuple[str, ...]
+    position: Array
+    velocity: Array
+    acceleration: Array
+    reaction: dict[str, tuple[float, float]]
+    mobility: Mobility
+
+    def of(self, body: str) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of a body's centre of mass."""
+        k = self.names.index(body)
+        return self.position[k], self.velocity[k], self.acceleration[k]
+
+
+def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
+    """Drivers that prescribe an angle."""
+    return {body: driver for body, driver in mechanism.drivers.items() if isinstance(driver, (ConstantSpeed, Ramp, AngleTable))}
+
+
+def pivot_of(mechanism: Mechanism, body: str) -> Joint:
+    """The ideal joint to the ground about which a driven body turns."""
+    found = [
+        joint
+        for joint in mechanism.joints.values()
+        if not isinstance(joint, ClearanceRevolute) and {body, "ground"} == {side[0] for side in joint.sides}
+    ]
+    if len(found) != 1:
+        raise AssemblyError(
+            f"the driver of body {body!r} needs exactly one ideal joint between {body!r} and the ground to turn it about; there are {len(found)}"
+        )
+    return found[0]
+
+
+def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
+    """A pin in its body's frame, or a point of the ground (m)."""
+    body, pin = side
+    points = mechanism.points if body == "ground" else mechanism.bodies[body].pins
+    if pin not in points:
+        raise AssemblyError(f"there is no pin {body}.{pin}; {body} has {', '.join(points) or 'none'}")
+    return points[pin]
+
+
+def rigid_system(mechanism: Mechanism, time: float = 0.0, *, open_joints: frozenset[str] = frozenset()) -> RigidSystem:
+    """The mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s)."""
+    names = ("ground", *mechanism.bodies)
+    properties = {name: rigid_properties(body) for name, body in mechanism.bodies.items()}
+    pins = []
+    for joint in mechanism.joints.values():
+        if joint.name in open_joints:
+            continue
+        ends = []
+        for side in joint.sides:
+            x, y = local_point(mechanism, side)
+            cx, cy = (0.0, 0.0) if side[0] == "ground" else properties[side[0]][1]
+            ends.append((names.index(side[0]), (x - cx, y - cy)))
+        pins.append(Pin(joint.name, *ends[0], *ends[1]))
+    drives = []
+    for body, driver in kinematic_drivers(mechanism).items():
+        value, rate, second = angle_function(driver, mechanism.bodies[body].angle)(time)
+        drives.append(Drive(names.index(body), value, rate, second))
+    mass = np.array([1.0, *(p[0] for p in properties.values())])
+    inertia = np.array([1.0, *(p[2] if p[2] > 0.0 else 1e-6 * p[0] for p in properties.values())])
+    return RigidSystem(names, mass, inertia, tuple(pins), tuple(drives))
+
+
+def first_guess(mechanism: Mechanism) -> Array:
+    """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its approximate angle."""
+    names = ("ground", *mechanism.bodies)
+    guess = np.zeros((len(names), 3))
+    placed = {"ground"}
+    for name, body in mechanism.bodies.items():
+        if body.position is not None:
+            _place(guess, names.index(name), body, (0.0, 0.0), body.position)
+            placed.add(name)
+    while True:
+        reachable = [
+            (here, there)
+            for joint in mechanism.joints.values()
+            for here, there in (joint.sides, joint.sides[::-1])
+            if here[0] in placed and there[0] not in placed
+        ]
+        if not reachable:
+            break
+        here, there = reachable[0]
+        target = _world(mechanism, guess, names, here)
+        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], local_point(mechanism, there), target)
+        placed.add(there[0])
+    for name, body in mechanism.bodies.items():
+        if name not in placed:
+            _place(guess, names.index(name), body, (0.0, 0.0), (0.0, 0.0))
+    return guess
+
+
+def _world(mechanism: Mechanism, guess: Array, names: tuple[str, ...], side: tuple[str, str]) -> Point:
+    x, y = local_point(mechanism, side)
+    if side[0] == "ground":
+        return x, y
+    cx, cy = rigid_properties(mechanism.bodies[side[0]])[1]
+    px, py, angle = guess[names.index(side[0])]
+    c, s = np.cos(angle), np.sin(angle)
+    return px + c * (x - cx) - s * (y - cy), py + s * (x - cx) + c * (y - cy)
+
+
+def _place(guess: Array, row: int, body: Body, local: Point, target: Point) -> None:
+    cx, cy = rigid_properties(body)[1]
+    c, s = np.cos(body.angle), np.sin(body.angle)
+    x, y = cx - local[0], cy - local[1]
+    guess[row] = target[0] + c * x - s * y, target[1] + s * x + c * y, body.angle
+
+
+def constant_forces(mechanism: Mechanism, position: Array, names: tuple[str, ...]) -> Array:
+    """Weight, loads at t = 0 and torques on the centres of mass, shape (bodies + 1, 3)."""
+    force = np.zeros((len(names), 3))
+    for name, body in mechanism.bodies.items():
+        force[names.index(name), :2] += rigid_properties(body)[0] * np.array(mechanism.gravity)
+    for load in mechanism.loads.values():
+        body_name, _, pin = load.at.partition(".")
+        factor = 1.0 if load.factors is None else load.factors[0]
+        row = names.index(body_name)
+        at = np.array(_world(mechanism, position, names, (body_name, pin))) - position[row, :2]
+        fx, fy = load.force
+        force[row] += factor * np.array([fx, fy, at[0] * fy - at[1] * fx + load.moment])
+    for body_name, driver in mechanism.drivers.items():
+        if isinstance(driver, Torque):
+            first = driver.torque if isinstance(driver.torque, (int, float)) else driver.torque[0]
+            force[names.index(body_name), 2] += first
+    return force
+
+
+def ideal_motion(mechanism: Mechanism, time: float = 0.0, guess: Array | None = None) -> Motion:
+    """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch nearest the guess.
+
+    Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot reach.
+    """
+    system = rigid_system(mechanism, time)
+    closure = close(system, first_guess(mechanism) if guess is None else guess)
+    own = {name for name, body in mechanism.bodies.items() if any(body.velocity)}
+    loose = frozenset(j.name for j in mechanism.clearances.values() if {side[0] for side in j.sides} & own)
+    moving = rigid_system(mechanism, time, open_joints=loose) if loose else system
+    wish = np.zeros_like(closure.position)
+    for name in own:
+        wish[system.names.index(name)] = mechanism.bodies[name].velocity
+    velocity = velocities(moving, closure.position, wish)
+    force = constant_forces(mechanism, closure.position, system.names)
+    acceleration, reaction, _ = accelerations(moving, closure.position, velocity, force)
+    reactions: Mapping[str, Array] = {pin.name: value for pin, value in zip(moving.joints, reaction, strict=True)}
+    return Motion(
+        system.names,
+        closure.position,
+        velocity,
+        acceleration,
+        {name: (float(value[0]), float(value[1])) for name, value in reactions.items()},
+        mobility(system, closure.position),
+    )
