@@ -19,9 +19,10 @@ from .kernels.arrays import Layout, Topology
 from .laws import ContactLaw, FrictionLaw
 from .lumping import lumped, rigid_properties, section_of
 from .mechanism import Mechanism
+from .prestress import Start as Prestress
+from .prestress import prestress, wanted
 from .stability import choose_step
 from .start import Motion, ideal_motion, kinematic_drivers, local_point, pivot_of
-from .strain import prestress
 
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 
@@ -139,7 +140,7 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
         contact_laws=contacts,
         friction_laws=frictions,
     )
-    filler = Filler(mechanism, numbering, Layout(topology), motion)
+    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism) if wanted(mechanism) else None)
     filler.bodies()
     filler.joints(ends, [j.name for j in ideals])
     filler.drivers_and_loads(loads)
@@ -193,8 +194,8 @@ def _tables(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np.f
 class Filler:
     """Writes parameters and start values into S."""
 
-    def __init__(self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion) -> None:
-        self.mechanism, self.numbering, self.layout, self.motion = mechanism, numbering, layout, motion
+    def __init__(self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: Prestress | None) -> None:
+        self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
         self.state = np.zeros(layout.rows)
 
     def put(self, name: str, value: Any, index: int | None = None) -> None:
@@ -229,20 +230,32 @@ class Filler:
 
     def _rigid(self, where: BodyMap) -> None:
         position, velocity, _ = self.motion.of(where.name)
+        if self.stressed is not None:
+            position, velocity = self.stressed.position[where.name][0], self.stressed.velocity[where.name][0]
         at, moving = carried(position, velocity, where.reference[0] - where.center[0], where.reference[1] - where.center[1])
         self._particle(where.particles[0], where.mass, where.inertia, (at, moving))
 
     def _elastic(self, link: Link, where: BodyMap) -> None:
-        position, velocity, acceleration = self.motion.of(where.name)
+        position, velocity, _ = self.motion.of(where.name)
         lumps, section = lumped(link), section_of(link)
-        for p, at, mass, inertia in zip(where.particles, lumps.position, lumps.mass, lumps.inertia, strict=True):
-            self._particle(p, mass, inertia, carried(position, velocity, at - where.center[0], 0.0))
-        length = link.length / len(where.elements)
-        c, s = math.cos(position[2]), math.sin(position[2])
-        for e in where.elements:
+        stressed = self.stressed
+        for k, (p, at, mass, inertia) in enumerate(zip(where.particles, lumps.position, lumps.mass, lumps.inertia, strict=True)):
+            there = carried(position, velocity, at - where.center[0], 0.0)
+            if stressed is not None:
+                there = tuple(stressed.position[where.name][k]), tuple(stressed.velocity[where.name][k])
+            self._particle(p, mass, inertia, there)
+        for k, e in enumerate(where.elements):
+            first, last = (self.state[self.layout["particle_theta"]][p] for p in where.particles[k : k + 2])
+            dx, dy = (np.diff(self.state[self.layout[f"particle_{axis}"]][list(where.particles[k : k + 2])])[0] for axis in "xy")
+            length = math.hypot(dx, dy)
+            if stressed is not None:
+                shape = stressed.shapes[where.name]
+                for block, values in (("axial_force", shape.axial), ("moment_1", shape.moment_1), ("moment_2", shape.moment_2)):
+                    self.put(f"element_{block}", values[k], e)
+                    self.put(f"reference_{block}", values[k], e)
             values = {
-                "reference_length": length, "reference_inverse_length": 1.0 / length, "reference_cosine": c, "reference_sine": s,
-                "reference_theta_1": position[2], "reference_theta_2": position[2],
+                "reference_length": length, "reference_inverse_length": 1.0 / length, "reference_cosine": dx / length, "reference_sine": dy / length,
+                "reference_theta_1": first, "reference_theta_2": last,
                 "element_axial_stiffness": link.material.youngs_modulus * link.stiffness_factor * section.area,
                 "element_bending_stiffness": link.material.youngs_modulus * link.stiffness_factor * section.second_moment,
             }  # fmt: skip

@@ -31,6 +31,7 @@ class Motion:
     velocity: Array
     acceleration: Array
     reaction: dict[str, tuple[float, float]]
+    torque: dict[str, float]
     mobility: Mobility
 
     def of(self, body: str) -> tuple[Array, Array, Array]:
@@ -154,10 +155,12 @@ def constant_forces(mechanism: Mechanism, position: Array, names: tuple[str, ...
     return force
 
 
-def ideal_motion(mechanism: Mechanism, time: float = 0.0, guess: Array | None = None) -> Motion:
+def ideal_motion(
+    mechanism: Mechanism, time: float = 0.0, guess: Array | None = None, *, inertial: Mapping[str, tuple[Array, Array, Array]] | None = None
+) -> Motion:
     """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch nearest the guess.
 
-    Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot reach.
+    ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot reach.
     """
     system = rigid_system(mechanism, time)
     closure = close(system, first_guess(mechanism) if guess is None else guess)
@@ -169,7 +172,12 @@ def ideal_motion(mechanism: Mechanism, time: float = 0.0, guess: Array | None = 
         wish[system.names.index(name)] = mechanism.bodies[name].velocity
     velocity = velocities(moving, closure.position, wish)
     force = constant_forces(mechanism, closure.position, system.names)
-    acceleration, reaction, _ = accelerations(moving, closure.position, velocity, force)
+    for name, (mass, local, extra) in (inertial or {}).items():
+        row = system.names.index(name)
+        c, s = np.cos(closure.position[row, 2]), np.sin(closure.position[row, 2])
+        arm, push = local @ np.array([[c, s], [-s, c]]), -mass[:, None] * extra[:, :2]
+        force[row] += np.array([*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()])
+    acceleration, reaction, torque = accelerations(moving, closure.position, velocity, force)
     reactions: Mapping[str, Array] = {pin.name: value for pin, value in zip(moving.joints, reaction, strict=True)}
     return Motion(
         system.names,
@@ -177,5 +185,6 @@ def ideal_motion(mechanism: Mechanism, time: float = 0.0, guess: Array | None = 
         velocity,
         acceleration,
         {name: (float(value[0]), float(value[1])) for name, value in reactions.items()},
+        {system.names[drive.body]: float(value) for drive, value in zip(moving.drives, torque, strict=True)},
         mobility(system, closure.position),
     )
