@@ -61,7 +61,7 @@ class Mechanism:
     loads: dict[str, PointForce] = field(default_factory=dict)
     start: Start = field(default_factory=Start)
     settings: Settings = field(default_factory=Settings)
-    source: str | None = None
+    source: str | None = field(default=None, compare=False)
 
     def point(self, name: str, x: float, y: float) -> None:
         """A point of the ground (m)."""

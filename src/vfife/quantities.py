@@ -98,6 +98,7 @@ _SEPARATOR = r"(?: ?[*·/] ?| )"
 _ITEM = rf"(?:{_FACTOR}|\({_FACTOR}(?:{_SEPARATOR}{_FACTOR})*\))"
 _UNIT = re.compile(rf"/?{_ITEM}(?:{_SEPARATOR}{_ITEM})*")
 _TOKEN = re.compile(r"([A-Za-zµ°%]+|1)(?:\^(-?[0-9.]+))?|([/()*·])")
+_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]")
 _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?) ?(.*)")
 
 
@@ -142,7 +143,8 @@ def shown(value: Any) -> str:
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key} = ..." for key in list(value)[:3]) + (", ..." if len(value) > 3 else "") + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(shown(entry) for entry in value[:4]) + (", ..." if len(value) > 4 else "") + "]"
+        flat = ["[...]" if isinstance(entry, list | tuple) else shown(entry) for entry in value[:4]]
+        return "[" + ", ".join(flat) + (", ..." if len(value) > 4 else "") + "]"
     try:
         text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
     except ValueError:  # Python writes no integers of more than some thousand digits
@@ -184,7 +186,7 @@ def _unit_of_dimension(dimension: str) -> str:
 def _text(text: str, unit: str) -> float:
     """SI value of a text; the arithmetic is exact until the last rounding, so "0.2 mm" is 2e-4 to the bit."""
     tidy = " ".join(text.replace("**", "^").replace("μ", "µ").replace("²", "^2").replace("³", "^3").split())
-    if len(text) > LENGTH_LIMIT or not (match := _NUMBER.fullmatch(tidy)):
+    if len(text) > LENGTH_LIMIT or _COMMA.match(tidy) or not (match := _NUMBER.fullmatch(tidy)):
         raise _Wrong(_no_number(tidy))
     digits, written = Fraction(match[1]), match[2] or unit
     if not _UNIT.fullmatch(written):
@@ -198,7 +200,7 @@ def _text(text: str, unit: str) -> float:
 def _no_number(tidy: str) -> str:
     if re.match(r"[+-]?(nan|inf)", tidy, re.IGNORECASE):
         return "not a finite number"
-    if re.match(r"[+-]?[0-9]+,[0-9]", tidy):
+    if _COMMA.match(tidy):
         return "a text with a comma (write a decimal point)"
     return "a text that does not begin with a number" if len(tidy) <= LENGTH_LIMIT else "a text too long for a quantity"
 

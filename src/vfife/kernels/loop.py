@@ -214,16 +214,20 @@ def meet(S, I, start, p, h):
 
 def mobilities(S, I, j, b, k, constrained):
     """Inverse masses of joint j along n and t and their coupling (1/kg), of the two bodies alone or with what is pinned to them."""
-    if constrained != 0:
-        return respond(S, I, j, b, k)
-    both = S[k + P.inverse_mass] + S[b + P.inverse_mass]
-    ik = S[k + P.inverse_inertia]
-    ib = S[b + P.inverse_inertia]
     jn = S[j + C.jn]
     jt = S[j + C.jt]
     bn = S[j + C.bn]
     bt = S[j + C.bt]
-    return both + jn * jn * ik + bn * bn * ib, both + jt * jt * ik + bt * bt * ib, jn * jt * ik + bn * bt * ib
+    if constrained != 0:
+        gn, gt, gm = respond(S, I, j, b, k)
+    else:
+        both = S[k + P.inverse_mass] + S[b + P.inverse_mass]
+        ik = S[k + P.inverse_inertia]
+        ib = S[b + P.inverse_inertia]
+        gn = both + jn * jn * ik + bn * bn * ib
+        gt = both + jt * jt * ik + bt * bt * ib
+        gm = jn * jt * ik + bn * bt * ib
+    return gn, gt, gm
 
 
 def answer(S, I, span, h):
@@ -378,7 +382,9 @@ def observe(S, I, span):
         if i != j:
             dx = S[j + P.x] - S[i + P.x]
             dy = S[j + P.y] - S[i + P.y]
-            inverse = S[e + E.reference_inverse_length] if e != 0 else chord(dx, dy)[1]
+            inverse = S[e + E.reference_inverse_length]
+            if e == 0:
+                inverse = chord(dx, dy)[1]
             alpha = chord_acceleration(dx, dy, S[j + P.ax] - S[i + P.ax], S[j + P.ay] - S[i + P.ay], inverse)
         S[k + B.alpha] = alpha
         at = k + B.alpha_max

@@ -13,6 +13,7 @@ from .arrays import Topology
 from .compile import compiled, interpreted
 from .generate import straight_line
 from .graph import tables
+from .inline import written_out
 from .source import data_driven
 
 Rows = NDArray[np.float64]
@@ -28,7 +29,7 @@ def aligned(count: int) -> Rows:
 @lru_cache(maxsize=16)
 def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpret: bool) -> Callable[..., Any]:
     body = data_driven(contact, friction)
-    return interpreted(body, "advance") if interpret else compiled(body, "advance")
+    return interpreted(body, "advance") if interpret else compiled(written_out(body, "advance"), "advance")
 
 
 @lru_cache(maxsize=16)

@@ -121,15 +121,16 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
     """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law``."""
     signature = {"contact": "depth, slowness", "friction": "normal, free, mobility, memory, dt"}[kind]
     room = {"contact": CONTACT_SLOTS, "friction": FRICTION_SLOTS}[kind]
-    lines = ["@jit", f"def {kind}_law(kind, {signature}, S, base):"]
+    rest = "0.0" if kind == "contact" else "memory"
+    lines = ["@jit", f"def {kind}_law(kind, {signature}, S, base):", "    first = 0.0", f"    second = {rest}"]
     for number, law in enumerate(laws):
         count = len(law.slots)  # type: ignore[attr-defined]
         if count > room:
             raise SourceError(f"law {law.name!r} has {count} parameters; a law may have {room}")  # type: ignore[attr-defined]
         name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
         slots = "".join(f"S[base + {k}], " for k in range(count))
-        lines += [f"    if kind == {number}:", f"        return {name}({signature}, ({slots}))"]
-    lines.append("    return 0.0, 0.0" if kind == "contact" else "    return 0.0, memory")
+        lines += [f"    {'el' if number else ''}if kind == {number}:", f"        first, second = {name}({signature}, ({slots}))"]
+    lines.append("    return first, second")
     return "\n".join(lines) + "\n"
 
 

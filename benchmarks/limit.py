@@ -1,0 +1,116 @@
+"""How near vfife's loops are to a program written by hand for one mechanism, limit/four_bar_limit.c, in time and in motion."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from limit_model import FOLLOWER_PIN, runner
+from measure import HERE, Options, Part, interleaved, seconds, table
+
+SOURCE = HERE / "limit" / "four_bar_limit.c"
+FLAGS = ["-O3", "-march=native", "-ffast-math"]
+VARIANTS = {
+    "limit": [],  # as it was given: damping and friction at half-step velocities, onset speed at the end of a step
+    "located": ["-DLOCATED"],  # vfife's step: onset located, damping and friction in closed form
+    "ledger": ["-DLOCATED", "-DLEDGER"],  # and the works, powers and extremes that vfife keeps
+}
+LOOPS = {"generated_1_lane": ("generated", 1), "generated_4_lanes": ("generated", 4), "data_driven": ("data-driven", 1)}
+LINE = re.compile(r"simulation (?P<ns>\S+).*normal force (?P<force>\S+) N.*onsets (?P<onsets>\S+).*pin (?P<x>\S+) (?P<y>\S+)")
+
+
+def build(folder: Path) -> dict[str, Path]:
+    """Compiles every variant for one lane and for four."""
+    programs = {}
+    for name, switches in VARIANTS.items():
+        for lanes in (1, 4):
+            out = folder / f"{name}_{lanes}"
+            command = [os.environ.get("CC", "gcc"), *FLAGS, *switches, f"-DLANES={lanes}", str(SOURCE), "-o", str(out), "-lm"]
+            subprocess.run(command, check=True)
+            programs[out.name] = out
+    return programs
+
+
+def ask(program: Path, steps: int) -> dict[str, float]:
+    """What a program prints after a number of steps."""
+    text = subprocess.run([str(program), str(steps)], check=True, capture_output=True, text=True).stdout
+    found = LINE.search(text)
+    if found is None:
+        raise RuntimeError(f"{program.name} printed {text!r}")
+    return {name: float(value) for name, value in found.groupdict().items()}
+
+
+def loop_time(loop: str, lanes: int, steps: int) -> Callable[[], float]:
+    """A timed run of one loop from the start: ns per step and simulation."""
+
+    def run() -> float:
+        model = runner(loop, lanes)
+        return seconds(lambda: model.advance(steps, 1)) * 1e9 / steps / lanes
+
+    runner(loop, lanes).advance(10, 1)  # compile
+    return run
+
+
+def position(steps: int) -> tuple[float, float, float]:
+    """Follower pin (m) at t = steps * dt and the onsets so far; vfife's step n begins with the drift to t_n."""
+    model = runner("generated")
+    model.advance(steps + 1, 1)
+    x, y = (float(model.states[model.layout.row(name, FOLLOWER_PIN), 0]) for name in ("particle_x", "particle_y"))
+    return x, y, float(model.states[model.layout["clearance_onsets"], 0].sum())
+
+
+def agreement(programs: dict[str, Path], steps: tuple[int, ...]) -> list[dict[str, float]]:
+    """Distance (m) of the follower pin in the C program and in vfife."""
+    rows = []
+    for n in steps:
+        x, y, onsets = position(n)
+        row: dict[str, float] = {"steps": n, "onsets": onsets, "x": x, "y": y}
+        for name in ("limit", "located"):
+            other = ask(programs[f"{name}_1"], n)
+            row[name] = ((other["x"] - x) ** 2 + (other["y"] - y) ** 2) ** 0.5
+            if name == "located":
+                row["located_onsets"] = other["onsets"]
+        rows.append(row)
+    return rows
+
+
+def measure(options: Options) -> Part:
+    """Times of all variants in one run, and how far their motions are apart."""
+    compiler = os.environ.get("CC", "gcc")
+    if shutil.which(compiler) is None:
+        return Part(notes=[f"limit: left out, there is no C compiler here ({compiler} was looked for; set CC to another)"])
+    part = Part()
+    steps = 200_000 if options.quick else 1_000_000
+    with tempfile.TemporaryDirectory() as folder:
+        programs = build(Path(folder))
+        runs: dict[str, Callable[[], float]] = {}
+        for name, (loop, lanes) in LOOPS.items():
+            runs[name] = loop_time(loop, lanes, steps)
+        for name, program in programs.items():
+            runs[name] = lambda program=program: ask(program, steps)["ns"]  # type: ignore[misc]
+        best = interleaved(3 if options.quick else 9, runs)
+        moved = agreement(programs, (2000, 20_000))
+    part.measured = {"ns_per_step_and_simulation": best, "steps": steps, "agreement": moved, "flags": FLAGS}
+    rows: list[tuple[Any, ...]] = []
+    for name, (_, lanes) in LOOPS.items():
+        against = {variant: best[name] / best[f"{variant}_{lanes}"] for variant in VARIANTS}
+        for variant, ratio in against.items():
+            part.ratios[f"limit.{name}" if variant == "limit" else f"limit.{variant}_{name}"] = ratio
+        rows.append((name.replace("_", " "), best[name], *against.values()))
+    for variant in VARIANTS:
+        rows.append((f"C, {variant}: 1 lane, 4 lanes", f"{best[f'{variant}_1']:.1f}, {best[f'{variant}_4']:.1f}", None, None, None))
+    title = "ns per step and simulation; ratio to the C program as given, with vfife's step, and with its ledger too"
+    part.tables.append(table(title, "loop", "ns", "given", "located", "ledger", rows=rows))
+    part.tables.append(
+        table(
+            "distance of the follower pin from vfife's (m)", "after steps", "C as given", "C located", "onsets vfife, C",
+            rows=[(str(r["steps"]), r["limit"], r["located"], f"{r['onsets']:.0f}, {r['located_onsets']:.0f}") for r in moved],
+        )
+    )  # fmt: skip
+    return part

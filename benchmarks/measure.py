@@ -1,0 +1,90 @@
+"""What every part of the benchmark shares: a part's result, the machine, and times that a busy machine disturbs little."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+EXAMPLES = ROOT / "examples"
+
+
+@dataclass(frozen=True)
+class Options:
+    """How much is measured: ``quick`` shortens runs and leaves out what takes minutes, ``peers`` says whether others run too."""
+
+    quick: bool = False
+    peers: bool = True
+
+
+@dataclass
+class Part:
+    """What a part found: ratios under telling keys, the numbers behind them, tables to print and remarks."""
+
+    ratios: dict[str, float] = field(default_factory=dict)
+    measured: dict[str, Any] = field(default_factory=dict)
+    tables: list[Table] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def interleaved(rounds: int, runs: Mapping[str, Callable[[], float]]) -> dict[str, float]:
+    """The best of several rounds, each of which calls every run once: what slows the machine for a while slows all alike."""
+    best = dict.fromkeys(runs, float("inf"))
+    for _ in range(rounds):
+        for name, run in runs.items():
+            best[name] = min(best[name], run())
+    return best
+
+
+def seconds(action: Callable[[], Any]) -> float:
+    """Wall time of one call."""
+    began = time.perf_counter()
+    action()
+    return time.perf_counter() - began
+
+
+def machine() -> dict[str, Any]:
+    """The machine a number was measured on."""
+    cpu = platform.processor()
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        cpu = next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        pass
+    return {
+        "cpu": cpu,
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+        "os": platform.platform(),
+        "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
+    }
+
+
+def versions(*names: str) -> dict[str, str]:
+    """Versions of installed packages."""
+    found = {}
+    for name in names:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def table(title: str, *columns: str, rows: list[tuple[Any, ...]]) -> Table:
+    """A table whose first column is text and whose others are numbers."""
+    result = Table(title=title, title_justify="left", title_style="bold")
+    for k, column in enumerate(columns):
+        result.add_column(column, justify="right" if k else "left")
+    for row in rows:
+        result.add_row(*(cell if isinstance(cell, str) else "" if cell is None else f"{cell:.4g}" for cell in row))
+    return result

@@ -1,0 +1,100 @@
+"""Measures vfife's speed in one run, prints the ratios and writes latest.json beside this file; README.md says what each ratio means."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import importlib
+import json
+import sys
+import time
+import traceback
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from measure import HERE, Options, Part, machine, table, versions
+from rich.console import Console
+
+PARTS = ("limit", "peers", "elastic", "startup")
+# What each ratio shall be; ratios without an entry are told for information.
+TARGETS: dict[str, tuple[str, float]] = {
+    "limit.generated_1_lane": ("at most", 1.5),
+    "limit.generated_4_lanes": ("at most", 1.5),
+    "limit.data_driven": ("at most", 3.0),
+    "peers.case_a": ("at least", 5.0),
+    "peers.case_b": ("at least", 30.0),
+    "peers.case_c": ("at least", 30.0),
+    "elastic.data_driven": ("at least", 1.0),
+    "elastic.generated_4_lanes": ("at least", 1.0),
+    "startup.import": ("at most", 1.0),
+    "startup.help": ("at most", 1.0),
+    "startup.run_warm": ("at most", 1.0),
+    "startup.run_cold": ("at most", 1.0),
+    "startup.memory_8x": ("at most", 1.05),
+}
+
+
+def met(key: str, value: float) -> bool | None:
+    """Whether a ratio is what it shall be; None without a target."""
+    if key not in TARGETS:
+        return None
+    word, bound = TARGETS[key]
+    return value <= bound if word == "at most" else value >= bound
+
+
+def arguments() -> argparse.Namespace:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="NAME", help=f"of {', '.join(PARTS)}")
+    parser.add_argument("--quick", action="store_true", help="shorter and less exact; for trying out")
+    parser.add_argument("--no-peers", action="store_true", help="without the programs of others (nothing is installed)")
+    return parser.parse_args()
+
+
+def perform(name: str, options: Options, console: Console) -> Part:
+    """Runs a part; what goes wrong in it is told and does not stop the others."""
+    began = time.perf_counter()
+    console.rule(name)
+    try:
+        part: Part = importlib.import_module(name).measure(options)
+    except Exception as error:
+        console.print(traceback.format_exc(), markup=False, highlight=False)
+        part = Part(notes=[f"{name}: failed, {type(error).__name__}: {error}"])
+    for shown in part.tables:
+        console.print(shown)
+    for note in part.notes:
+        console.print(note, markup=False)
+    part.measured["seconds"] = time.perf_counter() - began
+    return part
+
+
+def main() -> int:
+    """Measures, prints, writes; 1 where a ratio is not what it shall be or a part failed."""
+    chosen, console = arguments(), Console(width=None if sys.stdout.isatty() else 140)
+    options = Options(quick=chosen.quick, peers=not chosen.no_peers)
+    parts = {name: perform(name, options, console) for name in PARTS if name in chosen.only}
+    ratios = {key: value for part in parts.values() for key, value in part.ratios.items()}
+    report = {
+        "machine": machine(),
+        "versions": versions("vfife", "numba", "llvmlite", "numpy", "scipy", "xarray"),
+        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+        "quick": options.quick,
+        "targets": {key: " ".join(map(str, TARGETS[key])) for key in ratios if key in TARGETS},
+        "ratios": ratios,
+        "measured": {name: part.measured for name, part in parts.items()},
+        "notes": [note for part in parts.values() for note in part.notes],
+    }
+    path = HERE / "latest.json"
+    path.write_text(json.dumps(report, indent=2) + "\n")
+    console.rule("ratios")
+    word = {True: "met", False: "missed", None: ""}
+    rows = [(key, value, " ".join(map(str, TARGETS.get(key, ()))), word[met(key, value)]) for key, value in ratios.items()]
+    console.print(table("", "ratio", "value", "shall be", "", rows=rows))
+    console.print(f"written to {path}")
+    failed = any(": failed," in note for note in report["notes"])
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

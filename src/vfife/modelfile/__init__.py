@@ -1,0 +1,9 @@
+"""Model files: TOML text to a mechanism and back. A file holds names and numbers; it can never name code to be loaded."""
+
+from __future__ import annotations
+
+from .faults import Fault, ModelError
+from .read import load, loads
+from .write import dump
+
+__all__ = ["Fault", "ModelError", "dump", "load", "loads"]

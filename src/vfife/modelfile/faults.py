@@ -1,0 +1,65 @@
+"""What is wrong with a model file, told all at once, each fault as a sentence."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault: where it is (table and key), what is wrong, the value as written, what is allowed, what to do about it."""
+
+    where: str
+    what: str
+    value: str = ""
+    limit: str = ""
+    remedy: str = ""
+
+    def __str__(self) -> str:
+        value = f" = {self.value}" if self.value else ""
+        limit = f"; allowed: {self.limit}" if self.limit else ""
+        remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
+        end = "" if remedy.endswith(("?", ".", "!")) else "."
+        return f"{self.where}{value}: {self.what}{limit}{remedy}{end}"
+
+
+class ModelError(ValueError):
+    """The faults of a model file, all of them; ``file`` is its name as the user knows it."""
+
+    def __init__(self, faults: Sequence[Fault], file: str = "model") -> None:
+        self.faults, self.file = list(faults), file
+        lines = [f"{file}, {fault}" for fault in self.faults]
+        if len(lines) > 1:
+            lines = [f"{file} has {len(lines)} faults:", *(f"  {k}. {line}" for k, line in enumerate(lines, 1))]
+        super().__init__("\n".join(lines))
+
+
+def place(path: Path, given: Iterable[Path] = ()) -> str:
+    """Table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance"; an empty last part names the table itself.
+
+    A value that was ``given`` beside the file is marked, so that nobody looks for it in the file.
+    """
+    parts = list(path)
+    index = ""
+    while parts and isinstance(parts[-1], int):
+        index = f"[{parts.pop()}]{index}"
+    key = f"{parts.pop()}{index}" if parts else "file"
+    table = f"[{'.'.join(map(str, parts))}]" if parts else ""
+    beside = " (given by set)" if any(path[: len(start)] == start for start in given) else ""
+    return f"{table} {key}".strip() + beside
+
+
+def suggestion(name: str, known: Iterable[str], advice: str) -> str:
+    """Did-you-mean with the names that look alike, else the advice and a few of the names there are."""
+    names = list(dict.fromkeys(map(str, known)))
+    near = difflib.get_close_matches(name, names, 3, 0.55)
+    if near:
+        return "did you mean " + " or ".join(f'"{word}"' for word in near) + "?"
+    if not names:
+        return advice
+    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"{advice}; there is {listed}" if len(names) == 1 else f"{advice}; there are {listed}"

@@ -1,0 +1,103 @@
+"""Law tables: any law of the registry, its keys and limits taken from the law itself."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from pydantic_core import PydanticCustomError
+
+from ..joints import ClearanceRevolute
+from ..laws import ContactLaw, FrictionLaw, Law, Pair
+from ..quantities import kind_of, shown
+from ..readers import Measure, refuse
+from .faults import Fault, Path, place, suggestion
+from .tables import LAWS, Raw, law_fields
+
+DEFAULTS: dict[str, Any] = {
+    field.name: field.default_factory for field in dataclasses.fields(ClearanceRevolute) if field.name in LAWS
+}
+# Their limit in the law allows 0, at which there is neither an elastic nor a damped contact.
+NEVER_ZERO = ("restitution", "stiffness")
+
+
+def read_law(kind: str, holder: Raw, path: Path, given: set[Path]) -> tuple[Law | None, list[Fault]]:
+    """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or the faults in it."""
+    registry = LAWS[kind].registry
+    name = holder.get("law", DEFAULTS[kind].name)
+    if not isinstance(name, str) or name not in registry:
+        remedy = suggestion(str(name), registry, f"name a {kind} law")
+        return None, [Fault(place((*path, "law"), given), f"no {kind} law is called so", shown(name), "", remedy)]
+    law, faults, values = registry[name], [], {}
+    fields = {field.name: field for field in dataclasses.fields(law)}
+    for key, value in holder.items():
+        where = place((*path, key), given)
+        if key in fields:
+            try:
+                values[key] = read_field(fields[key], value)
+            except PydanticCustomError as error:
+                ctx = error.context or {}
+                faults.append(Fault(where, ctx["what"], ctx["value"], ctx["limit"], ctx["remedy"]))
+        elif key != "law":
+            remedy = suggestion(key, fields, f'remove it, or name another law than "{name}"')
+            faults.append(Fault(where, "unknown key", shown(value), "", remedy))
+    faults += [
+        Fault(place((*path, key), given), f'the law "{name}" needs this key, which is missing', "", needs(field), "add it")
+        for key, field in fields.items()
+        if key not in holder and field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+    ]
+    faults += speeds_in_order(law, values, path, given)
+    if faults:
+        return None, faults
+    try:
+        return law(**values), []
+    except (ArithmeticError, TypeError, ValueError) as error:
+        return None, [Fault(place((*path, ""), given), f'the law "{name}" refuses these parameters: {error}')]
+
+
+def read_field(field: dataclasses.Field[Any], value: Any) -> Any:
+    """A parameter of a law, by its unit and limits, or a text or a switch where its default or its type is one."""
+    wanted = bool if field.type in (bool, "bool") else str if field.type in (str, "str") else type(field.default)
+    if wanted not in (bool, str):
+        unit = field.metadata.get("unit", "1")
+        low, high = field.metadata.get("low"), field.metadata.get("high")
+        above = low if field.name in NEVER_ZERO else None
+        return Measure(unit, above=above, low=low if above is None else None, high=high).read(value)
+    if not isinstance(value, wanted):
+        raise refuse(value, kind_of(value), kind_of(wanted()), f"write {kind_of(wanted())}")
+    return value
+
+
+def needs(field: dataclasses.Field[Any]) -> str:
+    """Meaning and unit of a parameter."""
+    meaning, unit = field.metadata.get("meaning", ""), field.metadata.get("unit", "1")
+    return f"{meaning} in {unit}" if unit != "1" else str(meaning)
+
+
+def speeds_in_order(law: type[Law], values: Raw, path: Path, given: set[Path]) -> list[Fault]:
+    """A ramp of friction between v0 and v1 has to rise."""
+    if not {"v0", "v1"} <= set(law_fields(law)):
+        return []
+    whole = {field.name: field.default for field in dataclasses.fields(law)} | values
+    if whole["v1"] > whole["v0"]:
+        return []
+    where = place((*path, "v1"), given)
+    limit = f"above v0 = {whole['v0']:g} m/s"
+    return [Fault(where, "friction would have no ramp between v0 and v1", f"{whole['v1']:g}", limit, "raise v1 or lower v0")]
+
+
+def law_or_default(kind: str, holder: Raw) -> Any:
+    """The law of a table that has no faults."""
+    return read_law(kind, holder, (), set())[0]
+
+
+def senseless(law: Law, pair: Pair) -> str:
+    """What a law cannot make of these two surfaces, or nothing: its numbers must be real and finite."""
+    try:
+        values = [float(value) for value in law.parameters(pair)]
+    except (ArithmeticError, TypeError, ValueError):
+        values = [float("nan")]
+    if all(abs(value) < float("inf") for value in values):
+        return ""
+    kind = "contact" if isinstance(law, ContactLaw) else "friction" if isinstance(law, FrictionLaw) else ""
+    return f'the {kind} law "{law.name}" gives no finite numbers for these surfaces'

@@ -1,0 +1,160 @@
+"""Numbers and texts of a model set by their path, before the model is checked."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from ..laws import Material
+from ..quantities import shown
+from ..schema import CLEARANCE_ONLY
+from .faults import Fault, Path, suggestion
+from .tables import IDLE_KEYS, LAWS, NAMED, Raw, entries, known_keys, law_fields, table
+
+
+class PathFault(Exception):
+    """A path that leads nowhere, and what to do about it."""
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(what)
+        self.what, self.remedy = what, remedy
+
+
+def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
+    """Sets the values in the raw tables; returns faults of their paths, and the paths set."""
+    faults, given = [], set()
+    for text, value in items:
+        try:
+            path = resolve(raw, text)
+            assign(raw, path, parsed(value) if isinstance(value, str) else value)
+            given.add(path)
+        except PathFault as fault:
+            faults.append(Fault(f"path {shown(text)} (given by set)", fault.what, "", "", fault.remedy))
+    for path in given:
+        clear_idle(raw, path, given)
+    return faults, given
+
+
+def parsed(text: str) -> Any:
+    """A TOML value if the text is one, else the text itself: 0.5, true, [1, 2] and "0.5 mm", quoted or not."""
+    try:
+        values = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return values["value"] if list(values) == ["value"] else text
+
+
+def resolve(raw: Raw, text: str) -> Path:
+    """Keys and list indices of a dotted path; ``joint.BODY-BODY`` stands for the joint that connects the two."""
+    parts: list[str | int] = [part.strip() for part in text.split(".")]
+    if not all(parts):
+        raise PathFault("a path is names joined by dots", 'write it as in "joint.C.clearance"')
+    top = known_keys(()) or ()
+    if parts[0] not in top:
+        raise PathFault(f"there is nothing called {parts[0]!r} at the top of a model", nearest(raw, text))
+    if parts[0] in NAMED:
+        if len(parts) < 2:
+            raise PathFault(f"a table, not a number of the model, is at {parts[0]}", nearest(raw, text))
+        parts[1] = entry(raw, str(parts[0]), str(parts[1]), text)
+    for depth in range(1, len(parts)):
+        parts[depth] = step(raw, tuple(parts[:depth]), str(parts[depth]), text)
+    return tuple(parts)
+
+
+def entry(raw: Raw, section: str, name: str, text: str) -> str:
+    """The name in a section that is meant."""
+    if section == "material" and name == "steel":
+        steel = Material()
+        known = {"youngs_modulus": steel.youngs_modulus, "poissons_ratio": steel.poissons_ratio, "density": steel.density}
+        raw_materials = raw.setdefault("material", {})
+        if isinstance(raw_materials, dict):
+            raw_materials.setdefault("steel", known)
+    if name in table(raw, section):
+        return name
+    found = [joint for joint, ends in connected(raw) if name in ends] if section == "joint" else []
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise PathFault(f"more than one joint connects {name}", f"name the one that is meant: {' or '.join(found)}")
+    raise PathFault(f"there is no {section} {name!r}", nearest(raw, text))
+
+
+def connected(raw: Raw) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Joints, each with the two ways to name it by its bodies."""
+    for name, joint in entries(raw, "joint"):
+        one, two = (str(joint.get(side, "")).partition(".")[0] for side in ("bearing", "journal"))
+        yield name, (f"{one}-{two}", f"{two}-{one}")
+
+
+def step(raw: Raw, above: Path, part: str, text: str) -> str | int:
+    """The key or index that ``part`` names in what is at ``above``."""
+    here: Any = raw
+    for key in above:
+        here = here.get(key, {}) if isinstance(here, dict) else here[key]
+    if isinstance(here, list):
+        if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(here):
+            return int(part)
+        raise PathFault(f"{'.'.join(map(str, above))} is a list of {len(here)}", f"end the path in a number from 0 to {len(here) - 1}")
+    if not isinstance(here, dict):
+        raise PathFault(f"{'.'.join(map(str, above))} is a value, not a table", nearest(raw, text))
+    known = known_keys(above)
+    if part not in here and (known is None or part not in known):
+        raise PathFault(f"there is no {part!r} in {'.'.join(map(str, above))}", nearest(raw, text))
+    return part
+
+
+def nearest(raw: Raw, text: str) -> str:
+    """Did-you-mean among the paths of this model."""
+    return suggestion(text, paths(raw), "name a number of the model by its path, such as run.turns")
+
+
+def paths(raw: Raw) -> Iterator[str]:
+    """Paths that this model has, and those that it could have besides."""
+    yield from leaves(raw, "")
+    for section in ("run", "start"):
+        yield from (f"{section}.{key}" for key in known_keys((section,)) or ())
+    for name, ends in connected(raw):
+        yield from (f"joint.{name}.{key}" for key in known_keys(("joint", name)) or ())
+        yield from (f"joint.{ends[0]}.{key}" for key in table(raw, "joint", name))
+    for section in ("body", "driver", "load"):
+        for name, _ in entries(raw, section):
+            yield from (f"{section}.{name}.{key}" for key in known_keys((section, name)) or ())
+    yield from (key for key in known_keys(()) or () if not isinstance(raw.get(key), dict))
+
+
+def leaves(value: Any, path: str, depth: int = 6) -> Iterator[str]:
+    """Paths of all values that are no tables, as deep as a model goes."""
+    if not isinstance(value, dict) or not depth:
+        yield path
+        return
+    for key, inner in value.items():
+        yield from leaves(inner, f"{path}.{key}" if path else key, depth - 1)
+
+
+def assign(raw: Raw, path: Path, value: Any) -> None:
+    """Puts the value there, making tables that the schema knows on the way."""
+    here: Any = raw
+    for key in path[:-1]:
+        here = here.setdefault(key, {}) if isinstance(here, dict) else here[key]
+    here[path[-1]] = value
+
+
+def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
+    """Where a model, a kind or a law is set, drops what the file says beside it and the new one has no use for.
+
+    So `body.coupler.model = rigid` is enough, although the file gives the coupler its elements.
+    """
+    holder = table(raw, *(str(part) for part in path[:-1]))
+    value = holder.get(str(path[-1]))
+    idle: Iterable[str] = ()
+    if path[0] == "body" and path[2:] == ("model",):
+        idle = IDLE_KEYS.get(str(value), ())
+    elif path[0] == "joint" and path[2:] == ("kind",) and value == "ideal":
+        idle = CLEARANCE_ONLY
+    elif path[0] == "joint" and len(path) == 4 and path[3] == "law" and path[2] in LAWS:
+        law = LAWS[str(path[2])].registry.get(str(value))
+        idle = set(holder) - {"law", *law_fields(law)} if law else ()
+    for key in idle:
+        if not any(have[: len(path)] == (*path[:-1], key) for have in given):
+            holder.pop(key, None)

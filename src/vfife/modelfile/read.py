@@ -1,0 +1,138 @@
+"""TOML text -> mechanism: values set by path, then keys, units and limits, then checks across tables; all faults at once."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path as FilePath
+from typing import Any
+
+from pydantic import ValidationError
+
+from ..mechanism import Mechanism
+from ..quantities import kind_of, shown
+from ..schema import CLEARANCE_ONLY, ModelFile
+from .build import build, unsuited
+from .checks import Checks
+from .faults import Fault, ModelError, Path, place, suggestion
+from .override import override
+from .tables import Raw, known_keys, table
+
+Items = Iterable[tuple[str, Any]]
+
+
+def load(path: str | FilePath, set: Items = ()) -> Mechanism:
+    """The mechanism of a model file.
+
+    ``set`` holds (path, value) pairs that replace or add values before anything is checked: ("joint.C.clearance", "0.5 mm"), or by the two
+    bodies that the joint connects, ("joint.coupler-follower.clearance", "0.5 mm"). A text value is read as TOML if it is that, else as it
+    stands. Raises ModelError with every fault of the file.
+    """
+    try:
+        text = FilePath(path).read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
+        raise ModelError([Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)) from None
+    except UnicodeDecodeError as error:
+        fault = Fault(f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding")
+        raise ModelError([fault], str(path)) from None
+    return loads(text, set, file=str(path))
+
+
+def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
+    """The mechanism of a model file's text; ``file`` names it in messages. See :func:`load`."""
+    known_as = file or "model"
+    try:
+        raw = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ModelError([syntax_fault(text, error)], known_as) from None
+    faults, given = override(raw, set)
+    model = None
+    try:
+        model = ModelFile.model_validate(raw)
+    except ValidationError as error:
+        faults += [schema_fault(raw, dict(entry), given) for entry in error.errors(include_url=False)]
+    faults += Checks(raw, given).faults
+    if model is None or faults:
+        raise ModelError(faults, known_as)
+    mechanism = build(model, file)
+    faults = unsuited(mechanism)
+    if faults:
+        raise ModelError(faults, known_as)
+    return mechanism
+
+
+def syntax_fault(text: str, error: Exception) -> Fault:
+    """Line and column of a fault in the TOML itself, with the line."""
+    if isinstance(error, RecursionError):
+        return Fault("file", "lists or tables are nested too deeply", "", "", "a model needs no more than lists of numbers")
+    said, _, where = str(error).partition(" (at ")
+    found = re.match(r"line (\d+), column (\d+)", where)
+    if not found:
+        what = f"this is no TOML: {said}" if said else "this is no TOML"
+        return Fault(where.rstrip(")") or "file", what, "", "", "see whether a quote or a bracket is open, or a number too long")
+    lines = text.splitlines()
+    line, column = int(found[1]), int(found[2])
+    written = shown(lines[line - 1].strip()) if 0 < line <= len(lines) else ""
+    remedy = "quote texts and quantities with units, and close every quote and bracket"
+    if "overwrite" in said or "twice" in said:
+        remedy = "give each key and each table once"
+    return Fault(f"line {line}, column {column}", f"this is no TOML: {said}" + (f", in {written}" if written else ""), "", "", remedy)
+
+
+def schema_fault(raw: Raw, error: dict[str, Any], given: set[Path]) -> Fault:
+    """A pydantic error in words; tags of unions, in angle brackets, are no part of the path."""
+    path: Path = tuple(part for part in error["loc"] if not (isinstance(part, str) and part.startswith("<")))
+    where, value, kind, ctx = place(path, given), error.get("input"), error["type"], error.get("ctx", {})
+    if kind == "fault":
+        return Fault(where, ctx["what"], ctx["value"], ctx["limit"], ctx["remedy"])
+    if kind == "extra_forbidden":
+        return unknown_key(raw, path, value, where)
+    if kind == "missing":
+        return missing_key(raw, path, where)
+    if kind == "too_long":
+        count = ctx.get("max_length", 2)
+        return Fault(where, "too many values", shown(value), f"{count} values", "remove what is too many")
+    if kind in WANTED:
+        return Fault(where, f"this is {kind_of(value)}", shown(value), *WANTED[kind])
+    return Fault(where, str(error.get("msg", kind)), shown(value), "", "correct the value")
+
+
+A_TABLE = ("a table", "write its keys in a table of that name")
+WANTED = {
+    "string_type": ("a text", "put it in quotes"),
+    "dict_type": A_TABLE,
+    "model_type": A_TABLE,
+    "model_attributes_type": A_TABLE,
+    "tuple_type": ("a list", "put the values in square brackets"),
+}
+
+
+def unknown_key(raw: Raw, path: Path, value: Any, where: str) -> Fault:
+    """A key that its table does not know, or only one of another kind."""
+    key, above = str(path[-1]), path[:-1]
+    known = known_keys(above) or ()
+    holder = table(raw, *(str(part) for part in above))
+    if key in CLEARANCE_ONLY and above[:1] == ("joint",):
+        return Fault(where, "an ideal joint has no such key", shown(value), "", 'set kind = "clearance", or remove it')
+    if key in known:
+        what = f"a body of this kind ({holder.get('model', 'rigid')}, {'with' if 'length' in holder else 'without'} a length) has no such key"
+        return Fault(where, what, shown(value), "", "remove it, or give the body the model and the length that go with it")
+    what = "unknown table" if isinstance(value, dict) else "unknown key"
+    return Fault(where, what, shown(value), "", suggestion(key, known, "remove it"))
+
+
+def missing_key(raw: Raw, path: Path, where: str) -> Fault:
+    """A key, or a value of a list, that has to be there."""
+    if isinstance(path[-1], int):
+        return Fault(where, "this value of the list is missing", "", "", "give the list all its values")
+    key, holder = path[-1], table(raw, *(str(part) for part in path[:-1]))
+    remedy = "add it"
+    if path[0] == "joint" and key == "kind":
+        remedy = 'add kind = "clearance", or remove what an ideal joint does not have'
+    elif path[0] == "body" and key == "length":
+        remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
+    elif path[0] == "body" and key == "inertia" and "length" not in holder:
+        remedy = "add it; a link has a length instead"
+    return Fault(where, "this key is missing", "", "", remedy)

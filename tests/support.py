@@ -1,0 +1,169 @@
+"""Mechanisms and readings that several tests share. Reference numbers stay in the tests that use them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from vfife.assemble import assemble
+from vfife.assembly import Assembly, Record
+from vfife.bodies import Section
+from vfife.kernels.runner import Runner
+from vfife.laws import Ambrosio, LankaraniNikravesh
+from vfife.mechanism import Mechanism
+from vfife.simulate import recorded_rows, run
+
+CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
+TURN = 0.04  # s, one turn of that crank
+SQUARE = Section.square(1e-3)  # the links of the paper: A = 1e-3 m^2
+EPS = 2.0**-52
+
+
+def four_bar(
+    clear: str = "BCD",
+    model: str = "rigid",
+    *,
+    contact: Any = None,
+    friction: Any = None,
+    clearance: float = 2e-4,
+    speed: float = CRANK_SPEED,
+    joint: dict[str, Any] | None = None,
+    below: bool = False,
+    mirrored: bool = False,
+    exchanged: bool = False,
+    crank_angle: float = 0.0,
+    **link: Any,
+) -> Mechanism:
+    """The paper's four-bar (Table 1): joints B, C, D with clearance where ``clear`` names them, the defaults of cases b and c elsewhere.
+
+    ``model`` and ``link`` are those of coupler and follower. ``below`` chooses the other branch (joint C below the line of the ground
+    pivots); ``mirrored`` turns that and the crank's sense round; ``exchanged`` swaps bearing and journal of B, C and D.
+    """
+    side = -1.0 if below != mirrored else 1.0
+    sense = -1.0 if mirrored else 1.0
+    m = Mechanism("four-bar")
+    m.point("A", 0.0, 0.0)
+    m.point("D", 0.15, 0.0)
+    m.link("crank", length=0.4, mass=3.12, angle=sense * crank_angle)
+    m.link("coupler", length=0.26, mass=2.028, angle=side * math.radians(51), model=model, **link)
+    m.link("follower", length=0.46, mass=3.588, angle=side * math.radians(26), model=model, **link)
+    m.revolute("A", "ground.A", "crank.start")
+    options = dict(
+        clearance=clearance,
+        bearing_radius=0.01,
+        contact=contact or LankaraniNikravesh(restitution=0.9, stiffness=6.6e10),
+        friction=friction or Ambrosio(0.1, 1e-4, 1e-2),
+    ) | (joint or {})
+    for name, *ends in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
+        sides = ends[::-1] if exchanged else ends
+        if name in clear:
+            m.clearance(name, *sides, **options)
+        else:
+            m.revolute(name, *sides)
+    m.drive("crank", speed=sense * speed)
+    return m
+
+
+def journal_in_bearing(speed: float = 1.0, mass: float = 1.0, **joint: Any) -> Mechanism:
+    """A free journal that flies from the centre of a fixed bearing against its wall."""
+    m = Mechanism("journal in bearing")
+    m.point("O", 0.0, 0.0)
+    m.point_mass("journal", mass=mass, velocity=(speed, 0.0, 0.0))
+    m.clearance("J", "ground.O", "journal.center", **{"clearance": 5e-4, "bearing_radius": 0.01, **joint})
+    return m
+
+
+def with_settings(mechanism: Mechanism, **settings: Any) -> Mechanism:
+    """The mechanism with other settings (damping, path_unit ...)."""
+    return dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **settings))
+
+
+def go(mechanism: Mechanism, step: float, *, loop: str = "data-driven", **options: Any) -> Record:
+    """Assembles and runs; every run of a test must come to its end."""
+    record = run(assemble(mechanism, step, force_step=True, **options), loop=loop)  # type: ignore[arg-type]
+    assert record.status == "complete"
+    return record
+
+
+def times(record: Record) -> np.ndarray:
+    """Times (s) of the outputs."""
+    return record.steps * record.assembly.choice.step
+
+
+def within(record: Record, first: float, last: float) -> np.ndarray:
+    """Outputs after ``first`` up to ``last`` (s): their extremes are those of the steps in between."""
+    t, slack = times(record), 0.5 * record.assembly.choice.step
+    return (t > first + slack) & (t <= last + slack)
+
+
+def largest_alpha(record: Record, body: str, window: np.ndarray) -> float:
+    """Largest absolute angular acceleration (rad/s^2) of a body."""
+    return float(record.block("body_alpha_max")[window, record.assembly.bodies[body].row].max())
+
+
+def largest_force(record: Record, joint: str, window: np.ndarray) -> float:
+    """Largest force (N) in a joint."""
+    a = record.assembly
+    for names, block in ((a.clearances, "clearance"), (a.ideals, "ideal"), (a.pivots, "driven")):
+        if joint in names:
+            return math.sqrt(record.block(f"{block}_force_squared_max")[window, names.index(joint)].max())
+    raise KeyError(joint)
+
+
+def onsets(record: Record) -> list[int]:
+    """Contacts that began in each clearance joint."""
+    return [int(value) for value in record.block("clearance_onsets")[-1]]
+
+
+def particle(record: Record, name: str, which: int = 0) -> dict[str, np.ndarray]:
+    """Recorded motion of a particle of a body: x, y, theta at n, u, v, w at n + 1/2."""
+    index = record.assembly.bodies[name].particles[which]
+    return {axis: record.block(f"particle_{axis}")[:, index] for axis in ("x", "y", "theta", "u", "v", "w")}
+
+
+def pin(record: Record, name: str, at: str) -> np.ndarray:
+    """Path of a pin of a body, or of a point of the ground, shape (outputs, 2), from recorded positions and the body's geometry."""
+    if name == "ground":
+        return np.tile(record.assembly.mechanism.points[at], (len(record.steps), 1))
+    where = record.assembly.bodies[name]
+    if where.elements:
+        p = particle(record, name, 0 if at == "start" else -1)
+        return np.stack([p["x"], p["y"]], axis=1)
+    p = particle(record, name)
+    rx, ry = np.subtract(where.pins[at], where.reference)
+    c, s = np.cos(p["theta"]), np.sin(p["theta"])
+    return np.stack([p["x"] + c * rx - s * ry, p["y"] + s * rx + c * ry], axis=1)
+
+
+def joint_gap(record: Record, joint: str) -> float:
+    """Largest distance (m) between the two pins of a joint over all outputs."""
+    bearing, journal = (pin(record, *side) for side in record.assembly.mechanism.joints[joint].sides)
+    return float(np.linalg.norm(journal - bearing, axis=1).max())
+
+
+def lanes(assemblies: Sequence[Assembly], loop: str) -> Runner:
+    """A runner over assemblies of one topology, one lane each, that keeps what a run keeps."""
+    first = assemblies[0]
+    if any(a.topology != first.topology for a in assemblies):
+        raise ValueError("lanes must share a topology")
+    states = np.stack([a.state for a in assemblies], axis=1)
+    return Runner(first.topology, states, np.stack([a.tables for a in assemblies]), loop, recorded_rows(first))
+
+
+def bits(values: np.ndarray) -> np.ndarray:
+    """The bits of numbers, the two zeros taken as one."""
+    return (np.asarray(values) + 0.0).view(np.int64)
+
+
+def order(errors: Sequence[float], ratio: float = 2.0) -> list[float]:
+    """Orders of convergence between neighbours of a sequence of errors, the step divided by ``ratio`` each time."""
+    return [math.log(coarse / fine) / math.log(ratio) for coarse, fine in zip(errors, errors[1:])]
+
+
+def observed(function: Callable[[float], Any], steps: Sequence[float]) -> list[Any]:
+    """A function at each step size."""
+    return [function(step) for step in steps]
