@@ -105,8 +105,8 @@ _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})
 def number(value: Any, dimension: str) -> float:
     """SI value of a bare number (taken as SI) or of a text with a unit.
 
-    ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of one ("length", "angular velocity"). Raises QuantityError
-    for any other dimension, for what is no number at all, and for nan and inf.
+    ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of what it measures ("length",
+    "angular velocity"). Raises QuantityError for any other dimension, for what is no number, and for nan and inf.
 
     >>> number("0.5 mm", "m")
     0.0005

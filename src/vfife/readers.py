@@ -1,4 +1,4 @@
-"""How a value of a model file is read: quantities with limits, whole numbers, words. Used as annotations of the keys in the schema."""
+"""How a value of a model file is read: quantities with limits, whole numbers, words. The schema annotates keys so."""
 
 from __future__ import annotations
 
@@ -40,7 +40,10 @@ class Reader:
 
 @dataclass(frozen=True)
 class Measure(Reader):
-    """A quantity: SI unit and limits (above, at least, at most); ``words`` may stand in its place, ``series`` allows a list."""
+    """A quantity: SI unit and limits (above, at least, at most).
+
+    One of ``words`` may stand in its place; ``series`` allows a list of quantities as well.
+    """
 
     unit: str
     above: float | None = None

@@ -24,6 +24,8 @@ AngularSpeed: TypeAlias = Annotated[float, Measure("rad/s")]
 Acceleration: TypeAlias = Annotated[float, Measure("m/s^2")]
 Time: TypeAlias = Annotated[float, Measure("s")]
 PositiveTime: TypeAlias = Annotated[float, Measure("s", above=0.0)]
+JointKind: TypeAlias = Annotated[Literal["ideal", "clearance"], Choice(("ideal", "clearance"))]
+Force: TypeAlias = Annotated[float, Measure("N")]
 Place: TypeAlias = tuple[Length, Length]
 
 
@@ -50,7 +52,8 @@ class StartTable(Table):
     """[start]: how the run starts."""
 
     mode: Annotated[StartMode, Choice(("consistent", "rough"))] = Field(
-        "consistent", description="consistent: ideal velocities and accelerations, links carry their forces; rough: no forces"
+        "consistent",
+        description="consistent: ideal velocities and accelerations, links loaded to match; rough: not loaded",
     )
     journals: Annotated[Journals, Choice(("centred", "seated"))] = Field(
         "centred", description="journals centred in their bearings, or seated where the ideal reaction presses them"
@@ -73,17 +76,19 @@ class SectionTable(Table):
         None, description="second moment of area about the axis of bending"
     )
     square: Annotated[float, Measure("m^2", above=0.0)] | None = Field(None, description="area of a square")
-    rectangle: tuple[PositiveLength, PositiveLength] | None = Field(None, description="width and height, bent across the height")
+    rectangle: tuple[PositiveLength, PositiveLength] | None = Field(
+        None, description="width and height, bent across it"
+    )
     round: PositiveLength | None = Field(None, description="diameter of a solid circle")
 
 
 class BodyTable(Table):
     """What every body has."""
 
-    angle: Angle = Field(0.0, description="angle at the start: exact for a driven body, else where its closed position is looked for")
+    angle: Angle = Field(0.0, description="angle at the start: exact for a driven body, else approximate")
     position: Place | None = Field(None, description="approximate position of the body's origin at the start")
     velocity: tuple[Speed, Speed, AngularSpeed] = Field(
-        (0.0, 0.0, 0.0), description="velocity of the centre of mass and angular velocity at the start, of a body that nothing drives"
+        (0.0, 0.0, 0.0), description="at the start, of a body that nothing drives: centre of mass, then angular"
     )
     material: str = Field("steel", description="name of a material")
 
@@ -96,8 +101,8 @@ class LinkTable(BodyTable):
     )
     length: PositiveLength = Field(description="distance from start to end")
     mass: Mass | None = Field(None, description="mass without attached masses; from density and section if left out")
-    inertia: Inertia | None = Field(None, description="moment of inertia about the centre of mass; a uniform rod's if left out")
-    center_at: Length | None = Field(None, description="distance of the centre of mass from the start; the middle if left out")
+    inertia: Inertia | None = Field(None, description="inertia about the centre of mass; a uniform rod's if left out")
+    center_at: Length | None = Field(None, description="centre of mass, from the start; the middle if left out")
     elements: Annotated[int, Whole(1, 100_000)] = Field(4, description="number of frame elements of an elastic link")
     section: SectionTable | None = Field(None, description="cross section")
     release: Annotated[Release, Choice(("none", "start", "end", "both"))] = Field(
@@ -132,7 +137,7 @@ class ParticleTable(BodyTable):
 class IdealTable(Table):
     """[joint.NAME]: an ideal revolute joint."""
 
-    kind: Annotated[Literal["ideal", "clearance"], Choice(("ideal", "clearance"))] = Field("ideal", description="ideal or clearance")
+    kind: JointKind = Field("ideal", description="ideal or clearance")
     bearing: str = Field(description='the bearing side, "body.pin" or "ground.point"')
     journal: str = Field(description='the journal side, "body.pin" or "ground.point"')
 
@@ -140,15 +145,17 @@ class IdealTable(Table):
 class ClearanceTable(IdealTable):
     """[joint.NAME] with kind = "clearance"."""
 
-    kind: Annotated[Literal["ideal", "clearance"], Choice(("ideal", "clearance"))] = Field(description="clearance")
+    kind: JointKind = Field(description="clearance")
     clearance: PositiveLength = Field(description="bearing radius less journal radius")
     bearing_radius: PositiveLength = Field(description="radius of the bearing")
     axial_length: PositiveLength = Field(0.02, description="length of the bearing along its axis")
     friction_moment: Annotated[FrictionMoment, Choice(("mid-overlap", "surface", "off"))] = Field(
-        "mid-overlap", description="where friction acts: middle of the overlap, surfaces, or at the centres without moment"
+        "mid-overlap", description="where friction acts: in the overlap, at both surfaces, or without moment"
     )
-    impact_speed_floor: Annotated[float, Measure("m/s", above=0.0)] = Field(1e-3, description="least impact speed that damping uses")
-    landing_depth: PositiveLength | None = Field(None, description="depth at which a first contact may land; clearance/20 if left out")
+    impact_speed_floor: Annotated[float, Measure("m/s", above=0.0)] = Field(
+        1e-3, description="least impact speed for damping"
+    )
+    landing_depth: PositiveLength | None = Field(None, description="depth of a first contact; clearance/20 if left out")
     bearing_material: str | None = Field(None, description="material of the bearing; its body's if left out")
     journal_material: str | None = Field(None, description="material of the journal; its body's if left out")
     contact: dict[str, Any] = Field({}, description="contact law: law = name, and its parameters")
@@ -171,10 +178,10 @@ class LoadTable(Table):
     """[load.NAME]: a force and a moment at a pin."""
 
     at: str = Field(description='where it acts, "body.pin"')
-    force: tuple[Annotated[float, Measure("N")], Annotated[float, Measure("N")]] = Field((0.0, 0.0), description="force")
+    force: tuple[Force, Force] = Field((0.0, 0.0), description="force")
     moment: Annotated[float, Measure("N m")] = Field(0.0, description="moment")
     times: tuple[Time, ...] | None = Field(None, description="times of the factors, ascending")
-    factors: tuple[Scalar, ...] | None = Field(None, description="what force and moment are multiplied by, at the times")
+    factors: tuple[Scalar, ...] | None = Field(None, description="what multiplies force and moment, at the times")
 
 
 LINK_ONLY = frozenset(LinkTable.model_fields) - frozenset(RigidTable.model_fields)
@@ -183,14 +190,13 @@ CLEARANCE_ONLY = frozenset(ClearanceTable.model_fields) - frozenset(IdealTable.m
 
 
 def body_kind(table: Any) -> str:
-    """Which table a [body.NAME] is: told by its model, then by its length, then by what only a rigid body of its own has."""
+    """Which table a [body.NAME] is, told by its model, its length, or by what only a rigid body of its own has."""
     if not isinstance(table, dict):
         return "<link>"
     if table.get("model") == "particle":
         return "<particle>"
-    if table.get("model", "rigid") == "rigid" and not LINK_ONLY & set(table) and {"inertia", "pins", *RIGID_ONLY} & set(table):
-        return "<rigid>"
-    return "<link>"
+    own = table.get("model", "rigid") == "rigid" and not LINK_ONLY & set(table)
+    return "<rigid>" if own and {"inertia", "pins", *RIGID_ONLY} & set(table) else "<link>"
 
 
 def joint_kind(table: Any) -> str:
@@ -201,7 +207,9 @@ def joint_kind(table: Any) -> str:
 
 
 AnyBody: TypeAlias = Annotated[
-    Annotated[LinkTable, Tag("<link>")] | Annotated[RigidTable, Tag("<rigid>")] | Annotated[ParticleTable, Tag("<particle>")],
+    Annotated[LinkTable, Tag("<link>")]
+    | Annotated[RigidTable, Tag("<rigid>")]
+    | Annotated[ParticleTable, Tag("<particle>")],
     Discriminator(body_kind),
 ]
 AnyJoint: TypeAlias = Annotated[

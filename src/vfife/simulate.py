@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
 
 CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
-COMPILE_SECONDS = 4.0  # of a straight-line step
+SAVED = 30e-9  # seconds that straight-line code saves for each step and element or joint
 LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still written out
 
 
@@ -56,15 +56,21 @@ def entities(assembly: Assembly) -> int:
     return len(t.element_nodes) + len(t.clearance_bearing) + len(t.ideal_bearing)
 
 
+def compilation(assembly: Assembly) -> float:
+    """Seconds (measured on one machine, a guess elsewhere) that straight-line code takes to compile: it grows with the square of its lines."""
+    t = assembly.topology
+    lines = 60 * len(t.element_nodes) + 190 * len(t.clearance_bearing) + 150 * len(t.ideal_bearing) + 20 * len(t.free)
+    return 1.0 + 3.5e-6 * lines**2
+
+
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
     """The loop of a run: straight-line code where it saves more time than its compilation costs, or is compiled already."""
     if loop != "auto":
         return loop
-    straight = entities(assembly) <= LARGEST_STRAIGHT_LINE and assembly.topology.path_unit == 1
-    saved = 30e-9 * max(entities(assembly), 2) * assembly.choice.steps
-    if not straight or saved < 0.3 * COMPILE_SECONDS:
+    if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1:
         return "data-driven"
-    return "generated" if saved > COMPILE_SECONDS or _compiled(assembly) else "data-driven"
+    saved = SAVED * max(entities(assembly), 2) * assembly.choice.steps
+    return "generated" if saved > compilation(assembly) or (saved > 0.2 and _compiled(assembly)) else "data-driven"
 
 
 def _compiled(assembly: Assembly) -> bool:

@@ -89,17 +89,26 @@ def woven(lines: list[Line], stores: dict[int, str], lanes: int) -> list[str]:
             there.add(name)
             out.append(f"{name} = S[{int(name[1:]) * lanes} + w]")
 
+    sources = set(stores.values())
     made: set[str] = set()
-    waiting = dict(stores)
+    done: set[int] = set()
+    waiting: dict[int, list[int]] = {}
+    for row, value in stores.items():
+        if f"v{row}" not in sources and not value.startswith("v"):
+            waiting.setdefault(last.get(f"v{row}", -1), []).append(row)
+    ready: dict[str, list[int]] = {}
     for k, line in enumerate(lines):
         for name in line.uses:
             read(name)
         out.append(f"{line.name} = {line.text}")
         made.add(line.name)
-        for row, value in list(waiting.items()):
-            if value in made and last.get(f"v{row}", -1) <= k and f"v{row}" not in stores.values():
-                out.append(f"S[{row * lanes} + w] = {value}")
-                del waiting[row]
-    for value in waiting.values():
+        free = ready.pop(line.name, [])
+        for row in waiting.get(k, []) + (waiting.get(-1, []) if k == 0 else []):
+            free.append(row) if stores[row] in made else ready.setdefault(stores[row], []).append(row)
+        for row in free:
+            out.append(f"S[{row * lanes} + w] = {stores[row]}")
+            done.add(row)
+    rest = {row: value for row, value in stores.items() if row not in done}
+    for value in rest.values():
         read(value)
-    return out + [f"S[{row * lanes} + w] = {value}" for row, value in waiting.items()]
+    return out + [f"S[{row * lanes} + w] = {value}" for row, value in rest.items()]

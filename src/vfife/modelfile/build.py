@@ -31,7 +31,8 @@ Materials = Mapping[str, Material]
 
 def build(model: ModelFile, source: str | None = None) -> Mechanism:
     """The mechanism that a model file without faults describes."""
-    materials = {"steel": Material()} | {name: Material(name, **fields(entry)) for name, entry in model.material.items()}
+    materials = {"steel": Material()}
+    materials |= {name: Material(name, **fields(entry)) for name, entry in model.material.items()}
     return Mechanism(
         name=model.name,
         note=model.note,
@@ -86,8 +87,9 @@ def joint(name: str, table: IdealTable, materials: Materials) -> Joint:
     for side in ("bearing", "journal"):
         named = values[f"{side}_material"]
         # A body brings its own material; the ground is of steel, also where the file says what steel is.
-        ground = "steel" if values[side].startswith("ground.") and materials["steel"] != Material() else None
-        values[f"{side}_material"] = materials[named or ground] if named or ground else None
+        if named is None and values[side].startswith("ground.") and materials["steel"] != Material():
+            named = "steel"
+        values[f"{side}_material"] = materials[named] if named is not None else None
     for kind in ("contact", "friction"):
         values[kind] = law_or_default(kind, values[kind])
     return ClearanceRevolute(**values)

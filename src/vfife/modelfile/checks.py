@@ -1,4 +1,4 @@
-"""Checks across the tables of a model file. They walk the raw tables, so that they find what they can whatever else is wrong."""
+"""Checks across the tables of a model file, on the raw tables, to find what they can whatever else is wrong."""
 
 from __future__ import annotations
 
@@ -33,52 +33,54 @@ class Checks:
             self.load(name, load)
         self.run()
 
-    def add(self, path: Path, what: str, value: Any = None, limit: str = "", remedy: str = "") -> None:
-        """One fault more."""
-        self.faults.append(Fault(place(path, self.given), what, "" if value is None else shown(value), limit, remedy))
+    def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
+        """One fault more, with the value that stands at the path."""
+        holder = table(self.raw, *(str(part) for part in path[:-1]))
+        value = shown(holder[path[-1]]) if path[-1] in holder else ""
+        self.faults.append(Fault(place(path, self.given), what, value, limit, remedy))
 
     def names(self) -> None:
         """Names can be parts of a path."""
         if not any(True for _ in entries(self.raw, "body")):
-            self.add(("body",), "the model has no body", None, "", "add a table such as [body.crank]")
+            self.add(("body",), "the model has no body", "add a table such as [body.crank]")
         if "ground" in table(self.raw, "body"):
-            self.add(("body", "ground"), '"ground" is what does not move', None, "", "call the body otherwise")
+            self.add(("body", "ground"), '"ground" is what does not move', "call the body otherwise")
         for path in named_things(self.raw):
             name = str(path[-1])
             if not (0 < len(name) <= NAME_LIMIT and name.isprintable() and name == name.strip() and "." not in name):
                 remedy = f"choose a name of 1 to {NAME_LIMIT} printable signs without dots"
-                self.add((*path[:-1], ""), "a name that cannot be part of a path", name, "", remedy)
+                self.add((*path[:-1], ""), f"the name {shown(name)} cannot be part of a path", remedy)
 
     def body(self, name: str, body: Raw) -> None:
         """Keys that go together, and names of materials and pins."""
         self.material(("body", name), body, "material")
         for pin in table(body, "pins"):
             if pin in ("center", *own_pins(body)):
-                self.add(("body", name, "pins", pin), "the body has a pin of this name already", None, "", "call the pin otherwise")
+                self.add(("body", name, "pins", pin), "the body has a pin of this name already", "call it otherwise")
         if body_kind(body) == "<link>":
             self.link(name, body, body.get("model", "rigid"))
         if moving(body.get("velocity")) and self.turned(name):
             remedy = "remove it; the driver sets the velocity"
-            self.add(("body", name, "velocity"), "a driven body has no initial velocity of its own", body["velocity"], "", remedy)
+            self.add(("body", name, "velocity"), "a driven body has no initial velocity of its own", remedy)
 
     def link(self, name: str, body: Raw, model: Any) -> None:
         """What the model of a link needs, and what it has no use for."""
         for key in IDLE_KEYS.get(model, ()) if isinstance(model, str) else ():
             if key in body:
                 users = " or ".join(other for other, idle in IDLE_KEYS.items() if key not in idle)
-                remedy = f'remove it, or set model = "{users}"' if " or " not in users else f"remove it, or set model to {users}"
-                self.add(("body", name, key), f"a {model} link has no use for this", body[key], "", remedy)
+                remedy = f"remove it, or set model to {users}"
+                self.add(("body", name, key), f"{article(model)} link has no use for this", remedy)
         if model in ("elastic", "two-particle") and "section" not in body:
             remedy = "add section = { area = ..., second_moment = ... } or { square = ... }"
-            self.add(("body", name, "section"), f"{article(model)} link needs a section, which is missing", None, "", remedy)
+            self.add(("body", name, "section"), f"{article(model)} link needs a section, which is missing", remedy)
         elif "mass" not in body and "section" not in body:
-            self.add(("body", name, "mass"), "the link has neither a mass nor a section", None, "", "add one of the two")
+            self.add(("body", name, "mass"), "the link has neither a mass nor a section", "add one of the two")
         if isinstance(body.get("section"), dict):
             self.section(("body", name, "section"), body["section"])
         release, held = body.get("release", "none"), self.driven_end(name)
         if model in ("elastic", "two-particle") and held and release in (held, "both"):
             remedy = f'set model = "rigid", or release the other end only: the driver turns {name}.{held}'
-            self.add(("body", name, "release"), "no driver can turn a link by an end that is released", release, "", remedy)
+            self.add(("body", name, "release"), "no driver can turn a link by an end that is released", remedy)
 
     def section(self, path: Path, section: Raw) -> None:
         """Area and second moment, or exactly one shape."""
@@ -88,21 +90,22 @@ class Checks:
             return
         what = "the section is described more than once" if shapes else "the section is not complete"
         limit = "area and second_moment together, or one of square, rectangle, round"
-        self.add(path, what, section, limit, "give one of these")
+        self.add(path, what, "give one of these", limit)
 
     def joint(self, name: str, joint: Raw, sides: dict[frozenset[str], str]) -> None:
-        """Both sides exist and differ, no pair is joined twice, the journal fits into its bearing, the laws are known."""
+        """Both sides exist and differ, no pair is joined twice, the journal fits into its bearing, laws are known."""
         bearing, journal = joint.get("bearing"), joint.get("journal")
         for key, side in (("bearing", bearing), ("journal", journal)):
             self.side(("joint", name, key), side, ground=True)
         if isinstance(bearing, str) and isinstance(journal, str):
             if bearing.partition(".")[0] == journal.partition(".")[0]:
                 remedy = "name a pin of another body, or of the ground"
-                self.add(("joint", name, "journal"), "bearing and journal are on the same body", journal, "", remedy)
+                self.add(("joint", name, "journal"), "bearing and journal are on the same body", remedy)
             other = sides.setdefault(frozenset((bearing, journal)), name)
             if other != name:
-                remedy = "remove one of the two"
-                self.add(("joint", name, ""), f"joint {other} connects the same two pins already", None, "", remedy)
+                self.add(
+                    ("joint", name, ""), f"joint {other} connects the same two pins already", "remove one of the two"
+                )
         self.material(("joint", name), joint, "bearing_material")
         self.material(("joint", name), joint, "journal_material")
         self.clearance(name, joint)
@@ -116,28 +119,29 @@ class Checks:
         if size is not None and radius is not None and radius > 0.0 and size >= radius:
             limit = f"above 0 m and below bearing_radius = {radius:g} m"
             remedy = "check the units of both: clearance is bearing radius less journal radius"
-            self.add(("joint", name, "clearance"), "as large as the bearing: no journal is left", joint["clearance"], limit, remedy)
+            self.add(("joint", name, "clearance"), "as large as the bearing: no journal is left", remedy, limit)
 
     def driver(self, name: str, driver: Raw) -> None:
         """The body exists and turns about one ideal joint to the ground; one kind of driver, its lists alike."""
         path: Path = ("driver", name)
         if name not in table(self.raw, "body"):
             remedy = suggestion(name, table(self.raw, "body"), "name the table after the body that it drives")
-            self.add((*path, ""), f"there is no body {name!r} to drive", None, "", remedy)
+            self.add((*path, ""), f"there is no body {name!r} to drive", remedy)
         elif self.turned(name) and len(self.pivots(name)) != 1:
             found = " and ".join(self.pivots(name)) or "none"
             remedy = 'hold the body by one joint of kind "ideal" whose other side is a point of the ground'
-            self.add((*path, ""), f"a driven body turns about one ideal joint to the ground; here: {found}", None, "", remedy)
+            self.add((*path, ""), f"a driven body turns about one ideal joint to the ground; here: {found}", remedy)
         kinds = [key for key in ("speed", "angles", "torque") if key in driver]
         if len(kinds) != 1:
             what = f"{' and '.join(kinds)} exclude each other" if kinds else "nothing says what the driver does"
-            self.add((*path, ""), what, None, "speed (with ramp), or angles and times, or torque (with times)", "give one of these")
+            limit = "speed (with ramp), or angles and times, or torque (with times)"
+            self.add((*path, ""), what, "give one of these", limit)
             return
         kind = kinds[0]
         if "ramp" in driver and kind != "speed":
-            self.add((*path, "ramp"), f"a ramp goes with a speed, not with {kind}", driver["ramp"], "", "remove it")
+            self.add((*path, "ramp"), f"a ramp goes with a speed, not with {kind}", "remove it")
         if "times" in driver and kind == "speed":
-            self.add((*path, "times"), "times go with angles or torque, not with a speed", driver["times"], "", "remove it")
+            self.add((*path, "times"), "times go with angles or torque, not with a speed", "remove it")
         elif kind == "angles" or "times" in driver or isinstance(driver.get("torque"), list):
             self.series(path, driver, kind)
 
@@ -152,27 +156,29 @@ class Checks:
         times, values = holder.get("times"), holder.get(key)
         for missing, other in (("times", key), (key, "times")):
             if missing not in holder:
-                self.add((*path, missing), f"{other} and {missing} go together, and {missing} is missing", None, "", "add it")
+                self.add((*path, missing), f"{other} and {missing} go together, and {missing} is missing", "add it")
         if not isinstance(times, list) or key not in holder:
             return
         if not isinstance(values, list) or len(values) != len(times):
             count = len(values) if isinstance(values, list) else 1
-            self.add((*path, key), f"{count} for {len(times)} times", values, f"{len(times)} values", "give each time its value")
+            self.add(
+                (*path, key), f"{count} for {len(times)} times", "give each time its value", f"{len(times)} values"
+            )
         if len(times) < 2:
-            self.add((*path, "times"), "a table over time needs at least two times", times, "", "add more, or leave the times out")
+            self.add((*path, "times"), "a table over time needs at least two times", "add more, or leave it out")
         seconds = [amount({"t": time}, "t", "s") for time in times]
         for k, (early, late) in enumerate(zip(seconds, seconds[1:], strict=False), 1):
             if early is not None and late is not None and late <= early:
-                self.add((*path, "times", k), "times must ascend", times[k], f"above {early:g} s", "sort the times")
+                self.add((*path, "times"), f"times must ascend, and number {k + 1} does not", "sort them")
                 break
 
     def run(self) -> None:
         """One length of the run, and turns only where something turns."""
         run = table(self.raw, "run")
         if "turns" in run and "duration" in run:
-            self.add(("run", "duration"), "turns and duration exclude each other", run["duration"], "", "remove one of the two")
-        elif "turns" in run and not any("speed" in driver or "angles" in driver for _, driver in entries(self.raw, "driver")):
-            self.add(("run", "turns"), "nothing is driven, so there are no turns to count", run["turns"], "", "give a duration instead")
+            self.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
+        elif "turns" in run and not any(self.turned(name) for name in table(self.raw, "driver")):
+            self.add(("run", "turns"), "nothing is driven, so there are no turns to count", "give a duration instead")
 
     def side(self, path: Path, side: Any, *, ground: bool) -> None:
         """A text ``body.pin`` names a pin that exists."""
@@ -183,18 +189,18 @@ class Checks:
         if body not in bodies:
             every = [f"{name}.{pin}" for name in bodies for pin in pins(self.raw, name)]
             what = f"there is no body {body!r}" if body != "ground" else "a load on the ground moves nothing"
-            self.add(path, what, side, "", suggestion(side, every, 'name a pin as "body.pin"'))
+            self.add(path, what, suggestion(side, every, 'name a pin as "body.pin"'))
         elif pin not in pins(self.raw, body):
             what = f"{body} has no {'point' if body == 'ground' else 'pin'} {pin!r}" if pin else "the pin is missing"
             listed = [f"{body}.{one}" for one in pins(self.raw, body)]
-            self.add(path, what, side, "", suggestion(side, listed, "name one that is there, or add it"))
+            self.add(path, what, suggestion(side, listed, "name one that is there, or add it"))
 
     def material(self, path: Path, holder: Raw, key: str) -> None:
         """A material that is named exists."""
         name = holder.get(key)
         if isinstance(name, str) and name not in self.materials:
             remedy = suggestion(name, self.materials, f"add a table [material.{name}]")
-            self.add((*path, key), "there is no material of this name", name, "", remedy)
+            self.add((*path, key), "there is no material of this name", remedy)
 
     def turned(self, name: str) -> bool:
         """Whether a driver prescribes the angle of a body."""

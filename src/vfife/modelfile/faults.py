@@ -11,7 +11,7 @@ Path = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault: where it is (table and key), what is wrong, the value as written, what is allowed, what to do about it."""
+    """One fault: where it is (table and key), what is wrong, the value as written, what is allowed, what to do."""
 
     where: str
     what: str
@@ -39,9 +39,10 @@ class ModelError(ValueError):
 
 
 def place(path: Path, given: Iterable[Path] = ()) -> str:
-    """Table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance"; an empty last part names the table itself.
+    """Table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance".
 
-    A value that was ``given`` beside the file is marked, so that nobody looks for it in the file.
+    An empty last part names the table itself. A value that was ``given`` beside the file is marked, so that nobody
+    looks for it in the file.
     """
     parts = list(path)
     index = ""

@@ -41,8 +41,9 @@ def read_law(kind: str, holder: Raw, path: Path, given: set[Path]) -> tuple[Law 
         elif key != "law":
             remedy = suggestion(key, fields, f'remove it, or name another law than "{name}"')
             faults.append(Fault(where, "unknown key", shown(value), "", remedy))
+    lacks = f'the law "{name}" needs this key, which is missing'
     faults += [
-        Fault(place((*path, key), given), f'the law "{name}" needs this key, which is missing', "", needs(field), "add it")
+        Fault(place((*path, key), given), lacks, "", needs(field), "add it")
         for key, field in fields.items()
         if key not in holder and field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
     ]
@@ -78,12 +79,11 @@ def speeds_in_order(law: type[Law], values: Raw, path: Path, given: set[Path]) -
     """A ramp of friction between v0 and v1 has to rise."""
     if not {"v0", "v1"} <= set(law_fields(law)):
         return []
-    whole = {field.name: field.default for field in dataclasses.fields(law)} | values
+    whole: Raw = {field.name: field.default for field in dataclasses.fields(law)} | values
     if whole["v1"] > whole["v0"]:
         return []
-    where = place((*path, "v1"), given)
-    limit = f"above v0 = {whole['v0']:g} m/s"
-    return [Fault(where, "friction would have no ramp between v0 and v1", f"{whole['v1']:g}", limit, "raise v1 or lower v0")]
+    what, limit = "friction would have no ramp between v0 and v1", f"above v0 = {whole['v0']:g} m/s"
+    return [Fault(place((*path, "v1"), given), what, f"{whole['v1']:g}", limit, "raise v1 or lower v0")]
 
 
 def law_or_default(kind: str, holder: Raw) -> Any:

@@ -66,10 +66,9 @@ def entry(raw: Raw, section: str, name: str, text: str) -> str:
     """The name in a section that is meant."""
     if section == "material" and name == "steel":
         steel = Material()
-        known = {"youngs_modulus": steel.youngs_modulus, "poissons_ratio": steel.poissons_ratio, "density": steel.density}
-        raw_materials = raw.setdefault("material", {})
-        if isinstance(raw_materials, dict):
-            raw_materials.setdefault("steel", known)
+        materials = raw.setdefault("material", {})
+        if isinstance(materials, dict):
+            materials.setdefault("steel", {key: value for key, value in vars(steel).items() if key != "name"})
     if name in table(raw, section):
         return name
     found = [joint for joint, ends in connected(raw) if name in ends] if section == "joint" else []
@@ -95,7 +94,10 @@ def step(raw: Raw, above: Path, part: str, text: str) -> str | int:
     if isinstance(here, list):
         if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(here):
             return int(part)
-        raise PathFault(f"{'.'.join(map(str, above))} is a list of {len(here)}", f"end the path in a number from 0 to {len(here) - 1}")
+        raise PathFault(
+            f"{'.'.join(map(str, above))} is a list of {len(here)}",
+            f"end the path in a number from 0 to {len(here) - 1}",
+        )
     if not isinstance(here, dict):
         raise PathFault(f"{'.'.join(map(str, above))} is a value, not a table", nearest(raw, text))
     known = known_keys(above)

@@ -1,4 +1,4 @@
-"""TOML text -> mechanism: values set by path, then keys, units and limits, then checks across tables; all faults at once."""
+"""TOML text -> mechanism: values set by path, keys, units and limits, checks across tables; all faults at once."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ Items = Iterable[tuple[str, Any]]
 def load(path: str | FilePath, set: Items = ()) -> Mechanism:
     """The mechanism of a model file.
 
-    ``set`` holds (path, value) pairs that replace or add values before anything is checked: ("joint.C.clearance", "0.5 mm"), or by the two
-    bodies that the joint connects, ("joint.coupler-follower.clearance", "0.5 mm"). A text value is read as TOML if it is that, else as it
-    stands. Raises ModelError with every fault of the file.
+    ``set`` holds (path, value) pairs that replace or add values before anything is checked, as in
+    ("joint.C.clearance", "0.5 mm"); "joint.coupler-follower" stands for the joint that connects the two bodies. A text
+    is read as TOML if it is that, else as it stands. Where a ``model``, a ``kind`` or a ``law`` is set, keys beside it
+    in the file that the new one has no use for are dropped. Raises ModelError with every fault of the file.
     """
     try:
         text = FilePath(path).read_bytes().decode("utf-8-sig")
@@ -66,19 +67,20 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
 def syntax_fault(text: str, error: Exception) -> Fault:
     """Line and column of a fault in the TOML itself, with the line."""
     if isinstance(error, RecursionError):
-        return Fault("file", "lists or tables are nested too deeply", "", "", "a model needs no more than lists of numbers")
-    said, _, where = str(error).partition(" (at ")
-    found = re.match(r"line (\d+), column (\d+)", where)
-    if not found:
-        what = f"this is no TOML: {said}" if said else "this is no TOML"
-        return Fault(where.rstrip(")") or "file", what, "", "", "see whether a quote or a bracket is open, or a number too long")
-    lines = text.splitlines()
-    line, column = int(found[1]), int(found[2])
-    written = shown(lines[line - 1].strip()) if 0 < line <= len(lines) else ""
-    remedy = "quote texts and quantities with units, and close every quote and bracket"
+        return Fault(
+            "file", "lists or tables are nested too deeply", "", "", "a model needs no more than lists of numbers"
+        )
+    said, _, place_said = str(error).partition(" (at ")
+    what, where = f"this is no TOML: {said}", place_said.rstrip(")") or "file"
+    if found := re.match(r"line (\d+), column (\d+)", where):
+        line = text.splitlines()[int(found[1]) - 1 : int(found[1])]
+        what += f", in {shown(line[0].strip())}" if line else ""
+    remedy = "put texts and quantities with units in quotes, and close every quote and bracket"
     if "overwrite" in said or "twice" in said:
         remedy = "give each key and each table once"
-    return Fault(f"line {line}, column {column}", f"this is no TOML: {said}" + (f", in {written}" if written else ""), "", "", remedy)
+    elif "digits" in said:
+        what, remedy = "this is no TOML: a number of thousands of digits", "shorten it"
+    return Fault(where, what, "", "", remedy)
 
 
 def schema_fault(raw: Raw, error: dict[str, Any], given: set[Path]) -> Fault:
@@ -117,8 +119,11 @@ def unknown_key(raw: Raw, path: Path, value: Any, where: str) -> Fault:
     if key in CLEARANCE_ONLY and above[:1] == ("joint",):
         return Fault(where, "an ideal joint has no such key", shown(value), "", 'set kind = "clearance", or remove it')
     if key in known:
-        what = f"a body of this kind ({holder.get('model', 'rigid')}, {'with' if 'length' in holder else 'without'} a length) has no such key"
-        return Fault(where, what, shown(value), "", "remove it, or give the body the model and the length that go with it")
+        length = "with" if "length" in holder else "without"
+        what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
+        return Fault(
+            where, what, shown(value), "", "remove it, or give the body the model and the length that go with it"
+        )
     what = "unknown table" if isinstance(value, dict) else "unknown key"
     return Fault(where, what, shown(value), "", suggestion(key, known, "remove it"))
 

@@ -1,4 +1,4 @@
-"""Raw tables of a model file, as the TOML reader leaves them: walks through them that never fail, and which keys a table knows."""
+"""Raw tables of a model file, as the TOML reader leaves them: walks that never fail, and which keys a table knows."""
 
 from __future__ import annotations
 

@@ -25,8 +25,8 @@ KEYS = {"link_model": "model", "extra_points": "pins", "points": "pins"}
 def dump(mechanism: Mechanism) -> str:
     """TOML text of a mechanism; ``loads`` makes an equal one of it.
 
-    What equals its default is left out, and so is what a link's model has no use for. Raises ValueError where two different materials share a
-    name, and TypeError for a noun that the file has no table for.
+    What equals its default is left out, and so is what a link's model has no use for. Raises ValueError where two
+    different materials share a name, and TypeError for a noun that the file has no table for.
     """
     top: dict[str, Any] = {"name": mechanism.name}
     if mechanism.note:
@@ -41,7 +41,10 @@ def dump(mechanism: Mechanism) -> str:
 
 def tables(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
     """Headers and entries of the tables, in the order a reader wants them."""
-    for header, entries in (("run", changed(mechanism.settings, Settings())), ("start", changed(mechanism.start, Start()))):
+    for header, entries in (
+        ("run", changed(mechanism.settings, Settings())),
+        ("start", changed(mechanism.start, Start())),
+    ):
         if entries:
             yield header, entries
     for material in materials(mechanism):
@@ -61,7 +64,9 @@ def tables(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
 def changed(noun: Any, default: Any, leave: tuple[str, ...] = ()) -> dict[str, Any]:
     """Fields that differ from those of ``default``, under the keys of the file."""
     pairs = ((field.name, getattr(noun, field.name)) for field in dataclasses.fields(noun) if field.name not in leave)
-    return {KEYS.get(name, name): value for name, value in pairs if value is not None and value != getattr(default, name)}
+    return {
+        KEYS.get(name, name): value for name, value in pairs if value is not None and value != getattr(default, name)
+    }
 
 
 def materials(mechanism: Mechanism) -> list[Material]:
@@ -81,9 +86,15 @@ def body_tables(name: str, body: Body) -> Iterator[tuple[str, Entries]]:
     nan = float("nan")  # differs from every number, so that what a body must have is always written
     if isinstance(body, Link):
         idle = [{"pins": "extra_points"}.get(key, key) for key in IDLE_KEYS[body.link_model]]
-        entries = {"model": body.link_model, **changed(body, Link(name="", length=nan), leave=("name", "material", "link_model", *idle))}
+        entries = {
+            "model": body.link_model,
+            **changed(body, Link(name="", length=nan), leave=("name", "material", "link_model", *idle)),
+        }
     elif isinstance(body, RigidBody):
-        entries = {"model": "rigid", **changed(body, RigidBody(name="", mass=nan, inertia=nan), leave=("name", "material"))}
+        entries = {
+            "model": "rigid",
+            **changed(body, RigidBody(name="", mass=nan, inertia=nan), leave=("name", "material")),
+        }
     elif isinstance(body, PointMass):
         entries = {"model": "particle", **changed(body, PointMass(name="", mass=nan), leave=("name", "material"))}
     else:
