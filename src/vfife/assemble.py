@@ -22,7 +22,7 @@ from .mechanism import Mechanism
 from .prestress import Start as Prestress
 from .prestress import prestress, wanted
 from .stability import choose_step
-from .start import Motion, ideal_motion, kinematic_drivers, local_point, pivot_of
+from .start import Motion, Seat, ideal_motion, kinematic_drivers, local_point, pivot_of, seated, surfaces
 
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 
@@ -105,7 +105,8 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     reach, StepError where the step is too large) with a sentence that names what is wrong.
     """
     numbering = Numbering(mechanism)
-    motion = ideal_motion(mechanism)
+    seats = seated(mechanism)
+    motion = ideal_motion(mechanism, seats=seats)
     clearances = mechanism.clearances
     pivots = [joint.name for joint in numbering.pivots.values()]
     ideals = [joint for joint in mechanism.joints.values() if joint.name not in pivots and joint.name not in clearances]
@@ -137,13 +138,15 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
         function_start=starts,
         path_unit=mechanism.settings.path_unit,
         damped=mechanism.settings.damping > 0.0,
+        weightless=not any(mechanism.gravity),
         contact_laws=contacts,
         friction_laws=frictions,
     )
-    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism) if wanted(mechanism) else None)
+    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism, seats) if wanted(mechanism) else None)
     filler.bodies()
     filler.joints(ends, [j.name for j in ideals])
     filler.drivers_and_loads(loads)
+    filler.seat(seats)
     choice = choose_step(mechanism, filler.layout, filler.state, topology, tuple(clearances), step, expected, **run)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
@@ -289,6 +292,14 @@ class Filler:
             values = law.parameters(pair)
             self.state[row : row + len(values)] = values
 
+    def seat(self, seats: Mapping[str, Seat]) -> None:
+        """Contact under way in joints whose journals start where the ideal reaction presses them."""
+        for index, (name, joint) in enumerate(self.mechanism.clearances.items()):
+            if name in seats:
+                self.put("clearance_slowness", 1.0 / joint.impact_speed_floor, index)
+                self.put("clearance_normal_force", seats[name].force, index)
+                self.put("clearance_penetration", seats[name].depth, index)
+
     def drivers_and_loads(self, loads: list[tuple[int, int, tuple[float, float], tuple[float, float, float]]]) -> None:
         """Parameters of drivers and of loads over time."""
         for index, name in enumerate(self.numbering.driven):
@@ -316,11 +327,3 @@ def carried(position: Any, velocity: Any, x: float, y: float) -> tuple[tuple[flo
     c, s = math.cos(position[2]), math.sin(position[2])
     rx, ry, w = c * x - s * y, s * x + c * y, velocity[2]
     return (position[0] + rx, position[1] + ry, position[2]), (velocity[0] - w * ry, velocity[1] + w * rx, w)
-
-
-def surfaces(mechanism: Mechanism, joint: ClearanceRevolute) -> Any:
-    """The pair of surfaces of a joint, with the materials of its bodies."""
-    from .laws import Material
-
-    materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
-    return joint.pair(*materials)

@@ -8,6 +8,7 @@ shapes a moment before and after: what is left out is of the order of the square
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from .joints import ClearanceRevolute
 from .lumping import Lumps, lumped, section_of
 from .mechanism import Mechanism
 from .stability import turn_of
-from .start import Motion, ideal_motion, kinematic_drivers
+from .start import Motion, Seat, ideal_motion, kinematic_drivers
 
 Array = NDArray[np.float64]
 
@@ -158,14 +159,16 @@ def straight(link: Link) -> Shape:
     return Shape(np.column_stack([lumped(link).position, np.zeros(k + 1), np.zeros(k + 1)]), zeros, zeros, zeros)
 
 
-def settle(mechanism: Mechanism, time: float, shapes: dict[str, Shape], extra: dict[str, Array]) -> tuple[Motion, dict[str, Shape], Mechanism]:
+def settle(
+    mechanism: Mechanism, time: float, shapes: dict[str, Shape], extra: dict[str, Array], seats: Mapping[str, Seat]
+) -> tuple[Motion, dict[str, Shape], Mechanism]:
     """Shapes and motion at ``time`` that agree with each other."""
     links = elastic_links(mechanism)
     guess = None
     for _ in range(PASSES):
         bodies: dict[str, Body] = {**mechanism.bodies, **{name: as_rigid(link, shapes[name]) for name, link in links.items()}}
         held = dataclasses.replace(mechanism, bodies=bodies)
-        motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra))
+        motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats)
         guess = motion.position
         shapes = {
             name: deformed(mechanism, link, motion, bodies[name], shapes[name], extra[name], motion.torque.get(name, 0.0))  # type: ignore[arg-type]
@@ -190,14 +193,14 @@ def placed(mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[s
     return result
 
 
-def prestress(mechanism: Mechanism) -> Start:
+def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
     """Start of a mechanism with elastic links: positions, velocities and element forces that go on smoothly.
 
     Without a driver the motion before and after is not known; the velocities are then those of the rigid mechanism.
     """
     links = elastic_links(mechanism)
     none = {name: np.zeros((link.element_count + 1, 3)) for name, link in links.items()}
-    motion, shapes, held = settle(mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none)
+    motion, shapes, held = settle(mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none, seats)
     turn = turn_of(mechanism)
     if not kinematic_drivers(mechanism) or turn is None:
         velocity = {
@@ -210,7 +213,7 @@ def prestress(mechanism: Mechanism) -> Start:
     for _ in range(2):
         path = []
         for k in (-2, -1, 0, 1, 2):
-            there, bent, fixed = settle(mechanism, k * h, shapes, extra)
+            there, bent, fixed = settle(mechanism, k * h, shapes, extra, seats)
             path.append((placed(mechanism, there, fixed, bent), there, fixed, bent))
         velocity, extra = _differences(path, h, links)
     position, _, _, shapes = path[2]

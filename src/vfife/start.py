@@ -13,8 +13,10 @@ from .drivers import AngleTable, ConstantSpeed, Driver, Ramp, Torque
 from .functions import angle_function
 from .joints import ClearanceRevolute, Joint
 from .kinematics import AssemblyError, Drive, Mobility, Pin, RigidSystem, accelerations, close, mobility, velocities
+from .laws import Material, Pair
 from .lumping import rigid_properties
 from .mechanism import Mechanism
+from .stability import tangent
 
 Array = NDArray[np.float64]
 
@@ -68,8 +70,45 @@ def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
     return points[pin]
 
 
-def rigid_system(mechanism: Mechanism, time: float = 0.0, *, open_joints: frozenset[str] = frozenset()) -> RigidSystem:
-    """The mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s)."""
+def surfaces(mechanism: Mechanism, joint: ClearanceRevolute) -> Pair:
+    """The pair of surfaces of a joint, with the materials of its bodies."""
+    materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
+    return joint.pair(*materials)
+
+
+@dataclass(frozen=True)
+class Seat:
+    """A journal pressed into its bearing: eccentricity in the bearing body's frame (m), depth (m) and force (N)."""
+
+    at: Point
+    depth: float
+    force: float
+
+
+def seated(mechanism: Mechanism) -> dict[str, Seat]:
+    """Seats of the journals where the ideal reactions press them, if the start asks for it."""
+    if mechanism.start.journals != "seated" or not mechanism.clearances:
+        return {}
+    motion = ideal_motion(mechanism)
+    seats = {}
+    for name, joint in mechanism.clearances.items():
+        fx, fy = motion.reaction.get(name, (0.0, 0.0))
+        force = float(np.hypot(fx, fy))
+        if force <= 0.0:
+            continue
+        depth = tangent(joint.contact, joint.contact.parameters(surfaces(mechanism, joint)), force)[0]
+        bearing = joint.sides[0][0]
+        angle = 0.0 if bearing == "ground" else motion.of(bearing)[0][2]
+        size = -(joint.clearance + depth) / force
+        c, s = np.cos(angle), np.sin(angle)
+        seats[name] = Seat((float(size * (c * fx + s * fy)), float(size * (c * fy - s * fx))), depth, force)
+    return seats
+
+
+def rigid_system(
+    mechanism: Mechanism, time: float = 0.0, *, open_joints: frozenset[str] = frozenset(), seats: Mapping[str, Seat] | None = None
+) -> RigidSystem:
+    """The mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s); seated journals beside their bearings' centres."""
     names = ("ground", *mechanism.bodies)
     properties = {name: rigid_properties(body) for name, body in mechanism.bodies.items()}
     pins = []
@@ -80,6 +119,8 @@ def rigid_system(mechanism: Mechanism, time: float = 0.0, *, open_joints: frozen
         for side in joint.sides:
             x, y = local_point(mechanism, side)
             cx, cy = (0.0, 0.0) if side[0] == "ground" else properties[side[0]][1]
+            if seats and joint.name in seats and side == joint.sides[0]:
+                x, y = x + seats[joint.name].at[0], y + seats[joint.name].at[1]
             ends.append((names.index(side[0]), (x - cx, y - cy)))
         pins.append(Pin(joint.name, *ends[0], *ends[1]))
     drives = []
@@ -156,17 +197,22 @@ def constant_forces(mechanism: Mechanism, position: Array, names: tuple[str, ...
 
 
 def ideal_motion(
-    mechanism: Mechanism, time: float = 0.0, guess: Array | None = None, *, inertial: Mapping[str, tuple[Array, Array, Array]] | None = None
+    mechanism: Mechanism,
+    time: float = 0.0,
+    guess: Array | None = None,
+    *,
+    inertial: Mapping[str, tuple[Array, Array, Array]] | None = None,
+    seats: Mapping[str, Seat] | None = None,
 ) -> Motion:
     """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch nearest the guess.
 
     ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot reach.
     """
-    system = rigid_system(mechanism, time)
+    system = rigid_system(mechanism, time, seats=seats)
     closure = close(system, first_guess(mechanism) if guess is None else guess)
     own = {name for name, body in mechanism.bodies.items() if any(body.velocity)}
     loose = frozenset(j.name for j in mechanism.clearances.values() if {side[0] for side in j.sides} & own)
-    moving = rigid_system(mechanism, time, open_joints=loose) if loose else system
+    moving = rigid_system(mechanism, time, open_joints=loose, seats=seats) if loose else system
     wish = np.zeros_like(closure.position)
     for name in own:
         wish[system.names.index(name)] = mechanism.bodies[name].velocity

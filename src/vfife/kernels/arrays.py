@@ -259,6 +259,7 @@ class Topology:
     function_start: tuple[int, ...] = ()
     path_unit: int = 1
     damped: bool = False
+    weightless: bool = False
     contact_laws: tuple[type, ...] = ()
     friction_laws: tuple[type, ...] = ()
 

@@ -21,10 +21,14 @@ def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
         base = layout.row("particle_x", i)
         known |= {base + getattr(P, name): 0.0 for name in ("vu", "vv", "vw", "s", "sn")}
         known |= {base + getattr(P, name): 1.0 for name in ("c", "cn")}
+        if topology.weightless:
+            known |= {base + getattr(P, name): 0.0 for name in ("load_x", "load_y", "load_m")}
         if i not in free:
             known |= {base + getattr(P, name): 0.0 for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")}
         if i not in free | driven:
             known |= {base + getattr(P, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
+    if topology.weightless:
+        known |= {layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"}
     for kind, sides in (("clearance", ("bearing", "journal")), ("ideal", ("bearing", "journal"))):
         for side in sides:
             for joint, body in enumerate(getattr(topology, f"{kind}_{side}")):

@@ -72,6 +72,8 @@ def syntax_fault(text: str, error: Exception) -> Fault:
         )
     said, _, place_said = str(error).partition(" (at ")
     what, where = f"this is no TOML: {said}", place_said.rstrip(")") or "file"
+    if where == "end of document":
+        where = f"line {text.count(chr(10)) + 1}, column {len(text) - text.rfind(chr(10))} (the end)"
     if found := re.match(r"line (\d+), column (\d+)", where):
         line = text.splitlines()[int(found[1]) - 1 : int(found[1])]
         what += f", in {shown(line[0].strip())}" if line else ""

@@ -1,0 +1,114 @@
+"""Element-steps per second and core with elastic links, beside PyElastica and OpenSees.
+
+Two models: a free straight bar that flies and turns (nothing but elements), and the four-bar of peers/common.py with ideal joints, 8 elements in the coupler
+and 14 in the follower, as the scripts of the others have it. A step of the four-bar also does its joints and its driver; its elements alone are counted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from environments import Missing, run
+from measure import Options, Part, interleaved, seconds, table
+from vfife import Mechanism, Section
+from vfife.assemble import assemble
+from vfife.kernels.runner import Runner
+
+TARGET = {"data-driven": 20e6, "generated": 80e6}
+SECTION = Section.square(1e-3)
+
+
+def bar(elements: int) -> Mechanism:
+    """A free bar of 10 mm elements, thrown and spun."""
+    mechanism = Mechanism("bar")
+    options = dict(model="elastic", elements=elements, section=SECTION, position=(0.0, 0.0), velocity=(1.0, 2.0, 3.0))
+    mechanism.link("bar", length=0.01 * elements, **options)
+    return mechanism
+
+
+def four_bar(elements: int) -> Mechanism:
+    """The four-bar with a rigid crank, ``elements`` in the coupler and as long ones in the follower."""
+    mechanism = Mechanism("four-bar, elastic")
+    mechanism.point("A", 0.0, 0.0)
+    mechanism.point("D", 0.15, 0.0)
+    mechanism.link("crank", length=0.4, mass=3.12)
+    for name, length, degrees in (("coupler", 0.26, 150.0), ("follower", 0.46, 30.0)):
+        options = dict(model="elastic", elements=max(2, round(elements * length / 0.26)), section=SECTION, angle=math.radians(degrees))
+        mechanism.link(name, length=length, **options)
+    mechanism.revolute("A", "ground.A", "crank.start")
+    mechanism.revolute("B", "crank.end", "coupler.start")
+    mechanism.revolute("C", "coupler.end", "follower.end")
+    mechanism.revolute("D", "ground.D", "follower.start")
+    mechanism.drive("crank", speed=50 * math.pi)
+    return mechanism
+
+
+def speed(mechanism: Mechanism, loop: str, lanes: int, wanted: float) -> tuple[int, Callable[[], float]]:
+    """Elements of a model, and a timed run of about ``wanted`` element-steps that gives seconds per element-step and simulation."""
+    assembly = assemble(mechanism, "auto", duration=1e-2)
+    elements = len(assembly.topology.element_nodes)
+    steps = max(200, round(wanted / elements / lanes))
+    states = np.repeat(assembly.state[: assembly.layout.rows, None], lanes, axis=1)
+    tables = np.repeat(assembly.tables[None, :], lanes, axis=0)
+    kept = np.array(assembly.layout.of("state"), dtype=np.uint32)
+
+    def timed() -> float:
+        runner = Runner(assembly.topology, states.copy(), tables, loop, kept)
+        took = seconds(lambda: runner.advance(steps, 1))
+        if not np.isfinite(runner.states).all():
+            raise RuntimeError(f"{mechanism.name}, {loop}: the run diverged")
+        return took / steps / lanes / elements
+
+    Runner(assembly.topology, states.copy(), tables, loop, kept).advance(3, 1)  # compile
+    return elements, timed
+
+
+def others(options: Options, part: Part) -> dict[str, float]:
+    """Element-steps per second of the scripts of others, case a, 22 elements."""
+    found = {}
+    length = "0.004" if options.quick else "0.0115"
+    chosen: dict[str, tuple[str, ...]] = {
+        "openseespy": ("openseespy_peer.py", "--tend", length),
+        "pyelastica": ("pyelastica_peer.py", "--tend", length, "--twin", "0"),
+    }
+    for name, (script, *arguments) in chosen.items():
+        try:
+            result = run(name, script, "--case", "a", "--dt", "1e-6", "--nel", "8", "--repeat", "3", *arguments)
+        except Missing as error:
+            part.notes.append(f"elastic: {error}")
+            continue
+        found[f"{name} {result['version']}, {result['route']}"] = 22 * result["steps_per_s"]
+    return found
+
+
+def measure(options: Options) -> Part:
+    """Speeds of both loops on both models, and of others on the four-bar."""
+    part = Part()
+    size = 1e6 if options.quick else 4e6
+    models: dict[str, tuple[Mechanism, str, int]] = {
+        "data_driven": (bar(1000), "data-driven", 1),
+        "data_driven_four_bar": (four_bar(8), "data-driven", 1),
+        "generated_1_lane_four_bar": (four_bar(8), "generated", 1),
+        "generated_4_lanes": (bar(40), "generated", 4),
+        "generated_4_lanes_four_bar": (four_bar(8), "generated", 4),
+    }
+    prepared = {name: speed(*model, size) for name, model in models.items()}
+    best = interleaved(3 if options.quick else 9, {name: timed for name, (_, timed) in prepared.items()})
+    rows: list[tuple[Any, ...]] = []
+    for name, (mechanism, loop, lanes) in models.items():
+        rate = 1.0 / best[name]
+        part.measured[name] = {"element_steps_per_s": rate, "elements": prepared[name][0], "lanes": lanes}
+        if name != "generated_1_lane_four_bar":
+            part.ratios[f"elastic.{name}"] = rate / TARGET[loop]
+        rows.append((f"{mechanism.name}, {prepared[name][0]} elements, {loop}, lanes: {lanes}", rate / 1e6, 1e9 * best[name]))
+    if options.peers:
+        vfife = part.measured["data_driven_four_bar"]["element_steps_per_s"]
+        for name, rate in others(options, part).items():
+            part.measured[name] = {"element_steps_per_s": rate, "elements": 22, "lanes": 1}
+            part.ratios[f"elastic.over_{name.split()[0]}"] = vfife / rate
+            rows.append((f"four-bar, 22 elements, {name}", rate / 1e6, 1e9 / rate))
+    part.tables.append(table("elastic links on one core", "model, loop", "million element-steps/s", "ns per element-step", rows=rows))
+    return part

@@ -1,0 +1,150 @@
+"""The energy ledger: what drivers and loads put in, what is stored and what is lost, and what is left over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly import Record
+from ..laws import ContactLaw
+from .motion import AXES, half_damping, is_free, velocities
+
+Array = NDArray[np.float64]
+STORED = ("kinetic", "strain", "contact")
+LOST = ("contact_loss", "friction_loss", "damping_loss")
+SUPPLIED = ("external", "driver")
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Energies (J) at the outputs, each of shape (outputs,), by name: what is stored, lost and supplied."""
+
+    terms: dict[str, Array]
+
+    @cached_property
+    def residual(self) -> Array:
+        """Stored + lost - supplied - stored at output 0 (J); zero if the ledger closes."""
+        stored = sum((self.terms[name] for name in STORED), np.zeros(1))
+        lost = sum((self.terms[name] for name in LOST), np.zeros(1))
+        supplied = sum((self.terms[name] for name in SUPPLIED), np.zeros(1))
+        return np.asarray(stored + lost - supplied - stored[0], dtype=float)
+
+    @property
+    def largest(self) -> float:
+        """Largest absolute energy of all terms (J)."""
+        return max(float(np.abs(values).max()) for values in self.terms.values())
+
+    @property
+    def error(self) -> float:
+        """Largest absolute residual over the largest energy; 0 where there is no energy at all."""
+        largest = self.largest
+        return float(np.abs(self.residual).max()) / largest if largest > 0.0 else 0.0
+
+
+def ledger(record: Record) -> Ledger:
+    """All energies and works of a record, from its state at t_n.
+
+    A work row sums span * power up to and including all of step n, so the work at t_n is the row less dt/2 power; the first step,
+    whose span is dt/2, gives zero.
+    """
+    return Ledger(
+        {
+            "kinetic": kinetic(record),
+            "strain": strain(record),
+            "contact": contact(record),
+            "contact_loss": _work(record, "clearance_damping"),
+            "friction_loss": _work(record, "clearance_friction"),
+            "damping_loss": _work(record, "damping"),
+            "external": _work(record, "external") + constant_loads(record),
+            "driver": _work(record, "driven"),
+        }
+    )
+
+
+def _work(record: Record, name: str) -> Array:
+    half = 0.5 * record.assembly.choice.step
+    return np.asarray((record.block(f"{name}_work") - half * record.block(f"{name}_power")).sum(axis=1), dtype=float)
+
+
+def kinetic(record: Record) -> Array:
+    """Kinetic energy (J): sum of m/4 (v_(n-1/2)^2 + v_(n+1/2)^2) over free particles, and I w^2/2 of the driven bodies.
+
+    The mean of both half steps is what the central difference keeps; output 0 has m v_0^2/2, the velocity it starts from.
+    """
+    free = is_free(record)
+    now = velocities(record)
+    inertia = {"u": "particle_inverse_mass", "v": "particle_inverse_mass", "w": "particle_inverse_inertia"}
+    total = np.zeros(len(record.steps))
+    for _, rate, _ in AXES:
+        inverse = record.parameter(inertia[rate])
+        moves = free & (inverse > 0.0)
+        after = record.block(f"particle_{rate}")[:, moves]
+        before = 2.0 * now[rate][:, moves] - after
+        mean = 0.5 * (before**2 + after**2)
+        mean[0] = now[rate][0, moves] ** 2
+        total += 0.5 * mean @ (1.0 / inverse[moves])
+    driven = list(record.assembly.topology.driven)
+    return np.asarray(total + 0.5 * now["w"][:, driven] ** 2 @ record.parameter("driven_inertia"), dtype=float)
+
+
+def strain(record: Record) -> Array:
+    """Strain energy of the elements (J): N^2 l/(2 E A) + l/(6 E I) (m_1^2 - m_1 m_2 + m_2^2).
+
+    With one end released its moment is zero, and what is left, l m^2/(6 E I), is the energy of the condensed stiffness 3 E I/l.
+    """
+    if not record.assembly.topology.element_nodes:
+        return np.zeros(len(record.steps))
+    length = record.block("reference_length")
+    n, m1, m2 = (record.block(f"element_{name}") for name in ("axial_force", "moment_1", "moment_2"))
+    axial, bending = record.parameter("element_axial_stiffness"), record.parameter("element_bending_stiffness")
+    flexible = np.where(bending > 0.0, bending, np.inf)
+    energy = n**2 * length / (2.0 * axial) + length / (6.0 * flexible) * (m1**2 - m1 * m2 + m2**2)
+    return np.asarray(energy.sum(axis=1), dtype=float)
+
+
+def contact(record: Record) -> Array:
+    """Energy stored in the contacts (J)."""
+    assembly = record.assembly
+    total = np.zeros(len(record.steps))
+    if not assembly.clearances:
+        return total
+    depth = np.maximum(record.block("clearance_penetration"), 0.0)
+    for index, name in enumerate(assembly.clearances):
+        law = assembly.mechanism.clearances[name].contact
+        row = assembly.layout.row("clearance_contact", index)
+        slots = tuple(float(value) for value in assembly.state[row : row + len(law.slots)])
+        total += elastic_energy(law, depth[:, index], slots)
+    return total
+
+
+def elastic_energy(law: ContactLaw, depth: Array, slots: tuple[float, ...]) -> Array:
+    """Elastic energy (J) at penetrations (m) of any shape: the law's own, or its elastic force summed up where it has none."""
+    try:
+        return np.asarray(law.elastic_energy(depth, slots), dtype=float)
+    except NotImplementedError:
+        grid = np.linspace(0.0, max(float(depth.max()), 1e-12), 2001)
+        force = np.array([law.force(float(d), 0.0, slots)[0] for d in grid])
+        steps = 0.5 * (force[1:] + force[:-1]) * np.diff(grid)
+        return np.interp(depth, grid, np.concatenate([[0.0], np.cumsum(steps)]))
+
+
+def constant_loads(record: Record) -> Array:
+    """Work of constant loads and of the weight since output 0 (J): force dot displacement.
+
+    The weight of a driven body acts at its centre of mass, whose place times mass is ``driven_moment``, turned with the body.
+    """
+    total = np.zeros(len(record.steps))
+    for axis, load in (("x", "x"), ("y", "y"), ("theta", "m")):
+        place = record.block(f"particle_{axis}")
+        total += (place - place[0]) @ record.parameter(f"particle_load_{load}")
+    driven = list(record.assembly.topology.driven)
+    if driven:
+        angle = record.block("particle_theta")[:, driven]
+        mx, my, gx, gy = (record.parameter(f"driven_{name}") for name in ("moment_x", "moment_y", "weight_x", "weight_y"))
+        c, s = np.cos(angle), np.sin(angle)
+        height = gx * (c * mx - s * my) + gy * (s * mx + c * my)
+        total += (height - height[0]).sum(axis=1)
+    return total

@@ -1,0 +1,56 @@
+"""The command line. Commands load what they need when they run, so that ``vfife --help`` is quick."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from . import __version__
+from .commands.check import check
+from .commands.ended import export, info, plot
+from .commands.laws import laws
+from .commands.run import run
+from .commands.terminal import INTERRUPTED, tell
+
+
+class Group(TyperGroup):
+    """The commands; Ctrl-C ends each of them with a sentence."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Runs the command that is named."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            tell("interrupted", "Nothing more was done.")
+            raise typer.Exit(INTERRUPTED) from None
+
+
+app = typer.Typer(
+    name="vfife",
+    cls=Group,
+    help="Planar mechanisms whose pins have play.",
+    epilog="Start with: vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own --help.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+
+def show_version(wanted: bool) -> None:
+    """Prints the version and ends."""
+    if wanted:
+        typer.echo(f"vfife {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end.")] = False,
+) -> None:
+    """Planar mechanisms whose pins have play."""
+
+
+for command in (run, check, info, plot, export, laws):
+    app.command()(command)

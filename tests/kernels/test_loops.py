@@ -1,0 +1,144 @@
+"""Data-driven = generated = four lanes = interpreted, to the bit, on runs that are rich in contacts, tables, drivers and frames."""
+
+import dataclasses
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from support import SQUARE, bits, four_bar, lanes, with_settings
+
+from vfife.assemble import assemble
+from vfife.drivers import Ramp, Torque
+from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
+from vfife.loads import PointForce
+from vfife.mechanism import Mechanism
+
+LANES = 4
+
+
+def rigid_bars(lane: int) -> Mechanism:
+    """Case c: three clearance joints that share bodies, friction with its moments."""
+    return four_bar("BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]})
+
+
+def two_particle_bars(lane: int) -> Mechanism:
+    """The paper's links: one frame element each, joints with particles of their own and other laws each, among them a power of the depth."""
+    m = four_bar("BCD", "two-particle", clearance=1e-4 * (1 + lane), friction=Ambrosio(0.1, 0.01, 0.1), section=SQUARE)
+    m.joints["C"] = dataclasses.replace(m.joints["C"], contact=Pereira(0.5))
+    m.joints["D"] = dataclasses.replace(m.joints["D"], friction=Frictionless())
+    return m
+
+
+def one_clearance(lane: int) -> Mechanism:
+    """Case b: a clearance joint between bodies that hang in ideal joints."""
+    return four_bar("C", clearance=2e-4 * (1 + 0.4 * lane), contact=LankaraniNikravesh(0.9 - 0.2 * lane, 6.6e10))
+
+
+def elastic_bars(lane: int) -> Mechanism:
+    """Frame elements and ideal joints."""
+    return four_bar("", "elastic", speed=50 * math.pi * (1 - 0.1 * lane), elements=2, section=SQUARE)
+
+
+def swing(lane: int) -> Mechanism:
+    """A ramp that drives, a torque and a force over time, gravity, damping, a pendulum with clearance hung from one without."""
+    m = Mechanism("swing", gravity=(0.3, -9.81 - lane))
+    m.point("O", 0.1, 0.2)
+    m.link("arm", length=0.2, mass=1.0, angle=0.4)
+    m.link("upper", length=0.3, mass=0.8, angle=-1.2)
+    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), points={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
+    m.revolute("O", "ground.O", "arm.start")
+    m.revolute("P", "arm.end", "upper.start")
+    m.clearance(
+        "Q", "upper.end", "lower.eye", clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(0.8, 1e9), friction=Ambrosio(0.2, 1e-3, 1e-2)
+    )
+    m.drivers["arm"] = Ramp(body="arm", speed=40.0 + lane, duration=0.004)
+    m.drivers["lower"] = Torque(body="lower", torque=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
+    m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
+    return with_settings(m, damping=2.0)
+
+
+# model, step, steps between outputs, outputs, outputs to interpret
+RUNS = {
+    rigid_bars: (2e-6, 100, 120, 20),
+    two_particle_bars: (1e-6, 100, 120, 20),
+    one_clearance: (2e-6, 100, 120, 12),
+    elastic_bars: (1e-6, 50, 60, 12),
+    swing: (4e-6, 50, 60, 20),
+}
+
+
+@cache
+def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Rows of so many lanes, all state and extremes, and the rows' names; each lane has its own parameters and step."""
+    step, every, outputs, interpreted = RUNS[model]
+    assemblies = [assemble(model(lane), step * (1 - 0.05 * lane), duration=1e-3, force_step=True) for lane in range(width)]
+    runner = lanes(assemblies, loop)
+    start = runner.advance(1, 1)
+    rows = runner.advance(every, interpreted if loop == "interpreted" else outputs)
+    layout = assemblies[0].layout
+    names = {row: name for name, where in layout.slices.items() for row in range(*where.indices(layout.rows))}
+    return np.concatenate([start, rows]), tuple(names.get(int(row), "wide") for row in runner.kept)
+
+
+def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> set[str]:
+    """Names of the rows whose bits differ anywhere."""
+    return {names[k] for k in np.flatnonzero((bits(ours) != bits(theirs)).any(axis=(0, 2)))}
+
+
+@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+def test_generated_is_data_driven(model):
+    rows, names = computed(model, "data-driven", LANES)
+    one, _ = computed(model, "generated", 1)
+    assert differing(one, rows[:, :, :1], names) == set()
+
+
+@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+def test_four_lanes_are_data_driven_each(model):
+    rows, names = computed(model, "data-driven", LANES)
+    four, _ = computed(model, "generated", LANES)
+    assert differing(four, rows, names) == set()
+
+
+@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+def test_interpreted_is_data_driven(model):
+    rows, names = computed(model, "data-driven", LANES)
+    plain, _ = computed(model, "interpreted", 1)
+    assert differing(plain, rows[: len(plain), :, :1], names) == set()
+
+
+@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+def test_the_runs_are_worth_comparing(model):
+    """Numbers all finite; lanes differ; contacts begin, end, dissipate and rub in the part that is interpreted, too."""
+    rows, names = computed(model, "data-driven", LANES)
+    assert np.isfinite(rows).all()
+    assert all((rows[-1, :, lane] != rows[-1, :, 0]).mean() > 0.5 for lane in range(1, LANES))
+
+    def block(name: str) -> np.ndarray:
+        return rows[:, [k for k, other in enumerate(names) if other == name]]
+
+    if model is not elastic_bars:
+        interpreted = RUNS[model][3]
+        assert (block("clearance_onsets")[interpreted, :, 0] >= 1).any()
+        assert (block("clearance_onsets")[-1] >= 2).all(axis=0).any()
+        assert (block("clearance_damping_work")[interpreted, :, 0] > 0).any()
+        assert (block("clearance_friction_work")[interpreted, :, 0] > 0).any()
+        assert (block("clearance_slowness") == 0).any() and (block("clearance_slowness")[1:] > 0).any()
+    if model is two_particle_bars:
+        assert (block("clearance_friction_work")[-1, :2] > 0).all() and (block("clearance_friction_work")[:, 2] == 0).all()
+    if model in (elastic_bars, two_particle_bars):
+        assert np.abs(block("element_moment_1")[-1]).min() > 0
+    if model is swing:
+        assert all(np.abs(block(name)[-1]).min() > 0 for name in ("external_work", "damping_work", "driven_work"))
+
+
+def test_a_run_in_pieces_is_one_run():
+    """Advancing by 1, 7 and 592 steps gives the state that 600 steps give, in either loop."""
+    for loop in ("data-driven", "generated"):
+        whole, pieces = (lanes([assemble(rigid_bars(0), 2e-6, duration=1e-3, force_step=True)], loop) for _ in range(2))
+        whole.advance(600, 1)
+        for count in (1, 7, 592):
+            pieces.advance(count, 1)
+        state = [k for k in range(whole.layout.rows) if k in set(whole.layout.of("state"))]
+        assert (bits(whole.states[state]) == bits(pieces.states[state])).all()
+
