@@ -1,0 +1,158 @@
+"""``vfife check``: what would run, and what it would cost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from .options import JsonOption, ModelArgument, SetOption, overrides, read_model
+from .terminal import amount_of_bytes, grid, output, print_json, row, sentences, span
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rich.console import Console
+
+
+def check(model: ModelArgument, set_: SetOption = None, as_json: JsonOption = False) -> None:
+    """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
+
+    Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to expect.
+    """
+    with sentences(str(model)):
+        found = examine(model, set_)
+    if as_json:
+        print_json(found)
+    else:
+        show(output(), found)
+
+
+def examine(model: Path, texts: list[str] | None) -> dict[str, Any]:
+    """Everything that is known before a run."""
+    mechanism = read_model(model, texts)
+    from ..assemble import assemble
+    from ..simulate import expected_forces, reference_of
+    from . import described
+    from .cost import estimate
+    from .filled import filled_in
+
+    expected = expected_forces(reference_of(mechanism))
+    assembly = assemble(mechanism, expected=expected)
+    choice = assembly.choice
+    return {
+        "model": mechanism.name,
+        "file": str(model),
+        "note": mechanism.note,
+        "bodies": described.bodies(assembly),
+        "joints": described.joints(assembly, expected),
+        "degrees_of_freedom": described.freedom(assembly),
+        "step": described.step(assembly),
+        "steps": choice.steps,
+        "outputs": choice.outputs + 1,
+        "steps_between_outputs": choice.outputs_every,
+        "duration": choice.steps * choice.step,
+        "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
+        "estimate": estimate(assembly),
+        "defaults": filled_in(model, overrides(texts)),
+        "notes": list(assembly.notes),
+    }
+
+
+def show(console: Console, found: Mapping[str, Any]) -> None:
+    """The same for people."""
+    from rich.text import Text
+
+    console.print(Text.assemble((found["model"], "bold"), f"  ({found['file']})"))
+    for note in (found["note"], *found["notes"]):
+        if note:
+            console.print(Text(note.strip(), style="yellow"))
+    console.print()
+    show_bodies(console, found["bodies"])
+    show_joints(console, found["joints"])
+    for sentence in (*freedom(found["degrees_of_freedom"]), *steps(found), *cost(found["estimate"])):
+        console.print(Text(sentence))
+    show_defaults(console, found["defaults"])
+
+
+def show_bodies(console: Console, bodies: list[dict[str, Any]]) -> None:
+    """Table of bodies."""
+    table = grid("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver", right=(2, 3))
+    for body in bodies:
+        elements = f", {body['elements']} elements" if body["elements"] > 1 else ""
+        center = f"({body['center'][0]:.6g}, {body['center'][1]:.6g})"
+        row(table, body["name"], body["model"] + elements, f"{body['mass']:.6g}", f"{body['inertia']:.6g}", center, body["driver"] or "")
+    console.print(table)
+
+
+def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
+    """Table of joints, then the laws of those with clearance; joints with the same laws share their lines."""
+    from rich.text import Text
+
+    table = grid("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N", right=(4, 5, 6))
+    laws: dict[str, list[str]] = {}
+    for joint in joints:
+        clear = "clearance" in joint
+        sizes = [f"{1e3 * joint[key]:.6g}" if clear else "" for key in ("clearance", "bearing_radius")]
+        force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
+        row(table, joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force)
+        for kind in ("contact", "friction") if clear else ():
+            laws.setdefault(law(kind, joint[kind]), []).append(joint["name"])
+    console.print(table)
+    for text, names in laws.items():
+        console.print(Text(f"{', '.join(names)}: {text}"))
+    console.print()
+
+
+def law(kind: str, entry: Mapping[str, Any]) -> str:
+    """A law in words: what is set, and what follows from it."""
+    given = ", ".join(f"{name} {value:g}" for name, value in entry["parameters"].items() if value is not None)
+    derived = ", ".join(f"{name} {value}" for name, value in entry["derived"].items())
+    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; in SI units {derived}" if derived else "")
+
+
+def freedom(found: Mapping[str, Any]) -> list[str]:
+    """Degrees of freedom in words."""
+    lines = [f"Degrees of freedom with ideal joints: {found['free']}; {found['after_drives']} with the drivers at work."]
+    if found["redundant"]:
+        count, named = found["redundant"], ", ".join(found["redundant_joints"])
+        lines.append(f"{count} redundant constraint{'s' * (count > 1)}, at {named}: how joints share their load is not determined by rigid links.")
+    return lines
+
+
+def steps(found: Mapping[str, Any]) -> list[str]:
+    """The step and its limits in words."""
+    step = found["step"]
+    how = "chosen; set by" if step["automatic"] else "as given; the stable one is set by"
+    turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
+    return [
+        f"Step {step['size']:.4g} s, {how} {step['set_by']}. The largest stable step is {step['stable']:.4g} s:",
+        *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
+        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
+    ]
+
+
+def cost(found: Mapping[str, Any]) -> list[str]:
+    """What it costs, in words."""
+    ns, compiling = found["ns_per_step"], span(found["compile_seconds"])
+    return [
+        f"Time, an estimate from a table of costs: {span(found['seconds'])} ({ns:.0f} ns a step, {found['loop']} loop), and some {compiling}",
+        f"  to compile that loop if it was never used here. The record takes {amount_of_bytes(found['bytes'])}.",
+    ]
+
+
+def show_defaults(console: Console, defaults: list[dict[str, Any]]) -> None:
+    """Table of what was filled in."""
+    if not defaults:
+        return
+    table = grid("filled in", "value", "meaning", title="Not in the file, so taken by default")
+    for entry in defaults:
+        unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
+        row(table, entry["path"], f"{shown(entry['value'])}{unit}", entry["meaning"])
+    console.print(table)
+
+
+def shown(value: Any) -> str:
+    """A default as a model file has it."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(shown, value))}]"
+    return f"{value:g}" if isinstance(value, float) else str(value)
