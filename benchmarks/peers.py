@@ -97,6 +97,7 @@ class Case:
 
     def largest_good_step(self) -> tuple[float, list[dict[str, float]]]:
         """Largest step of the grid from which on every smaller one is within the tolerance; the errors of all."""
+        self.run(GRID[self.case][0], "generated")  # compile
         scan = [{"step": step, **self.run(step, "generated")} for step in GRID[self.case]]
         good = GRID[self.case][-1]
         for row in reversed(scan):

@@ -9,9 +9,6 @@ import json
 import sys
 import time
 import traceback
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from measure import HERE, Options, Part, machine, table, versions
 from rich.console import Console

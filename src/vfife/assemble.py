@@ -200,6 +200,7 @@ class Filler:
     def __init__(self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: Prestress | None) -> None:
         self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
         self.state = np.zeros(layout.rows)
+        self.free = frozenset(numbering.free)
 
     def put(self, name: str, value: Any, index: int | None = None) -> None:
         """Sets a block, or one entry of it."""
@@ -221,7 +222,7 @@ class Filler:
         position, velocity = motion
         for axis, value in zip(("x", "y", "theta"), position, strict=True):
             self.put(f"particle_{axis}", value, p)
-        if p not in self.numbering.free:
+        if p not in self.free:
             self.put("particle_w", velocity[2], p)
             return
         for axis, value in zip("uvw", velocity, strict=True):
@@ -241,29 +242,42 @@ class Filler:
     def _elastic(self, link: Link, where: BodyMap) -> None:
         position, velocity, _ = self.motion.of(where.name)
         lumps, section = lumped(link), section_of(link)
-        stressed = self.stressed
-        for k, (p, at, mass, inertia) in enumerate(zip(where.particles, lumps.position, lumps.mass, lumps.inertia, strict=True)):
-            there = carried(position, velocity, at - where.center[0], 0.0)
-            if stressed is not None:
-                there = tuple(stressed.position[where.name][k]), tuple(stressed.velocity[where.name][k])
-            self._particle(p, mass, inertia, there)
-        for k, e in enumerate(where.elements):
-            first, last = (self.state[self.layout["particle_theta"]][p] for p in where.particles[k : k + 2])
-            dx, dy = (np.diff(self.state[self.layout[f"particle_{axis}"]][list(where.particles[k : k + 2])])[0] for axis in "xy")
-            length = math.hypot(dx, dy)
-            if stressed is not None:
-                shape = stressed.shapes[where.name]
-                for block, values in (("axial_force", shape.axial), ("moment_1", shape.moment_1), ("moment_2", shape.moment_2)):
-                    self.put(f"element_{block}", values[k], e)
-                    self.put(f"reference_{block}", values[k], e)
-            values = {
-                "reference_length": length, "reference_inverse_length": 1.0 / length, "reference_cosine": dx / length, "reference_sine": dy / length,
-                "reference_theta_1": first, "reference_theta_2": last,
-                "element_axial_stiffness": link.material.youngs_modulus * link.stiffness_factor * section.area,
-                "element_bending_stiffness": link.material.youngs_modulus * link.stiffness_factor * section.second_moment,
-            }  # fmt: skip
-            for block, value in values.items():
-                self.put(block, value, e)
+        if self.stressed is None:
+            there, moving = np.transpose([carried(position, velocity, x - where.center[0], 0.0) for x in lumps.position], (1, 0, 2))
+        else:
+            there, moving = self.stressed.position[where.name], self.stressed.velocity[where.name]
+        particles = slice(where.particles[0], where.particles[-1] + 1)
+        free = np.array([p in self.free for p in where.particles])
+        for axis, name in enumerate(("x", "y", "theta")):
+            self.span(f"particle_{name}", particles, there[:, axis])
+        for axis, name in enumerate("uvw"):
+            self.span(f"particle_{name}", particles, np.where(free | (name == "w"), moving[:, axis], 0.0))
+        inertia = np.where(lumps.inertia > 0.0, lumps.inertia, np.inf)
+        self.span("particle_inverse_mass", particles, np.where(free, 1.0 / lumps.mass, 0.0))
+        self.span("particle_inverse_inertia", particles, np.where(free, 1.0 / inertia, 0.0))
+        for axis, name in enumerate("xy"):
+            self.span(f"particle_load_{name}", particles, np.where(free, lumps.mass * self.mechanism.gravity[axis], 0.0))
+        chord = np.diff(there[:, :2], axis=0)
+        length = np.hypot(chord[:, 0], chord[:, 1])
+        elements = slice(where.elements[0], where.elements[-1] + 1)
+        stiffness = link.material.youngs_modulus * link.stiffness_factor
+        values = {
+            "reference_length": length, "reference_inverse_length": 1.0 / length,
+            "reference_cosine": chord[:, 0] / length, "reference_sine": chord[:, 1] / length,
+            "reference_theta_1": there[:-1, 2], "reference_theta_2": there[1:, 2],
+            "element_axial_stiffness": stiffness * section.area, "element_bending_stiffness": stiffness * section.second_moment,
+        }  # fmt: skip
+        if self.stressed is not None:
+            shape = self.stressed.shapes[where.name]
+            for kind in ("element", "reference"):
+                values |= {f"{kind}_axial_force": shape.axial, f"{kind}_moment_1": shape.moment_1, f"{kind}_moment_2": shape.moment_2}
+        for block, value in values.items():
+            self.span(block, elements, value)
+
+    def span(self, name: str, entries: slice, value: Any) -> None:
+        """Sets several entries of a block."""
+        where = self.layout[name]
+        self.state[where.start + entries.start * where.step : where.start + entries.stop * where.step : where.step] = value
 
     def joints(self, ends: Mapping[str, list[tuple[int, tuple[float, float]]]], ideals: list[str]) -> None:
         """Pins, clearances and laws."""

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bodies import Body, Link, RigidBody
-from .joints import ClearanceRevolute
 from .lumping import Lumps, lumped, section_of
 from .mechanism import Mechanism
 from .stability import turn_of
-from .start import Motion, Seat, ideal_motion, kinematic_drivers
+from .drivers import Torque
+from .start import Motion, Seat, ideal_motion, kinematic_drivers, pivot_of
 
 Array = NDArray[np.float64]
 
@@ -81,12 +81,22 @@ def _turning(link: Link, lumps: Lumps) -> Array:
 
 
 def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Array]:
-    """Joint forces (N) on the pins of a link."""
-    force = {pin: np.zeros(2) for pin in ("start", "end")}
+    """Forces (N) and moment (N m) of joints, loads and driver on the ends of a link, (3,) each."""
+    force = {pin: np.zeros(3) for pin in ("start", "end")}
     for joint in mechanism.joints.values():
         for sign, (body, pin) in zip((-1.0, 1.0), joint.sides, strict=True):
             if body == link and joint.name in motion.reaction:
-                force[pin] += sign * np.array(motion.reaction[joint.name])
+                force[pin][:2] += sign * np.array(motion.reaction[joint.name])
+    for load in mechanism.loads.values():
+        body, _, pin = load.at.partition(".")
+        if body == link:
+            force[pin] += (1.0 if load.factors is None else load.factors[0]) * np.array([*load.force, load.moment])
+    driver = mechanism.drivers.get(link)
+    if isinstance(driver, Torque):
+        force["start"][2] += driver.torque if isinstance(driver.torque, (int, float)) else driver.torque[0]
+    elif driver is not None:
+        pin = next(side[1] for side in pivot_of(mechanism, link).sides if side[0] == link)
+        force[pin][2] += motion.torque.get(link, 0.0)
     return force
 
 
@@ -105,14 +115,14 @@ def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Arra
     )
 
 
-def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array, torque: float) -> Shape:
+def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array) -> Shape:
     """Element forces in equilibrium with the motion, ``extra`` (k + 1, 3) acceleration added, and the shape that they make."""
     lumps, section = lumped(link), section_of(link)
     position, _, acceleration = particle_motion(motion, held, shape)
     acceleration = acceleration + extra
     ends = end_forces(mechanism, motion, link.name)
     need = lumps.mass[:, None] * (acceleration[:, :2] - np.array(mechanism.gravity))
-    need[0] -= ends["start"]
+    need[0] -= ends["start"][:2]
     force = np.cumsum(need, axis=0)[:-1]
     chord = np.diff(position[:, :2], axis=0)
     along = chord / np.linalg.norm(chord, axis=1)[:, None]
@@ -121,7 +131,7 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
     k, size = link.element_count, link.length / link.element_count
     twist = _turning(link, lumps) * acceleration[:, 2]
     m1, m2 = np.zeros(k), np.zeros(k)
-    before = torque
+    before = ends["start"][2]
     for e in range(k):
         m1[e] = before - twist[e]
         m2[e] = -size * shear[e] - m1[e]
@@ -129,11 +139,15 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
     if link.release == "both" and k == 1:
         m1[:], m2[:] = 0.0, 0.0
     stiffness = link.material.youngs_modulus * link.stiffness_factor
-    return _shape(size, axial / (stiffness * section.area), axial, m1, m2, size / (6.0 * stiffness * section.second_moment))
+    shape = _shape(size, axial / (stiffness * section.area), axial, m1, m2, size / (6.0 * stiffness * section.second_moment))
+    if link.name not in kinematic_drivers(mechanism):
+        return _turned(shape, np.arctan2(shape.local[-1, 1], shape.local[-1, 0]))
+    pin = next(side[1] for side in pivot_of(mechanism, link.name).sides if side[0] == link.name)
+    return _turned(shape, shape.local[0 if pin == "start" else -1, 2])
 
 
 def _shape(size: float, stretch: Array, axial: Array, m1: Array, m2: Array, flexibility: float) -> Shape:
-    """The chain laid out from its start with the end rotations of its elements, then turned so that its chord lies along x."""
+    """The chain laid out from its start with the end rotations of its elements."""
     first, second = flexibility * (2.0 * m1 - m2), flexibility * (2.0 * m2 - m1)
     k = len(axial)
     local = np.zeros((k + 1, 3))
@@ -144,12 +158,14 @@ def _shape(size: float, stretch: Array, axial: Array, m1: Array, m2: Array, flex
             direction = local[e, 2] - first[e]
         length = size * (1.0 + stretch[e])
         local[e + 1] = local[e, 0] + length * np.cos(direction), local[e, 1] + length * np.sin(direction), direction + second[e]
-    turn = np.arctan2(local[-1, 1], local[-1, 0])
-    c, s = np.cos(turn), np.sin(turn)
-    x, y = local[:, 0].copy(), local[:, 1].copy()
-    local[:, 0], local[:, 1] = c * x + s * y, c * y - s * x
-    local[:, 2] -= turn
     return Shape(local, axial, m1, m2)
+
+
+def _turned(shape: Shape, angle: float) -> Shape:
+    """The shape in its body's frame: the chord lies along x, or the driven particle has the body's angle."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y, theta = shape.local.T
+    return dataclasses.replace(shape, local=np.column_stack([c * x + s * y, c * y - s * x, theta - angle]))
 
 
 def straight(link: Link) -> Shape:
@@ -171,7 +187,7 @@ def settle(
         motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats)
         guess = motion.position
         shapes = {
-            name: deformed(mechanism, link, motion, bodies[name], shapes[name], extra[name], motion.torque.get(name, 0.0))  # type: ignore[arg-type]
+            name: deformed(mechanism, link, motion, bodies[name], shapes[name], extra[name])  # type: ignore[arg-type]
             for name, link in links.items()
         }
     return motion, shapes, held

@@ -48,25 +48,25 @@ def described() -> Iterator[dict[str, Any]]:
 
 
 def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """A parameter of a law: null as default means that it is derived, and that there is none if it is ``required``."""
-    required = field.default is dataclasses.MISSING
+    """A parameter of a law: a default of null is derived from the surfaces; where a value has to be given, there is no default."""
     entry = {"name": field.name, "unit": field.metadata.get("unit", "1"), "meaning": field.metadata.get("meaning", "")}
-    return {**entry, "default": None if required else field.default, "required": required}
+    return entry if field.default is dataclasses.MISSING else {**entry, "default": field.default}
 
 
 def show(law: dict[str, Any]) -> None:
     """A law for people."""
+    from rich.padding import Padding
     from rich.text import Text
 
     console = output()
     console.print(Text.assemble((law["name"], "bold"), f"  ({law['kind']} law)"))
-    console.print(Text(f"  {law['formula']}", style="cyan"))
-    console.print(Text(f"  {law['source']}"))
-    if law["parameters"]:
-        table = grid("parameter", "unit", "default", "meaning")
-        for one in law["parameters"]:
-            default = "required" if one["required"] else "derived" if one["default"] is None else f"{one['default']:g}"
-            row(table, one["name"], one["unit"], default, one["meaning"])
-        console.print(table)
-    else:
+    console.print(Padding(Text(law["formula"], style="cyan"), (0, 0, 0, 2)))
+    console.print(Padding(Text(law["source"]), (0, 0, 0, 2)))
+    if not law["parameters"]:
         console.print()
+        return
+    table = grid("parameter", "unit", "default", "meaning")
+    for one in law["parameters"]:
+        default = "derived" if one.get("default", "to be given") is None else one.get("default", "to be given")
+        row(table, one["name"], one["unit"], f"{default:g}" if isinstance(default, float) else default, one["meaning"])
+    console.print(table)

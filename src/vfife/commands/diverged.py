@@ -1,0 +1,82 @@
+"""What went wrong where a run's numbers became infinite: step, time, quantity, likely cause, remedy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..assembly import Assembly, Record
+
+# Forces come first: where a step makes several quantities infinite, they are what did it.
+ORDER = ("clearance", "element", "ideal", "driven", "function", "system", "body", "particle")
+
+
+def diverged(record: Record) -> str:
+    """The sentences about a run that diverged."""
+    choice = record.assembly.choice
+    step, name = first_infinite(record)
+    return f"Diverged: in step {step:,}, at {step * choice.step:.6g} s, {name} became infinite. {cause(record)}"
+
+
+def first_infinite(record: Record) -> tuple[int, str]:
+    """Step and name of the first number that is not finite, found by going on from the last sound output step by step."""
+    from ..kernels.runner import Runner
+
+    assembly, last = record.assembly, int(record.steps[-1])
+    state = assembly.state.copy()
+    state[record.kept] = record.rows[-1]
+    runner = Runner(assembly.topology, state[:, None], assembly.tables[None, :], "data-driven", record.kept)
+    runner.done = last
+    for step in range(last + 1, last + assembly.choice.outputs_every + 1):
+        bad = ~np.isfinite(runner.advance(1, 1)[0, :, 0])
+        if bad.any():
+            return step, named(assembly, record.kept[bad])
+    return last + assembly.choice.outputs_every, "a number of the state"
+
+
+def named(assembly: Assembly, rows: Any) -> str:
+    """What stands in these rows, the most telling of them, and whose it is."""
+    from ..kernels.arrays import BLOCKS
+
+    found = []
+    for block in BLOCKS:
+        where = range(*assembly.layout[block.name].indices(assembly.layout.rows))
+        found += [(ORDER.index(block.entity), block, where.index(row)) for row in rows if block.entity in ORDER and row in where]
+    if not found:
+        return "a number of the state"
+    _, block, index = min(found, key=lambda entry: entry[0])
+    meaning = block.meaning.partition(" at step")[0].partition(" since")[0]
+    return f"the {meaning} of {owner(assembly, block.entity, index)}"
+
+
+def owner(assembly: Assembly, entity: str, index: int) -> str:
+    """Name of the joint or body that an entry of a block belongs to."""
+    names = {"clearance": assembly.clearances, "ideal": assembly.ideals, "driven": assembly.pivots, "body": tuple(assembly.bodies)}
+    if entity in names:
+        return f"{'body' if entity == 'body' else 'joint'} {names[entity][index]}"
+    for name, where in assembly.bodies.items():
+        parts = {"element": where.elements, "particle": where.particles}.get(entity, ())
+        if index in parts:
+            return f"body {name}" if len(parts) == 1 else f"body {name} ({entity} {parts.index(index) + 1} of {len(parts)})"
+    return "the whole"
+
+
+def cause(record: Record) -> str:
+    """Likely cause and remedy."""
+    choice = record.assembly.choice
+    if choice.step > choice.stable:
+        return (
+            f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows, which is the likely "
+            "cause; take --step auto, without --force-step."
+        )
+    deepest = ""
+    if record.assembly.clearances:
+        depths = record.block("clearance_penetration_max").max(axis=0)
+        worst = int(np.argmax(depths))
+        deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.clearances[worst]})"
+    return (
+        f"The likely cause is a contact or an element that became stiffer than the step was chosen for{deepest}, or a load that grows without "
+        f"limit; try half the step, --step {0.5 * choice.step:.4g}, and look at the last outputs with `vfife plot`."
+    )
