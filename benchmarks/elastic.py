@@ -1,7 +1,8 @@
 """Element-steps per second and core with elastic links, beside PyElastica and OpenSees.
 
-Two models: a free straight bar that flies and turns (nothing but elements), and the four-bar of peers/common.py with ideal joints, 8 elements in the coupler
-and 14 in the follower, as the scripts of the others have it. A step of the four-bar also does its joints and its driver; its elements alone are counted.
+Two models: a free straight bar that flies and turns (nothing but elements), and the four-bar of peers/common.py with
+ideal joints, 8 elements in the coupler and 14 in the follower, as the scripts of the others have it. A step of the
+four-bar also does its joints and its driver; its elements alone are counted.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 from environments import Missing, run
 from measure import Options, Part, interleaved, seconds, table
+
 from vfife import Mechanism, Section
 from vfife.assemble import assemble
 from vfife.kernels.runner import Runner
@@ -24,8 +26,15 @@ SECTION = Section.square(1e-3)
 def bar(elements: int) -> Mechanism:
     """A free bar of 10 mm elements, thrown and spun."""
     mechanism = Mechanism("bar")
-    options = dict(model="elastic", elements=elements, section=SECTION, position=(0.0, 0.0), velocity=(1.0, 2.0, 3.0))
-    mechanism.link("bar", length=0.01 * elements, **options)
+    mechanism.link(
+        "bar",
+        length=0.01 * elements,
+        model="elastic",
+        elements=elements,
+        section=SECTION,
+        position=(0.0, 0.0),
+        velocity=(1.0, 2.0, 3.0),
+    )
     return mechanism
 
 
@@ -36,8 +45,9 @@ def four_bar(elements: int) -> Mechanism:
     mechanism.point("D", 0.15, 0.0)
     mechanism.link("crank", length=0.4, mass=3.12)
     for name, length, degrees in (("coupler", 0.26, 150.0), ("follower", 0.46, 30.0)):
-        options = dict(model="elastic", elements=max(2, round(elements * length / 0.26)), section=SECTION, angle=math.radians(degrees))
-        mechanism.link(name, length=length, **options)
+        count = max(2, round(elements * length / 0.26))
+        angle = math.radians(degrees)
+        mechanism.link(name, length=length, model="elastic", elements=count, section=SECTION, angle=angle)
     mechanism.revolute("A", "ground.A", "crank.start")
     mechanism.revolute("B", "crank.end", "coupler.start")
     mechanism.revolute("C", "coupler.end", "follower.end")
@@ -47,7 +57,7 @@ def four_bar(elements: int) -> Mechanism:
 
 
 def speed(mechanism: Mechanism, loop: str, lanes: int, wanted: float) -> tuple[int, Callable[[], float]]:
-    """Elements of a model, and a timed run of about ``wanted`` element-steps that gives seconds per element-step and simulation."""
+    """Elements of a model, and a timed run of about ``wanted`` element-steps; it gives seconds per element-step."""
     assembly = assemble(mechanism, "auto", duration=1e-2)
     elements = len(assembly.topology.element_nodes)
     steps = max(200, round(wanted / elements / lanes))
@@ -103,12 +113,14 @@ def measure(options: Options) -> Part:
         part.measured[name] = {"element_steps_per_s": rate, "elements": prepared[name][0], "lanes": lanes}
         if name != "generated_1_lane_four_bar":
             part.ratios[f"elastic.{name}"] = rate / TARGET[loop]
-        rows.append((f"{mechanism.name}, {prepared[name][0]} elements, {loop}, lanes: {lanes}", rate / 1e6, 1e9 * best[name]))
+        shown = f"{mechanism.name}, {prepared[name][0]} elements, {loop}, lanes: {lanes}"
+        rows.append((shown, rate / 1e6, 1e9 * best[name]))
     if options.peers:
         vfife = part.measured["data_driven_four_bar"]["element_steps_per_s"]
         for name, rate in others(options, part).items():
             part.measured[name] = {"element_steps_per_s": rate, "elements": 22, "lanes": 1}
             part.ratios[f"elastic.over_{name.split()[0]}"] = vfife / rate
             rows.append((f"four-bar, 22 elements, {name}", rate / 1e6, 1e9 / rate))
-    part.tables.append(table("elastic links on one core", "model, loop", "million element-steps/s", "ns per element-step", rows=rows))
+    columns = ("model, loop", "million element-steps/s", "ns per element-step")
+    part.tables.append(table("elastic links on one core", *columns, rows=rows))
     return part

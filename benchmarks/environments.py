@@ -1,4 +1,4 @@
-"""One virtual environment for each program of others, under .peers, filled from the package index when it is missing."""
+"""One virtual environment for each program of others, under .peers, filled from the package index when missing."""
 
 from __future__ import annotations
 
@@ -73,8 +73,9 @@ def run(name: str, script: str, *arguments: str, timeout: float = 300.0) -> dict
     if name == "openseespy":
         variables["LD_LIBRARY_PATH"] = ":".join([*debian_libraries(), os.environ.get("LD_LIBRARY_PATH", "")])
     command = [str(python), script, *arguments]
+    said_to: dict[str, Any] = {"cwd": SCRIPTS, "env": variables, "capture_output": True, "text": True}
     try:
-        done = subprocess.run(command, cwd=SCRIPTS, env=variables, capture_output=True, text=True, timeout=timeout, check=False)
+        done = subprocess.run(command, timeout=timeout, check=False, **said_to)
     except subprocess.TimeoutExpired as error:
         raise Missing(f"{script} {' '.join(arguments)} took more than {timeout:.0f} s") from error
     for line in reversed(done.stdout.splitlines()):

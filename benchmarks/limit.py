@@ -1,4 +1,4 @@
-"""How near vfife's loops are to a program written by hand for one mechanism, limit/four_bar_limit.c, in time and in motion."""
+"""How near vfife's loops are to a program written by hand for one mechanism, limit/four_bar_limit.c: time, motion."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ VARIANTS = {
     "ledger": ["-DLOCATED", "-DLEDGER"],  # and the works, powers and extremes that vfife keeps
 }
 LOOPS = {"generated_1_lane": ("generated", 1), "generated_4_lanes": ("generated", 4), "data_driven": ("data-driven", 1)}
-LINE = re.compile(r"simulation (?P<ns>\S+).*normal force (?P<force>\S+) N.*onsets (?P<onsets>\S+).*pin (?P<x>\S+) (?P<y>\S+)")
+LINE = re.compile(r"simulation (?P<ns>\S+).* N  onsets (?P<onsets>\S+).*pin (?P<x>\S+) (?P<y>\S+)")
+COMPILER = os.environ.get("CC", "gcc")
 
 
 def build(folder: Path) -> dict[str, Path]:
@@ -31,8 +32,8 @@ def build(folder: Path) -> dict[str, Path]:
     for name, switches in VARIANTS.items():
         for lanes in (1, 4):
             out = folder / f"{name}_{lanes}"
-            command = [os.environ.get("CC", "gcc"), *FLAGS, *switches, f"-DLANES={lanes}", str(SOURCE), "-o", str(out), "-lm"]
-            subprocess.run(command, check=True)
+            options = [*FLAGS, *switches, f"-DLANES={lanes}"]
+            subprocess.run([COMPILER, *options, str(SOURCE), "-o", str(out), "-lm"], check=True)
             programs[out.name] = out
     return programs
 
@@ -82,9 +83,8 @@ def agreement(programs: dict[str, Path], steps: tuple[int, ...]) -> list[dict[st
 
 def measure(options: Options) -> Part:
     """Times of all variants in one run, and how far their motions are apart."""
-    compiler = os.environ.get("CC", "gcc")
-    if shutil.which(compiler) is None:
-        return Part(notes=[f"limit: left out, there is no C compiler here ({compiler} was looked for; set CC to another)"])
+    if shutil.which(COMPILER) is None:
+        return Part(notes=[f"limit: left out, no C compiler here ({COMPILER} was looked for; CC names another)"])
     part = Part()
     steps = 200_000 if options.quick else 1_000_000
     with tempfile.TemporaryDirectory() as folder:
@@ -94,7 +94,7 @@ def measure(options: Options) -> Part:
             runs[name] = loop_time(loop, lanes, steps)
         for name, program in programs.items():
             runs[name] = lambda program=program: ask(program, steps)["ns"]  # type: ignore[misc]
-        best = interleaved(3 if options.quick else 9, runs)
+        best = interleaved(3 if options.quick else 20, runs)
         moved = agreement(programs, (2000, 20_000))
     part.measured = {"ns_per_step_and_simulation": best, "steps": steps, "agreement": moved, "flags": FLAGS}
     rows: list[tuple[Any, ...]] = []
@@ -104,13 +104,11 @@ def measure(options: Options) -> Part:
             part.ratios[f"limit.{name}" if variant == "limit" else f"limit.{variant}_{name}"] = ratio
         rows.append((name.replace("_", " "), best[name], *against.values()))
     for variant in VARIANTS:
-        rows.append((f"C, {variant}: 1 lane, 4 lanes", f"{best[f'{variant}_1']:.1f}, {best[f'{variant}_4']:.1f}", None, None, None))
+        both = f"{best[f'{variant}_1']:.1f}, {best[f'{variant}_4']:.1f}"
+        rows.append((f"C, {variant}: 1 lane, 4 lanes", both, None, None, None))
     title = "ns per step and simulation; ratio to the C program as given, with vfife's step, and with its ledger too"
     part.tables.append(table(title, "loop", "ns", "given", "located", "ledger", rows=rows))
-    part.tables.append(
-        table(
-            "distance of the follower pin from vfife's (m)", "after steps", "C as given", "C located", "onsets vfife, C",
-            rows=[(str(r["steps"]), r["limit"], r["located"], f"{r['onsets']:.0f}, {r['located_onsets']:.0f}") for r in moved],
-        )
-    )  # fmt: skip
+    rows = [(str(r["steps"]), r["limit"], r["located"], f"{r['onsets']:.0f}, {r['located_onsets']:.0f}") for r in moved]
+    columns = ("after steps", "C as given", "C located", "onsets vfife, C")
+    part.tables.append(table("distance of the follower pin from vfife's (m)", *columns, rows=rows))
     return part

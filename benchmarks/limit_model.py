@@ -1,7 +1,7 @@
 """The mechanism of limit/four_bar_limit.c as the array and the integers that the kernels step.
 
-Built here row by row and not through a mechanism, because it has to be exactly what the C program has: the masses, the rotary inertia, the
-unstressed start and the prescribed crank pin.
+Built here row by row and not through a mechanism, because it has to be exactly what the C program has: the masses, the
+rotary inertia, the unstressed start and the prescribed crank pin.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+
 from vfife import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
 from vfife.kernels.arrays import Layout, Topology
 from vfife.kernels.runner import Runner
 
 FOLLOWER_PIN = 4  # particle
-FOLLOWER = 2  # body
 TOPOLOGY = Topology(
     particles=6,  # ground, crank, coupler's ends, follower's ends (upper first)
     free=(2, 3, 4, 5),
@@ -33,14 +33,16 @@ TOPOLOGY = Topology(
     friction_laws=(Ambrosio, Frictionless),
 )
 STEP = 1e-6
-GROUND, CRANK, COUPLER, FOLLOWER_LENGTH, SPEED, AREA, MODULUS, RADIUS = 0.15, 0.4, 0.26, 0.46, 50 * math.pi, 1e-3, 207e9, 0.01
+GROUND, CRANK, COUPLER, FOLLOWER = 0.15, 0.4, 0.26, 0.46
+SPEED, AREA, MODULUS, RADIUS = 50 * math.pi, 1e-3, 207e9, 0.01
+LAWS = {"clearance_contact": (6.6e10, 0.75 * (1 - 0.81)), "clearance_friction_slots": (0.1, 1e-2, 1e-1 - 1e-2)}
 
 
 def state(clearance: float = 2e-4) -> NDArray[np.float64]:
     """S at the start, shape (rows,)."""
     layout = Layout(TOPOLOGY)
     S = np.zeros(layout.rows)
-    g, r, a, b, w = GROUND, CRANK, COUPLER, FOLLOWER_LENGTH, SPEED
+    g, r, a, b, w = GROUND, CRANK, COUPLER, FOLLOWER, SPEED
     mc, mf, gyration = 7.8 * a / 2, 7.8 * b / 2, AREA / 12
     d = g - r
     th = math.atan2(0.0, d) - math.acos((a * a + d * d - b * b) / (2 * a * abs(d)))
@@ -76,7 +78,7 @@ def state(clearance: float = 2e-4) -> NDArray[np.float64]:
     for name, value in values.items():
         S[layout[name]] = value
     for joint in range(3):
-        for block, law in (("clearance_contact", (6.6e10, 0.75 * (1 - 0.81))), ("clearance_friction_slots", (0.1, 1e-2, 1e-1 - 1e-2))):
+        for block, law in LAWS.items():
             row = layout.row(block, joint)
             S[row : row + len(law)] = law
     return S

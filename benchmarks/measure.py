@@ -1,4 +1,4 @@
-"""What every part of the benchmark shares: a part's result, the machine, and times that a busy machine disturbs little."""
+"""What every part of the benchmark shares: a part's result, the machine, and times that others disturb little."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EXAMPLES = ROOT / "examples"
 
 @dataclass(frozen=True)
 class Options:
-    """How much is measured: ``quick`` shortens runs and leaves out what takes minutes, ``peers`` says whether others run too."""
+    """How much is measured: ``quick`` shortens runs, ``peers`` says whether the programs of others run too."""
 
     quick: bool = False
     peers: bool = True
@@ -37,7 +37,7 @@ class Part:
 
 
 def interleaved(rounds: int, runs: Mapping[str, Callable[[], float]]) -> dict[str, float]:
-    """The best of several rounds, each of which calls every run once: what slows the machine for a while slows all alike."""
+    """The best of several rounds that call every run once: what slows the machine for a while slows all alike."""
     best = dict.fromkeys(runs, float("inf"))
     for _ in range(rounds):
         for name, run in runs.items():

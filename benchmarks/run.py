@@ -1,4 +1,4 @@
-"""Measures vfife's speed in one run, prints the ratios and writes latest.json beside this file; README.md says what each ratio means."""
+"""Measures vfife's speed in one run, prints ratios and writes latest.json; README.md says what each ratio means."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ def met(key: str, value: float) -> bool | None:
 def arguments() -> argparse.Namespace:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="NAME", help=f"of {', '.join(PARTS)}")
+    named = f"parts to measure, of {', '.join(PARTS)}"
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="NAME", help=named)
     parser.add_argument("--quick", action="store_true", help="shorter and less exact; for trying out")
     parser.add_argument("--no-peers", action="store_true", help="without the programs of others (nothing is installed)")
     return parser.parse_args()
@@ -67,7 +68,7 @@ def perform(name: str, options: Options, console: Console) -> Part:
 
 
 def main() -> int:
-    """Measures, prints, writes; 1 where a ratio is not what it shall be or a part failed."""
+    """Measures, prints, writes; 1 where a part failed. A ratio that is not what it shall be is told, not punished."""
     chosen, console = arguments(), Console(width=None if sys.stdout.isatty() else 140)
     options = Options(quick=chosen.quick, peers=not chosen.no_peers)
     parts = {name: perform(name, options, console) for name in PARTS if name in chosen.only}
@@ -75,7 +76,7 @@ def main() -> int:
     report = {
         "machine": machine(),
         "versions": versions("vfife", "numba", "llvmlite", "numpy", "scipy", "xarray"),
-        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "quick": options.quick,
         "targets": {key: " ".join(map(str, TARGETS[key])) for key in ratios if key in TARGETS},
         "ratios": ratios,
@@ -86,7 +87,7 @@ def main() -> int:
     path.write_text(json.dumps(report, indent=2) + "\n")
     console.rule("ratios")
     word = {True: "met", False: "missed", None: ""}
-    rows = [(key, value, " ".join(map(str, TARGETS.get(key, ()))), word[met(key, value)]) for key, value in ratios.items()]
+    rows = [(key, value, report["targets"].get(key, ""), word[met(key, value)]) for key, value in ratios.items()]
     console.print(table("", "ratio", "value", "shall be", "", rows=rows))
     console.print(f"written to {path}")
     failed = any(": failed," in note for note in report["notes"])

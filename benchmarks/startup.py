@@ -33,14 +33,15 @@ def process(*command: str, cache: str | None = None) -> str:
         variables["VFIFE_CACHE"] = cache
     done = subprocess.run(command, env=variables, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
     if done.returncode:
-        raise RuntimeError(f"{' '.join(command)} ended with {done.returncode}: {(done.stderr or done.stdout).strip()[-500:]}")
+        said = (done.stderr or done.stdout).strip()[-500:]
+        raise RuntimeError(f"{' '.join(command)} ended with {done.returncode}: {said}")
     return done.stdout
 
 
 def loaded(*command: str) -> list[str]:
     """Which of the heavy libraries a command loads, by ``-X importtime``."""
-    variables = dict(os.environ)
-    done = subprocess.run([sys.executable, "-X", "importtime", *command], env=variables, cwd=ROOT, capture_output=True, text=True, check=False)
+    timed = [sys.executable, "-X", "importtime", *command]
+    done = subprocess.run(timed, cwd=ROOT, capture_output=True, text=True, check=False)
     names = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.splitlines()}
     return sorted(names & {"numba", "matplotlib", "xarray", "scipy", "llvmlite"})
 
@@ -75,7 +76,8 @@ def measure(options: Options) -> Part:
     part.ratios["startup.memory_8x"] = peaks[16] / peaks[2]
     part.measured = {"seconds_taken": took, "cold_runs": cold, "heavy_libraries": heavy, "peak_memory_KiB": peaks}
     rows: list[tuple[Any, ...]] = [(name.replace("_", " "), took[name], limit) for name, limit in LIMITS.items()]
-    part.tables.append(table("seconds from process start to end; the run is case c", "command", "s", "limit", rows=rows))
+    title = "seconds from process start to end; the run is case c"
+    part.tables.append(table(title, "command", "s", "limit", rows=rows))
     rows = [(f"{turns} turns", f"{peak / 1024:.1f}") for turns, peak in peaks.items()]
     part.tables.append(table("peak memory at equal numbers of outputs", "run", "MiB", rows=rows))
     return part

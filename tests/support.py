@@ -11,7 +11,7 @@ import numpy as np
 
 from vfife.assemble import assemble
 from vfife.assembly import Assembly, Record
-from vfife.bodies import Section
+from vfife.bodies import Link, RigidBody, Section
 from vfife.kernels.runner import Runner
 from vfife.laws import Ambrosio, LankaraniNikravesh
 from vfife.mechanism import Mechanism
@@ -167,3 +167,40 @@ def order(errors: Sequence[float], ratio: float = 2.0) -> list[float]:
 def observed(function: Callable[[float], Any], steps: Sequence[float]) -> list[Any]:
     """A function at each step size."""
     return [function(step) for step in steps]
+
+
+def mirrored(mechanism: Mechanism) -> Mechanism:
+    """The mirror image at the x axis: y, angles, moments and senses of rotation turned round."""
+
+    def flip(point: tuple[float, float]) -> tuple[float, float]:
+        return point[0], -point[1]
+
+    def body(b: Any) -> Any:
+        changes = dict(angle=-b.angle, velocity=(b.velocity[0], -b.velocity[1], -b.velocity[2]), position=b.position and flip(b.position))
+        if isinstance(b, RigidBody):
+            changes |= dict(center=flip(b.center), points={name: flip(at) for name, at in b.points.items()})
+        if isinstance(b, Link):
+            changes |= dict(extra_points={name: flip(at) for name, at in b.extra_points.items()})
+        return dataclasses.replace(b, **changes)
+
+    def driver(d: Any) -> Any:
+        name = {"Torque": "torque", "AngleTable": "angles"}.get(type(d).__name__, "speed")
+        value = getattr(d, name)
+        return dataclasses.replace(d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value})
+
+    return dataclasses.replace(
+        mechanism,
+        gravity=flip(mechanism.gravity),
+        points={name: flip(at) for name, at in mechanism.points.items()},
+        bodies={name: body(b) for name, b in mechanism.bodies.items()},
+        drivers={name: driver(d) for name, d in mechanism.drivers.items()},
+        loads={name: dataclasses.replace(load, force=flip(load.force), moment=-load.moment) for name, load in mechanism.loads.items()},
+    )
+
+
+TURNED_ROUND = {
+    "particle_y", "particle_theta", "particle_v", "particle_w", "particle_ay", "particle_aw", "element_moment_1", "element_moment_2",
+    "reference_sine", "reference_theta_1", "reference_theta_2", "reference_moment_1", "reference_moment_2", "clearance_friction_force",
+    "clearance_memory", "ideal_fy", "driven_torque", "driven_fy", "body_alpha", "function_value", "function_rate", "function_acceleration",
+    "function_next",
+}  # fmt: skip

@@ -147,7 +147,8 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     filler.joints(ends, [j.name for j in ideals])
     filler.drivers_and_loads(loads)
     filler.seat(seats)
-    choice = choose_step(mechanism, filler.layout, filler.state, topology, tuple(clearances), step, expected, **run)
+    owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
+    choice = choose_step(mechanism, filler.layout, filler.state, topology, tuple(clearances), step, expected, owners, **run)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     return Assembly(

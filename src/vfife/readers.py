@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import PydanticCustomError, core_schema
+from annotated_types import GroupedMetadata
+from pydantic import PlainValidator, WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from .quantities import QuantityError, dimension_of, kind_of, number, shown
 
@@ -20,7 +22,7 @@ def refuse(value: Any, what: str, limit: str = "", remedy: str = "") -> Pydantic
 
 
 @dataclass(frozen=True)
-class Reader:
+class Reader(GroupedMetadata):
     """Annotation of a key: how a value of the file is read, and what JSON Schema says about it."""
 
     def read(self, value: Any) -> Any:
@@ -31,11 +33,9 @@ class Reader:
         """JSON Schema of what stands in the file."""
         raise NotImplementedError
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler) -> Any:
-        return self.json()
+    def __iter__(self) -> Iterator[object]:
+        yield PlainValidator(self.read)
+        yield WithJsonSchema(self.json())
 
 
 @dataclass(frozen=True)

@@ -9,22 +9,17 @@ from __future__ import annotations
 import json
 import shutil
 import sqlite3
-import sys
 import tempfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict
 from datetime import datetime, timezone
 from functools import wraps
-from importlib import metadata
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-
-from .assembly import Assembly
 
 RUN_FILE = "run.sqlite"  # its name in a run folder
 APPLICATION = 0x56464946  # "VFIF", in the header of the file
@@ -83,7 +78,7 @@ class RunFile:
 
     @classmethod
     def create(cls, path: str | Path, meta: Mapping[str, Any] | None = None, *, replace: bool = False) -> RunFile:
-        """A new run file with ``meta`` (anything JSON can say, best from :func:`provenance`).
+        """A new run file with ``meta`` (anything JSON can say, best from :func:`~vfife.provenance.provenance`).
 
         Raises RunFileError where the file cannot be made, or is there already and ``replace`` is false.
         """
@@ -304,45 +299,3 @@ def unpacked(data: bytes) -> NDArray[np.float64]:
 def now() -> str:
     """The present time (UTC)."""
     return datetime.now(timezone.utc).isoformat(timespec="seconds")
-
-
-def versions() -> dict[str, str]:
-    """Versions of what computes a run; nothing is imported for it."""
-    found = {"python": sys.version.split()[0]}
-    for name in ("vfife", "numba", "numpy"):
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            from . import __version__
-
-            found[name] = __version__ if name == "vfife" else "not installed"
-    return found
-
-
-def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[str, Any]:
-    """What a run file's meta should hold to read the run again, and to run it again: see :class:`RunFile`.
-
-    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. Raises ValueError for a mechanism that no
-    model file can hold.
-    """
-    from .modelfile import dump
-
-    joints = assembly.mechanism.clearances.values()
-    laws = {f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)}
-    return {
-        "model": dump(assembly.mechanism),
-        "source": assembly.mechanism.source,
-        "versions": versions(),
-        "step": assembly.choice.step,
-        "choice": asdict(assembly.choice),
-        "loop": loop,
-        "kept": named_rows(assembly, kept),
-        "laws": laws,
-    }
-
-
-def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, int]]:
-    """Block and entity of each kept row."""
-    layout = assembly.layout
-    owner = {row: (name, k) for name, where in layout.slices.items() for k, row in enumerate(range(layout.rows)[where])}
-    return [owner[int(row)] for row in kept]

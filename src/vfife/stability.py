@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -118,6 +118,7 @@ def choose_step(
     clearances: tuple[str, ...],
     step: float | str | None,
     expected: Mapping[str, float] | None,
+    owners: Sequence[str] = (),
     *,
     turns: float | None = None,
     duration: float | None = None,
@@ -129,7 +130,7 @@ def choose_step(
     "auto" takes 0.9 of the stable step, at most 1/25 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
     StepError for a larger one than stable unless ``force_step``.
     """
-    limits = _limits(mechanism, layout, state, topology, expected or {})
+    limits = _limits(mechanism, layout, state, topology, expected or {}, owners)
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     turn = turn_of(mechanism)
     settings = mechanism.settings
@@ -158,13 +159,15 @@ def choose_step(
     return StepChoice(size, stable, culprit, wanted == "auto", tuple(limits), turn, every, count)
 
 
-def _limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]) -> list[tuple[str, float]]:
+def _limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]) -> list[tuple[str, float]]:
     limits = [(f"contact of joint {name}", value) for name, value in contact_limits(mechanism, layout, state, topology, expected).items()]
     if topology.element_nodes:
         for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology), strict=True):
             worst = int(np.argmin(steps))
             if math.isfinite(steps[worst]):
-                limits.append((f"element {worst} ({kind})", float(steps[worst])))
+                owner = owners[worst] if owners else "the model"
+                number = worst - owners.index(owner) + 1 if owners else worst + 1
+                limits.append((f"element {number} of {owner} ({kind})", float(steps[worst])))
     return limits
 
 

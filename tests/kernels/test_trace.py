@@ -1,5 +1,6 @@
 """A user's law on its way into the step: what may stand in it, and the sentence that tells what may not."""
 
+import importlib.util
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -10,6 +11,7 @@ from support import bits, four_bar, lanes
 
 from vfife.assemble import assemble
 from vfife.kernels.arrays import CONTACT_SLOTS
+from vfife.kernels.compile import interpreted
 from vfife.kernels.generate import straight_line
 from vfife.kernels.source import SourceError, data_driven
 from vfife.kernels.trace import Branch
@@ -74,24 +76,19 @@ def rows(law: type[ContactLaw], loop: str) -> np.ndarray:
     return lanes([assembled(law)], loop).advance(100, 6)
 
 
-def test_a_law_of_selects_goes_into_every_loop():
-    """Compiled and interpreted data-driven, and generated (whose text is interpreted here: compiling it is other tests' work)."""
-    from vfife.kernels.compile import interpreted
-
+def test_a_law_of_selects_goes_into_straight_lines():
+    """The generated text, interpreted here (compiling it is other tests' work), takes the step of the data-driven loop."""
     law = select_law()
-    expected = rows(law, "data-driven")
-    assert (bits(rows(law, "interpreted")) == bits(expected)).all()
     runner = lanes([assembled(law)], "interpreted")
     runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
-    assert (bits(runner.advance(100, 6)) == bits(expected)).all()
+    assert (bits(runner.advance(100, 6)) == bits(rows(law, "interpreted"))).all()
 
 
 def test_a_law_that_branches_runs_in_the_data_driven_loop():
-    """What happens: compiled and interpreted the loop takes an ``if`` as it is, and gives what the select gives, to the bit."""
-    plain = rows(branch_law(), "interpreted")
-    assert (bits(plain) == bits(rows(select_law(), "interpreted"))).all()
-    assert np.abs(plain).max() > 1e3
-    compile(data_driven((branch_law(),), ()), "law", "exec")
+    """What happens: the compiled loop takes an ``if`` as it is, and gives what the select gives, to the bit."""
+    branching = rows(branch_law(), "data-driven")
+    assert (bits(branching) == bits(rows(select_law(), "interpreted"))).all()
+    assert np.abs(branching).max() > 1e3
 
 
 def test_a_law_that_branches_is_no_straight_line():
@@ -154,12 +151,55 @@ def test_too_many_parameters_are_refused():
         gathered_with(force, tuple("abcdefghi"))
 
 
-def test_two_functions_of_one_name_are_refused():
-    """A user's own ``arm`` must not replace the kernels' ``arm``, nor another law's."""
-    def arm(x):
-        return 2.0 * x
+def larger(a, b):
+    """Bears the name of a function of the kernels."""
+    return 1000.0 * a
 
-    space = {"arm": arm}
-    exec("def force(penetration, slowness, p):\n    return arm(p[0] * penetration), 0.0", space)
-    with pytest.raises((SourceError, OSError)):
-        gathered_with(space["force"])
+
+def test_a_function_that_bears_a_kernels_name_does_not_replace_it():
+    """Refused in words, or both kept apart; never one in the place of the other."""
+
+    def force(penetration, slowness, p):
+        return larger(p[0] * penetration, 0.0), 0.0
+
+    try:
+        text = gathered_with(force)
+    except SourceError as error:
+        assert "larger" in str(error)
+    else:
+        space = {"math": math, "jit": lambda f: f}
+        exec(text, space)
+        assert space["contact_faulty"](2.0, 0.0, (3.0,))[0] == 6000.0
+
+
+MODULE = """
+from dataclasses import dataclass
+from typing import ClassVar
+from vfife.laws import LankaraniNikravesh
+SCALE = {scale}
+class Scaled(LankaraniNikravesh):
+    name: ClassVar[str] = "{name}"
+    @staticmethod
+    def force(penetration, slowness, p):
+        return SCALE * p[0] * penetration, 0.0
+"""
+
+
+def test_numbers_of_two_modules_stay_apart(tmp_path):
+    """Two users' files may both call a number SCALE: each law keeps its own, or the clash is told."""
+    laws = []
+    for name, scale in (("first", 2.0), ("second", 5.0)):
+        path = tmp_path / f"{name}.py"
+        path.write_text(MODULE.format(name=name, scale=scale))
+        spec = importlib.util.spec_from_file_location(name, path)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        laws.append(module.Scaled)
+    try:
+        text = data_driven(tuple(laws), ())
+    except SourceError as error:
+        assert "SCALE" in str(error)
+    else:
+        space = {"math": math, "jit": lambda f: f}
+        exec(text, space)
+        assert [space[f"contact_{law.name}"](1.0, 0.0, (1.0, 0.0))[0] for law in laws] == [2.0, 5.0]

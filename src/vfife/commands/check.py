@@ -141,13 +141,19 @@ def cost(found: Mapping[str, Any]) -> list[str]:
 
 
 def show_defaults(console: Console, defaults: list[dict[str, Any]]) -> None:
-    """Table of what was filled in."""
+    """Table of what was filled in; bodies or joints that take the same value share a row."""
     if not defaults:
         return
-    table = grid("filled in", "value", "meaning", title="Not in the file, so taken by default")
+    alike: dict[tuple[str, str, str], list[str]] = {}
     for entry in defaults:
+        section, _, rest = entry["path"].partition(".")
+        name, _, key = rest.partition(".") if rest.count(".") else ("", "", rest)
         unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
-        row(table, entry["path"], f"{shown(entry['value'])}{unit}", entry["meaning"])
+        path = (f"{section}.*.{key}" if name else entry["path"], f"{shown(entry['value'])}{unit}", entry["meaning"])
+        alike.setdefault(path, []).append(name)
+    table = grid("filled in", "of", "value", "meaning", title="Not in the file, so taken by default")
+    for (path, value, meaning), names in alike.items():
+        row(table, path.replace("*", names[0]) if len(names) == 1 else path, ", ".join(names) if len(names) > 1 else "", value, meaning)
     console.print(table)
 
 

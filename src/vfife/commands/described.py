@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -71,24 +70,15 @@ def law(noun: Any, pair: Any) -> dict[str, Any]:
     return {"law": noun.name, "parameters": given, "derived": noun.derived(pair)}
 
 
-def whose(assembly: Assembly, culprit: str) -> str:
-    """A limit of the step, with the body whose element it is."""
-    found = re.match(r"element (\d+)", culprit)
-    if not found:
-        return culprit
-    body = next((name for name, where in assembly.bodies.items() if int(found[1]) in where.elements), None)
-    return f"{culprit} of {body}" if body else culprit
-
-
 def step(assembly: Assembly) -> dict[str, Any]:
     """The step (s), what set it, and every limit."""
     choice = assembly.choice
     return {
         "size": choice.step,
         "automatic": choice.automatic,
-        "set_by": whose(assembly, choice.culprit),
+        "set_by": choice.culprit,
         "stable": choice.stable,
-        "limits": {whose(assembly, name): value for name, value in choice.limits},
+        "limits": dict(choice.limits),
     }
 
 

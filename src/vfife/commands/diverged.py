@@ -17,7 +17,7 @@ def diverged(record: Record) -> str:
     """The sentences about a run that diverged."""
     choice = record.assembly.choice
     step, name = first_infinite(record)
-    return f"Diverged: in step {step:,}, at {step * choice.step:.6g} s, {name} became infinite. {cause(record)}"
+    return f"in step {step:,}, at {step * choice.step:.6g} s, {name} became infinite. {cause(record)}"
 
 
 def first_infinite(record: Record) -> tuple[int, str]:

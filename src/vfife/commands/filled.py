@@ -19,6 +19,7 @@ NOUNS = ("material", "body", "joint", "driver", "load")
 def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken instead."""
     from ..modelfile.override import override
+    from ..modelfile.tables import IDLE_KEYS
     from ..schema import ModelFile
 
     raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
@@ -27,7 +28,8 @@ def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     found = [*table("", model), *table("run", model.run), *table("start", model.start)]
     for section in NOUNS:
         for name, entry in getattr(model, section).items():
-            found += table(f"{section}.{name}", entry)
+            unused = IDLE_KEYS.get(entry.model, ()) if hasattr(entry, "length") else ()
+            found += [one for one in table(f"{section}.{name}", entry) if one["path"].rpartition(".")[2] not in unused]
             if section == "joint" and hasattr(entry, "contact"):
                 found += [*law(f"joint.{name}", "contact", entry.contact), *law(f"joint.{name}", "friction", entry.friction)]
     return found

@@ -127,7 +127,7 @@ class Checks:
         if name not in table(self.raw, "body"):
             remedy = suggestion(name, table(self.raw, "body"), "name the table after the body that it drives")
             self.add((*path, ""), f"there is no body {name!r} to drive", remedy)
-        elif self.turned(name) and len(self.pivots(name)) != 1:
+        elif self.turned(name) and len(self.pivots(name)) != 1 and not self.dangling():
             found = " and ".join(self.pivots(name)) or "none"
             remedy = 'hold the body by one joint of kind "ideal" whose other side is a point of the ground'
             self.add((*path, ""), f"a driven body turns about one ideal joint to the ground; here: {found}", remedy)
@@ -177,7 +177,10 @@ class Checks:
         run = table(self.raw, "run")
         if "turns" in run and "duration" in run:
             self.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
-        elif "turns" in run and not any(self.turned(name) for name in table(self.raw, "driver")):
+            return
+        # A driver that does not say what it does is told itself, and may be meant to turn something.
+        idle = all("torque" in driver and not self.turned(name) for name, driver in entries(self.raw, "driver"))
+        if "turns" in run and idle:
             self.add(("run", "turns"), "nothing is driven, so there are no turns to count", "give a duration instead")
 
     def side(self, path: Path, side: Any, *, ground: bool) -> None:
@@ -205,6 +208,12 @@ class Checks:
     def turned(self, name: str) -> bool:
         """Whether a driver prescribes the angle of a body."""
         return bool({"speed", "angles"} & set(table(self.raw, "driver", name)))
+
+    def dangling(self) -> bool:
+        """Whether a joint names a body that does not exist: which bodies it holds is not known then."""
+        known = {"ground", *table(self.raw, "body")}
+        sides = [str(joint.get(side, "")) for _, joint in entries(self.raw, "joint") for side in ("bearing", "journal")]
+        return not known >= {side.partition(".")[0] for side in sides}
 
     def pivots(self, name: str) -> list[str]:
         """Ideal joints between a body and the ground."""

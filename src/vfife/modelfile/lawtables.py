@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 from pydantic_core import PydanticCustomError
@@ -17,6 +18,8 @@ from .tables import LAWS, Raw, law_fields
 DEFAULTS: dict[str, Any] = {
     field.name: field.default_factory for field in dataclasses.fields(ClearanceRevolute) if field.name in LAWS
 }
+# A unit such as N/m^n is known only once the law has its exponent: such a parameter is a bare number in SI units.
+SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
 # Their limit in the law allows 0, at which there is neither an elastic nor a damped contact.
 NEVER_ZERO = ("restitution", "stiffness")
 
@@ -61,6 +64,8 @@ def read_field(field: dataclasses.Field[Any], value: Any) -> Any:
     wanted = bool if field.type in (bool, "bool") else str if field.type in (str, "str") else type(field.default)
     if wanted not in (bool, str):
         unit = field.metadata.get("unit", "1")
+        if SYMBOLIC.search(unit):
+            unit = "1"
         low, high = field.metadata.get("low"), field.metadata.get("high")
         above = low if field.name in NEVER_ZERO else None
         return Measure(unit, above=above, low=low if above is None else None, high=high).read(value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import tomllib
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -27,7 +28,7 @@ def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], s
     for text, value in items:
         try:
             path = resolve(raw, text)
-            assign(raw, path, parsed(value) if isinstance(value, str) else value)
+            assign(raw, path, parsed(value) if isinstance(value, str) else copy.deepcopy(value))
             given.add(path)
         except PathFault as fault:
             faults.append(Fault(f"path {shown(text)} (given by set)", fault.what, "", "", fault.remedy))

@@ -1,0 +1,51 @@
+"""Figures of a result: the one place that imports matplotlib. A figure is made as an object, without pyplot and without a window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import matplotlib
+
+from .curves import acceleration_curves, force_curves
+from .drawing import drawing
+from .orbits import orbits
+from .style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..result import Result
+
+
+def figures(result: Result, reference: Result | None = None) -> dict[str, Figure]:
+    """Figures by name: ``mechanism``, ``orbits`` (with clearance joints), ``forces``, ``accelerations``.
+
+    The reference, whose curves lie below those of the result, is the result's own unless another one is given.
+    """
+    reference = reference if reference is not None else result.reference
+    with matplotlib.rc_context(STYLE):
+        found = {"mechanism": drawing(result)}
+        if result.record.assembly.clearances:
+            found["orbits"] = orbits(result)
+        for name, figure in (("forces", force_curves(result, reference)), ("accelerations", acceleration_curves(result, reference))):
+            if figure is not None:
+                found[name] = figure
+        for figure in found.values():
+            figure.canvas.draw()  # ticks and texts take the style they are drawn with
+    return found
+
+
+def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
+    """Writes each figure as PNG into a folder, made if need be; returns the files."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    with matplotlib.rc_context(STYLE):
+        for name, figure in figures.items():
+            paths.append(folder / f"{name}.png")
+            figure.savefig(paths[-1])
+    return paths
+
+
+__all__ = ["acceleration_curves", "drawing", "figures", "force_curves", "orbits", "save"]

@@ -1,0 +1,137 @@
+"""Joint forces and angular accelerations against crank angle, over those of the ideal mechanism (Figs. 16-17 of the VFIFE paper)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .style import BLUE, SKY, VERMILION, panels, prefix_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
+
+Array = NDArray[np.float64]
+Curve = Callable[["Result", str], "tuple[Array, Array] | None"]
+
+
+def force_curves(result: Result, reference: Result | None = None) -> Figure | None:
+    """Size of each joint's force over the last crank turn, one panel a joint; joints with clearance first, None without any joint.
+
+    The line is the largest force in each output interval, so that no peak is missed.
+    """
+    assembly = result.record.assembly
+    names = [*assembly.clearances, *assembly.ideals, *assembly.pivots]
+    return _figure(result, reference, names, _force, "joint force", "N", "joint")
+
+
+def acceleration_curves(result: Result, reference: Result | None = None) -> Figure | None:
+    """Angular acceleration of each body that is not driven over the last crank turn, one panel a body, or None without any.
+
+    The line joins the samples; the band reaches to the largest absolute value in each output interval, on the sample's side.
+    """
+    bodies = [body.name for body in result.record.assembly.bodies.values() if body.driven is None]
+    names = [name for name in bodies if f"{name}.angular_acceleration.max" in result.measures]
+    return _figure(result, reference, names, _acceleration, "angular acceleration", "rad/s²", "body")
+
+
+def _force(result: Result, name: str) -> tuple[Array, Array] | None:
+    joints = list(result.record.assembly.mechanism.joints)
+    if name not in joints:
+        return None
+    largest = result.channels["joint_force_max"].values[:, joints.index(name)]
+    return largest, largest
+
+
+def _acceleration(result: Result, name: str) -> tuple[Array, Array] | None:
+    bodies = list(result.record.assembly.bodies)
+    if name not in bodies:
+        return None
+    k = bodies.index(name)
+    sample = result.channels["body_angular_acceleration"].values[:, k]
+    return sample, np.copysign(result.channels["body_angular_acceleration_max"].values[:, k], sample)
+
+
+def _figure(
+    result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, kind: str
+) -> Figure | None:
+    if not names:
+        return None
+    columns = 2 if len(names) > 1 else 1
+    figure, axes = panels(-(-len(names) // columns), columns, 5.2, 3.0, sharex=True)
+    for k, (ax, name) in enumerate(zip(axes, names, strict=False)):
+        found = curve(result, name)
+        if found is not None:
+            _panel(ax, result, reference, name, (found, None if reference is None else curve(reference, name)), (what, unit))
+            ax.set_title(f"{kind} {name}")
+        if k >= len(names) - columns:
+            ax.set_xlabel("time (s)" if result.crank is None else f"angle of {result.crank} (degrees)")
+            ax.tick_params(labelbottom=True)
+    for ax in axes[len(names) :]:
+        ax.set_visible(False)
+    handles, labels = axes[0].get_legend_handles_labels()
+    if len(labels) > 1:
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    turn = "" if result.crank is None or result.last_turn.all() else ", last turn"
+    figure.suptitle(f"{result.name}: {what}{turn}")
+    return figure
+
+
+def _panel(
+    ax: Axes,
+    result: Result,
+    reference: Result | None,
+    name: str,
+    curves: tuple[tuple[Array, Array], tuple[Array, Array] | None],
+    quantity: tuple[str, str],
+) -> None:
+    (line, extreme), ideal = curves
+    window = result.last_turn
+    angle = abscissa(result)
+    factor, unit = prefix_of(float(np.abs(extreme[window]).max()), quantity[1])
+    x, origin = _one_turn(angle, window, result)
+    if ideal is not None and reference is not None:
+        at, values = _ideal_turn(reference, ideal[0], x, origin)
+        ax.plot(at, factor * values, color=VERMILION, lw=1.6, label="ideal joints", zorder=3)
+    if extreme is not line:
+        ax.fill_between(x, factor * line[window], factor * extreme[window], color=SKY, alpha=0.5, lw=0, label="extremes between the samples")
+    ax.plot(x, factor * line[window], color=BLUE, lw=1.1, label="with clearance" if ideal is not None else "this run", zorder=4)
+    ax.set_ylabel(f"{quantity[0]} ({unit})")
+    ax.margins(x=0.0)
+    if result.crank is not None and 300.0 < x[-1] - x[0] <= 361.0:
+        ax.set_xticks(np.arange(np.ceil(x[0] / 60.0 - 1e-6) * 60.0, x[-1] + 1e-6, 60.0))
+
+
+def abscissa(result: Result) -> Array:
+    """Crank angle (degrees), or time (s) without a crank, at the outputs."""
+    return result.time if result.crank_angle is None else result.crank_angle
+
+
+def _one_turn(angle: Array, window: NDArray[np.bool_], result: Result) -> tuple[Array, float]:
+    """Angles of the window counted from the last whole turn before it, and that turn's angle."""
+    chosen = angle[window]
+    if result.crank is None:
+        return chosen, 0.0
+    first = min(chosen[0], chosen[-1])
+    if chosen[-1] > chosen[0] and len(chosen) > 1:
+        first -= 0.5 * (chosen[1] - chosen[0])  # a window that ends on a whole turn begins just behind one
+    origin = 360.0 * np.floor(first / 360.0 + 1e-9)
+    return chosen - origin, float(origin)
+
+
+def _ideal_turn(reference: Result, values: Array, x: Array, origin: float) -> tuple[Array, Array]:
+    """The reference's curve over the same angles: its last turn, shifted by whole turns; times are compared as they are."""
+    window = reference.last_turn
+    at = abscissa(reference)[window]
+    chosen = values[window]
+    if reference.crank is None or abs(at[-1] - at[0]) < 300.0:
+        return at - origin, chosen
+    low = min(x[0], x[-1])
+    at = low + np.mod(at - low, 360.0)
+    order = np.argsort(at, kind="stable")
+    return at[order], chosen[order]

@@ -1,0 +1,130 @@
+"""The mechanism drawn: where it starts, faint positions over a turn, pins, ground and names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..analysis.motion import pin_path
+from ..bodies import Link
+from .style import BODIES, FAINT, GREY, INK, length_unit, panels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
+
+Array = NDArray[np.float64]
+POSITIONS = 12  # faint ones over a turn
+
+
+def drawing(result: Result) -> Figure:
+    """Bodies in their colours at the start of the run, their positions over the last turn behind them, the joints by name."""
+    figure, (ax,) = panels(1, 1, 7.2, 5.4)
+    outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
+    places = {name: pin_path(result.record, *joint.sides[0]) for name, joint in result.record.assembly.mechanism.joints.items()}
+    everything = np.concatenate([path.reshape(-1, 2) for path in (*outlines.values(), *places.values())])
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    size = float(np.max(high - low)) or 1.0
+    factor, unit = length_unit(size)
+    later = _later(result)
+    for (_, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
+        for k in later:
+            ax.plot(*(factor * path[k]).T, color=colour, lw=1.0, alpha=0.18, zorder=1)
+    _ground(ax, result, factor, size)
+    for (name, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
+        _body(ax, name, factor * path[0], colour)
+    _joints(ax, result, places, factor, size, factor * np.mean([path[0].mean(axis=0) for path in outlines.values()], axis=0))
+    margin = 0.08 * size
+    ax.set_aspect("equal")
+    ax.set(
+        xlim=(factor * (low[0] - margin), factor * (high[0] + margin)),
+        ylim=(factor * (low[1] - 1.3 * margin), factor * (high[1] + margin)),
+        xlabel=f"x ({unit})", ylabel=f"y ({unit})",
+    )  # fmt: skip
+    ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    behind = ", faint: over the last turn" if result.crank is not None else ", faint: later"
+    ax.set_title(f"{result.name} at the start{behind if len(later) else ''}")
+    return figure
+
+
+def outline(result: Result, name: str) -> Array:
+    """Corners of a body at all outputs (m), shape (outputs, corners, 2): particles of an elastic link, pins of a rigid body."""
+    record = result.record
+    body = record.assembly.bodies[name]
+    if body.elements:
+        nodes = list(body.particles)
+        return np.stack([record.block("particle_x")[:, nodes], record.block("particle_y")[:, nodes]], axis=2)
+    used = [pin for joint in record.assembly.mechanism.joints.values() for owner, pin in joint.sides if owner == name]
+    noun = record.assembly.mechanism.bodies[name]
+    pins = ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.pins if pin != "center"]
+    pins += [pin for pin in used if pin not in pins]
+    at = np.array([body.pins[pin] for pin in pins] or [(0.0, 0.0)])
+    if len(pins) > 2:
+        middle = at.mean(axis=0)
+        order = np.argsort(np.arctan2(*(at - middle).T[::-1]), kind="stable")
+        pins = [pins[k] for k in (*order, order[0])] if not _collinear(at) else [pins[k] for k in np.argsort(at @ (at[1] - at[0]))]
+    elif len(pins) == 1 and at.any() and "center" in body.pins:
+        pins.append("center")
+    paths = [pin_path(record, name, pin) for pin in pins or ["center"]]
+    return np.stack(paths, axis=1)
+
+
+def _collinear(points: Array) -> bool:
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[-1] < 1e-9 * spread[0])
+
+
+def _colours(count: int) -> list[str]:
+    return [BODIES[k % len(BODIES)] for k in range(count)]
+
+
+def _later(result: Result) -> list[int]:
+    """Outputs at which the mechanism is drawn faintly."""
+    chosen = np.flatnonzero(result.last_turn)
+    if len(chosen) < 2:
+        return []
+    return [int(k) for k in chosen[np.linspace(0, len(chosen) - 1, POSITIONS + 1).astype(int)][:-1]]
+
+
+def _body(ax: Axes, name: str, path: Array, colour: str) -> None:
+    if len(path) == 1:
+        ax.plot(*path.T, color=colour, ls="", marker="o", ms=12, label=name, zorder=3)
+    elif len(path) > 3 and np.array_equal(path[0], path[-1]):
+        ax.fill(*path.T, facecolor=colour, alpha=0.3, edgecolor=colour, lw=2.5, label=name, zorder=3)
+    else:
+        ax.plot(*path.T, color=colour, lw=4.0, label=name, zorder=3, marker="|" if len(path) > 2 else "", ms=7, mew=1.0)
+
+
+def _ground(ax: Axes, result: Result, factor: float, size: float) -> None:
+    """A triangle on a hatched strip under each point of the ground that carries a joint."""
+    mechanism = result.record.assembly.mechanism
+    used = {pin for joint in mechanism.joints.values() for owner, pin in joint.sides if owner == "ground"}
+    half, tall = 0.028 * size * factor, 0.045 * size * factor
+    for pin in used:
+        x, y = (factor * value for value in mechanism.points[pin])
+        ax.fill([x, x - half, x + half], [y, y - tall, y - tall], facecolor="white", edgecolor=INK, lw=1.2, zorder=2)
+        strip = {"facecolor": "none", "edgecolor": GREY, "hatch": "//////", "lw": 0.0, "zorder": 2}
+        ax.fill([x - 1.6 * half, x + 1.6 * half] * 2, [y - tall, y - tall, y - 1.45 * tall, y - 1.45 * tall], **strip)
+        ax.plot([x - 1.6 * half, x + 1.6 * half], [y - tall] * 2, color=INK, lw=1.2, zorder=2)
+
+
+def _joints(ax: Axes, result: Result, places: dict[str, Array], factor: float, size: float, middle: Array) -> None:
+    clear = result.record.assembly.clearances
+    said = set()
+    for name, path in places.items():
+        at = factor * path[0]
+        kind = "joint with clearance" if name in clear else "ideal joint"
+        ax.plot(*at, ls="", marker="o", ms=9, mfc="white", mec=INK, mew=1.4, zorder=5, label="_" if kind in said else kind)
+        if name in clear:
+            ax.plot(*at, ls="", marker="o", ms=4, mfc=INK, mec=INK, zorder=6)
+        said.add(kind)
+        away = at - middle
+        away = away / (np.linalg.norm(away) or 1.0)
+        ax.annotate(
+            name, at, xytext=14.0 * away, textcoords="offset points", ha="center", va="center", weight="bold", zorder=7,
+            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": FAINT, "alpha": 0.85, "lw": 0.5},
+        )  # fmt: skip

@@ -1,0 +1,112 @@
+"""Where a run comes from, in words that a file can keep, and a record made again from them."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Mapping
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .assembly import Assembly, Record, StepChoice
+from .mechanism import Mechanism
+from .runfile import RunFile, RunFileError
+
+
+def versions() -> dict[str, str]:
+    """Versions of what computes a run; nothing is imported for it."""
+    found = {"python": sys.version.split()[0]}
+    for name in ("vfife", "numba", "numpy"):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            from . import __version__
+
+            found[name] = __version__ if name == "vfife" else "not installed"
+    return found
+
+
+def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[str, Any]:
+    """What a run file's meta should hold to read the run again, and to run it again.
+
+    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. Raises ValueError for a mechanism that no
+    model file can hold.
+    """
+    from .modelfile import dump
+
+    joints = assembly.mechanism.clearances.values()
+    laws = {f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)}
+    return {
+        "model": dump(assembly.mechanism),
+        "source": assembly.mechanism.source,
+        "versions": versions(),
+        "step": assembly.choice.step,
+        "choice": dataclasses.asdict(assembly.choice),
+        "loop": loop,
+        "kept": named_rows(assembly, kept),
+        "laws": laws,
+    }
+
+
+def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, int]]:
+    """Block and entity of each kept row."""
+    layout = assembly.layout
+    owner = {row: (name, k) for name, where in layout.slices.items() for k, row in enumerate(range(layout.rows)[where])}
+    return [owner[int(row)] for row in kept]
+
+
+def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64], where: str) -> Record:
+    """The record of which a file kept the meta, the steps and the rows; ``where`` names the file in messages.
+
+    Raises RunFileError where the model cannot be assembled by this version, or was recorded with quantities it does not know.
+    """
+    wanted = ("model", "choice", "kept")
+    if missing := [key for key in wanted if key not in meta]:
+        raise RunFileError(f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again")
+    if not rows.size:
+        raise RunFileError(f"{where}: the run ended before its first output; run the model again")
+    choice = StepChoice(**{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])})
+    assembly = dataclasses.replace(_assembled(meta, choice, where), choice=choice)
+    kept = rows_named(assembly, meta["kept"], where)
+    if rows.shape[1] != len(kept) or len(rows) != len(steps):
+        raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
+    status = "unfinished" if meta.get("status") == "running" else str(meta.get("status", "complete"))
+    return Record(assembly, steps, rows, kept, float(meta.get("wall", 0.0)), str(meta.get("loop", "")), status)
+
+
+def _assembled(meta: Mapping[str, Any], choice: StepChoice, where: str) -> Assembly:
+    from .assemble import assemble
+    from .modelfile import loads
+
+    try:
+        mechanism: Mechanism = loads(meta["model"])
+        mechanism.source = meta.get("source")
+        return assemble(mechanism, choice.step, force_step=True)
+    except ValueError as error:
+        by = meta.get("versions", {}).get("vfife", "another version")
+        raise RunFileError(
+            f"{where}: the model in this run file, written by vfife {by}, cannot be assembled: {error}. "
+            "If it uses a law of your own, import the module that defines the law first"
+        ) from error
+
+
+def rows_named(assembly: Assembly, names: list[tuple[str, int]], where: str) -> NDArray[np.uint32]:
+    """Rows of S by block and entity."""
+    layout = assembly.layout
+    rows = {name: range(layout.rows)[at] for name, at in layout.slices.items()}
+    unknown = sorted({name for name, entity in names if entity >= len(rows.get(name, ()))})
+    if unknown:
+        raise RunFileError(
+            f"{where}: it records {', '.join(unknown)}, which this version does not know for this model; "
+            "read it with the version it names, or run the model again"
+        )
+    return np.array([rows[name][entity] for name, entity in names], dtype=np.uint32)
+
+
+def keep_reference(file: RunFile, record: Record) -> None:
+    """Stores the record of the ideal mechanism beside the run."""
+    meta = provenance(record.assembly, record.kept, record.loop) | {"status": record.status, "wall": record.wall}
+    file.keep_reference(meta, record.steps, record.rows)

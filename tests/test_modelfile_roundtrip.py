@@ -1,0 +1,257 @@
+"""Model files: a mechanism comes back from its file, and no broken file raises anything but a ModelError."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import json
+import math
+import tomllib
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from model_texts import DEMO, FILES, FOUR_BAR
+from vfife import bodies, drivers, joints, loads
+from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Material, Pereira
+from vfife.mechanism import Mechanism, Settings, Start
+from vfife.modelfile import ModelError, dump, load
+from vfife.modelfile import loads as read
+
+# --------------------------------------------------------------------------------------------------------- round trips
+
+number = st.floats(-1e6, 1e6, allow_nan=False)
+positive = st.floats(1e-9, 1e9)
+point = st.tuples(number, number)
+name = st.text(min_size=1, max_size=8).filter(
+    lambda s: s.isprintable() and s == s.strip() and "." not in s and s != "ground"
+)
+material = st.builds(
+    lambda modulus, ratio: Material(f"m{modulus!r}{ratio!r}".replace(".", "_"), modulus, ratio, 1000.0),
+    positive,
+    st.floats(0.0, 0.5),
+)
+common: dict[str, Any] = {
+    "angle": number,
+    "position": st.none() | point,
+    "velocity": st.just((0.0, 0.0, 0.0)),
+    "material": st.just(Material()) | material,
+}
+section = st.builds(bodies.Section, positive, positive)
+links = {
+    "rigid": {
+        "mass": positive,
+        "inertia": st.none() | positive,
+        "center_at": st.none() | number,
+        "section": st.none() | section,
+        "extra_points": st.dictionaries(name.filter(lambda s: s not in ("start", "end", "center")), point, max_size=2),
+    },
+    "elastic": {"mass": st.none() | positive, "section": section, "elements": st.integers(1, 100)},
+    "two-particle": {"mass": st.none() | positive, "section": section},
+}
+
+
+@st.composite
+def a_body(draw: st.DrawFn, called: str) -> bodies.Body:
+    kind = draw(st.sampled_from(["rigid", "elastic", "two-particle", "plate", "particle"]))
+    values: dict[str, Any] = {key: draw(strategy) for key, strategy in common.items()}
+    if kind == "particle":
+        return bodies.PointMass(name=called, mass=draw(positive), inertia=draw(st.just(0.0) | positive), **values)
+    if kind == "plate":
+        points = draw(st.dictionaries(name.filter(lambda s: s != "center"), point, max_size=3))
+        return bodies.RigidBody(
+            name=called, mass=draw(positive), inertia=draw(positive), center=draw(point), points=points, **values
+        )
+    values |= {key: draw(strategy) for key, strategy in links[kind].items()}
+    if kind != "rigid":
+        values["release"] = draw(st.sampled_from(["none", "end"]))
+        values["stiffness_factor"] = draw(positive)
+    masses = {"start_mass": draw(st.just(0.0) | positive), "end_mass": draw(st.just(0.0) | positive)}
+    return bodies.Link(name=called, length=draw(positive), link_model=kind, **values, **masses)  # type: ignore[arg-type]
+
+
+@st.composite
+def a_joint(draw: st.DrawFn, called: str, bearing: str, journal: str) -> joints.Joint:
+    if draw(st.booleans()):
+        return joints.IdealRevolute(name=called, bearing=bearing, journal=journal)
+    contact = st.builds(LankaraniNikravesh, st.floats(0.01, 1.0), st.none() | positive)
+    friction = st.just(Frictionless()) | st.builds(
+        lambda f, v, more: Ambrosio(f, v, v + more), st.floats(0, 1), st.floats(0, 1), st.floats(1e-3, 1)
+    )
+    return joints.ClearanceRevolute(
+        name=called,
+        bearing=bearing,
+        journal=journal,
+        clearance=draw(st.floats(1e-5, 1e-3)),
+        bearing_radius=draw(st.floats(2e-3, 1.0)),
+        axial_length=draw(positive),
+        contact=draw(contact | st.builds(Pereira, st.floats(0.01, 1.0))),
+        friction=draw(friction),
+        friction_moment=draw(st.sampled_from(["mid-overlap", "surface", "off"])),
+        impact_speed_floor=draw(positive),
+        landing_depth=draw(st.none() | positive),
+        bearing_material=draw(st.none() | material),
+        journal_material=draw(st.none() | material),
+    )
+
+
+@st.composite
+def a_driver(draw: st.DrawFn, body: str) -> drivers.Driver:
+    times = tuple(sorted(draw(st.lists(st.integers(0, 1000), min_size=2, max_size=4, unique=True))))
+    values = tuple(draw(number) for _ in times)
+    speed, over = draw(number), tuple(float(t) for t in times)
+    return draw(
+        st.sampled_from(
+            [
+                drivers.ConstantSpeed(body=body, speed=speed),
+                drivers.Ramp(body=body, speed=speed, duration=draw(positive)),
+                drivers.AngleTable(body=body, times=over, angles=values),
+                drivers.Torque(body=body, torque=speed),
+                drivers.Torque(body=body, torque=values, times=over),
+            ]
+        )
+    )
+
+
+@st.composite
+def mechanisms(draw: st.DrawFn) -> Mechanism:
+    names = draw(st.lists(name, min_size=1, max_size=3, unique=True))
+    model = Mechanism(draw(st.text(max_size=20)), draw(st.text(max_size=40)), draw(point))
+    model.points = draw(st.dictionaries(name, point, min_size=1, max_size=3))
+    model.bodies = {body: draw(a_body(body)) for body in names}
+    before = f"ground.{next(iter(model.points))}"
+    for k, body in enumerate(names):
+        pins = list(model.bodies[body].pins)
+        model.joints[f"J{k}"] = draw(a_joint(f"J{k}", before, f"{body}.{pins[0]}"))
+        before = f"{body}.{pins[-1]}"
+    ideal = isinstance(model.joints["J0"], joints.IdealRevolute)
+    if ideal and draw(st.booleans()):
+        model.drivers[names[0]] = draw(a_driver(names[0]))
+    turned = any(not isinstance(driver, drivers.Torque) for driver in model.drivers.values())
+    if draw(st.booleans()):
+        table = {"times": (0.0, 1.0), "factors": draw(point)} if draw(st.booleans()) else {}
+        force = loads.PointForce(name="F", at=before, force=draw(point), moment=draw(number), **table)
+        model.loads["F"] = force
+    model.start = Start(draw(st.sampled_from(["consistent", "rough"])), draw(st.sampled_from(["centred", "seated"])))
+    length = draw(st.none() | positive)
+    model.settings = Settings(
+        turns=length if turned else None,
+        duration=None if turned else length,
+        step=draw(st.just("auto") | positive),
+        outputs=draw(st.integers(1, 10_000)),
+        damping=draw(st.just(0.0) | positive),
+        path_unit=draw(st.integers(1, 100)),
+    )
+    return model
+
+
+@settings(max_examples=150, deadline=None)
+@given(mechanisms())
+def test_what_is_dumped_loads_back_equal(model: Mechanism) -> None:
+    text = dump(model)
+    assert read(text) == model
+    assert list(read(text).bodies) == list(model.bodies)
+    assert dump(read(text)) == text
+
+
+def test_two_materials_of_one_name_cannot_be_dumped() -> None:
+    model = Mechanism()
+    model.point_mass("a", mass=1.0, material=Material("x", 1e9))
+    model.point_mass("b", mass=1.0, material=Material("x", 2e9))
+    with pytest.raises(ValueError, match="two different materials are called 'x'"):
+        dump(model)
+
+
+def test_the_ideal_mechanism_can_be_dumped() -> None:
+    """Its rigid links still have the number of elements that they had, which a rigid link has no use for."""
+    model = load(
+        DEMO, [("body.coupler.model", "elastic"), ("body.coupler.elements", 8), ("body.coupler.release", "none")]
+    )
+    again = read(dump(model.ideal()))
+    assert not again.clearances
+    assert again.bodies["coupler"].model == "rigid"
+
+
+# --------------------------------------------------------------------------------------------------------------- fuzz
+
+VALUES: list[Any] = [
+    *(0, -1, 1, 10**30, 0.5, -0.0, 1e308, math.nan, math.inf, True),
+    *("", "x", ".", "0.5 mm", "5 kg", "nan", "crank", "crank.end", "ground", "ground.A", "\x00\n\"'\\", "𝛿"),
+    *("clearance", "ideal", "elastic", "two-particle", "particle", "rigid", "both", "pereira"),
+    *([], [1], [1, 2], [1, "2 mm", 3], [[]], [[1, 2], [3]], ["a.b"] * 9),
+    *({}, {"a": 1}, {"law": "none"}, {"law": []}, {"start": [0, 0]}),
+]
+KEYS = [
+    *("x", "", "a.b", "𝛿", "run", "turns", "ground", "body", "model", "length", "mass", "section", "pins", "material"),
+    *("release", "joint", "kind", "bearing", "clearance", "contact", "law", "driver", "speed", "torque", "times"),
+]
+
+
+def toml(value: Any) -> str:
+    """A value as TOML, tables in line."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{toml(str(key))} = {toml(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else str(value)
+
+
+def tables(value: Any) -> Iterator[Any]:
+    """All tables and lists in a value, itself first."""
+    if isinstance(value, dict | list):
+        yield value
+        for entry in value.values() if isinstance(value, dict) else value:
+            yield from tables(entry)
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.data())
+def test_broken_tables_raise_nothing_but_model_errors(data: st.DataObject) -> None:
+    source = data.draw(st.sampled_from([FOUR_BAR, *(path.read_text(encoding="utf-8") for path in FILES)]))
+    raw = copy.deepcopy(tomllib.loads(source))
+    for _ in range(data.draw(st.integers(1, 4))):
+        holder = data.draw(st.sampled_from(list(tables(raw))))
+        keys = list(holder) if isinstance(holder, dict) else list(range(len(holder)))
+        key = data.draw(st.sampled_from([*keys, *(KEYS if isinstance(holder, dict) else [])] or ["x"]))
+        if key in keys and data.draw(st.booleans()):
+            del holder[key]
+        elif isinstance(holder, dict):
+            holder[key] = copy.deepcopy(data.draw(st.sampled_from(VALUES)))
+        else:
+            holder.append(copy.deepcopy(data.draw(st.sampled_from(VALUES))))
+    text = "\n".join(f"{toml(key)} = {toml(value)}" for key, value in raw.items())
+    try:
+        model = read(text)
+    except ModelError as error:
+        assert error.faults
+        assert str(error)
+    else:
+        assert read(dump(model)) == model
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.integers(0, len(FOUR_BAR)), st.text(max_size=5), st.integers(0, 20))
+def test_broken_texts_raise_nothing_but_model_errors(at: int, more: str, less: int) -> None:
+    with contextlib.suppress(ModelError):
+        read(FOUR_BAR[:at] + more + FOUR_BAR[at + less :])
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(st.sampled_from([*KEYS, "C", "crank", "A", "0", "C-D", "crank-coupler", "steel"]), min_size=1, max_size=5),
+    st.sampled_from(VALUES),
+)
+def test_broken_paths_raise_nothing_but_model_errors(path: list[str], value: Any) -> None:
+    with contextlib.suppress(ModelError):
+        read(FOUR_BAR, [(".".join(path), value), ("joint.C.kind", "ideal"), ("material.steel.density", 1)])
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.text(max_size=30), st.text(max_size=30))
+def test_any_text_can_be_set(path: str, value: str) -> None:
+    for where in (path, f"joint.{path}", "joint.C.clearance", "name"):
+        with contextlib.suppress(ModelError):
+            read(FOUR_BAR, [(where, value)])
