@@ -31,8 +31,6 @@ def figures(result: Result, reference: Result | None = None) -> dict[str, Figure
         for name, figure in (("forces", force_curves(result, reference)), ("accelerations", acceleration_curves(result, reference))):
             if figure is not None:
                 found[name] = figure
-        for figure in found.values():
-            figure.canvas.draw()  # ticks and texts take the style they are drawn with
     return found
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .style import BLUE, SKY, VERMILION, panels, prefix_of
+from .style import BLUE, SKY, VERMILION, one_legend, panels, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ def force_curves(result: Result, reference: Result | None = None) -> Figure | No
     """
     assembly = result.record.assembly
     names = [*assembly.clearances, *assembly.ideals, *assembly.pivots]
-    return _figure(result, reference, names, _force, "joint force", "N", "joint")
+    return _figure(result, reference, names, _force, "joint force", "N", "joint ")
 
 
 def acceleration_curves(result: Result, reference: Result | None = None) -> Figure | None:
@@ -37,7 +37,7 @@ def acceleration_curves(result: Result, reference: Result | None = None) -> Figu
     """
     bodies = [body.name for body in result.record.assembly.bodies.values() if body.driven is None]
     names = [name for name in bodies if f"{name}.angular_acceleration.max" in result.measures]
-    return _figure(result, reference, names, _acceleration, "angular acceleration", "rad/s²", "body")
+    return _figure(result, reference, names, _acceleration, "angular acceleration", "rad/s²")
 
 
 def _force(result: Result, name: str) -> tuple[Array, Array] | None:
@@ -58,7 +58,7 @@ def _acceleration(result: Result, name: str) -> tuple[Array, Array] | None:
 
 
 def _figure(
-    result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, kind: str
+    result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, kind: str = ""
 ) -> Figure | None:
     if not names:
         return None
@@ -67,16 +67,14 @@ def _figure(
     for k, (ax, name) in enumerate(zip(axes, names, strict=False)):
         found = curve(result, name)
         if found is not None:
-            _panel(ax, result, reference, name, (found, None if reference is None else curve(reference, name)), (what, unit))
-            ax.set_title(f"{kind} {name}")
+            _panel(ax, result, reference, (found, None if reference is None else curve(reference, name)), (what, unit))
+            ax.set_title(f"{kind}{name}")
         if k >= len(names) - columns:
             ax.set_xlabel("time (s)" if result.crank is None else f"angle of {result.crank} (degrees)")
             ax.tick_params(labelbottom=True)
     for ax in axes[len(names) :]:
         ax.set_visible(False)
-    handles, labels = axes[0].get_legend_handles_labels()
-    if len(labels) > 1:
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    one_legend(figure, axes)
     turn = "" if result.crank is None or result.last_turn.all() else ", last turn"
     figure.suptitle(f"{result.name}: {what}{turn}")
     return figure
@@ -86,25 +84,26 @@ def _panel(
     ax: Axes,
     result: Result,
     reference: Result | None,
-    name: str,
     curves: tuple[tuple[Array, Array], tuple[Array, Array] | None],
     quantity: tuple[str, str],
 ) -> None:
     (line, extreme), ideal = curves
-    window = result.last_turn
-    angle = abscissa(result)
-    factor, unit = prefix_of(float(np.abs(extreme[window]).max()), quantity[1])
-    x, origin = _one_turn(angle, window, result)
+    first = max(int(np.argmax(result.last_turn)) - 1, 0)  # the output at which the turn's first interval begins
+    x, origin = _one_turn(abscissa(result)[first:], result)
+    line, extreme = line[first:], extreme[first:]
+    factor, unit = scale_of(float(np.abs(extreme[1:]).max(initial=0.0)), quantity[1])
     if ideal is not None and reference is not None:
         at, values = _ideal_turn(reference, ideal[0], x, origin)
         ax.plot(at, factor * values, color=VERMILION, lw=1.6, label="ideal joints", zorder=3)
     if extreme is not line:
-        ax.fill_between(x, factor * line[window], factor * extreme[window], color=SKY, alpha=0.5, lw=0, label="extremes between the samples")
-    ax.plot(x, factor * line[window], color=BLUE, lw=1.1, label="with clearance" if ideal is not None else "this run", zorder=4)
+        band = {"color": SKY, "alpha": 0.5, "lw": 0.0, "label": "extremes between the samples"}
+        ax.fill_between(x[1:], factor * line[1:], factor * extreme[1:], **band)
+    label = "with clearance" if ideal is not None else "this run"
+    ax.plot(x, factor * line, color=BLUE, lw=1.1, label=label, zorder=4)
     ax.set_ylabel(f"{quantity[0]} ({unit})")
     ax.margins(x=0.0)
-    if result.crank is not None and 300.0 < x[-1] - x[0] <= 361.0:
-        ax.set_xticks(np.arange(np.ceil(x[0] / 60.0 - 1e-6) * 60.0, x[-1] + 1e-6, 60.0))
+    if result.crank is not None and 300.0 < abs(x[-1] - x[0]) <= 361.0:
+        ax.set_xticks(np.arange(np.ceil(min(x) / 60.0 - 1e-6) * 60.0, max(x) + 1e-6, 60.0))
 
 
 def abscissa(result: Result) -> Array:
@@ -112,16 +111,12 @@ def abscissa(result: Result) -> Array:
     return result.time if result.crank_angle is None else result.crank_angle
 
 
-def _one_turn(angle: Array, window: NDArray[np.bool_], result: Result) -> tuple[Array, float]:
-    """Angles of the window counted from the last whole turn before it, and that turn's angle."""
-    chosen = angle[window]
+def _one_turn(angle: Array, result: Result) -> tuple[Array, float]:
+    """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they are."""
     if result.crank is None:
-        return chosen, 0.0
-    first = min(chosen[0], chosen[-1])
-    if chosen[-1] > chosen[0] and len(chosen) > 1:
-        first -= 0.5 * (chosen[1] - chosen[0])  # a window that ends on a whole turn begins just behind one
-    origin = 360.0 * np.floor(first / 360.0 + 1e-9)
-    return chosen - origin, float(origin)
+        return angle, 0.0
+    origin = 360.0 * np.floor(min(angle[0], angle[-1]) / 360.0 + 1e-6)
+    return angle - origin, float(origin)
 
 
 def _ideal_turn(reference: Result, values: Array, x: Array, origin: float) -> tuple[Array, Array]:
@@ -132,6 +127,7 @@ def _ideal_turn(reference: Result, values: Array, x: Array, origin: float) -> tu
     if reference.crank is None or abs(at[-1] - at[0]) < 300.0:
         return at - origin, chosen
     low = min(x[0], x[-1])
-    at = low + np.mod(at - low, 360.0)
+    at = low + np.mod(at - low - 1e-6, 360.0) + 1e-6
     order = np.argsort(at, kind="stable")
-    return at[order], chosen[order]
+    at, chosen = at[order], chosen[order]
+    return np.concatenate([[at[-1] - 360.0], at]), np.concatenate([chosen[-1:], chosen])

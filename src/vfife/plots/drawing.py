@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.motion import pin_path
 from ..bodies import Link
-from .style import BODIES, FAINT, GREY, INK, length_unit, panels
+from .style import BODIES, GREY, INK, length_unit, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 POSITIONS = 12  # faint ones over a turn
+GROUND_DEPTH = 0.065  # of the sign for the ground, as a share of the drawing
 
 
 def drawing(result: Result) -> Figure:
@@ -33,11 +34,12 @@ def drawing(result: Result) -> Figure:
     later = _later(result)
     for (_, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
         for k in later:
-            ax.plot(*(factor * path[k]).T, color=colour, lw=1.0, alpha=0.18, zorder=1)
+            ax.plot(*(factor * path[k]).T, color=colour, lw=1.0, alpha=0.28, zorder=1)
     _ground(ax, result, factor, size)
     for (name, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
         _body(ax, name, factor * path[0], colour)
-    _joints(ax, result, places, factor, size, factor * np.mean([path[0].mean(axis=0) for path in outlines.values()], axis=0))
+    middle = np.mean([path[0].mean(axis=0) for path in outlines.values()], axis=0)
+    signs = _joints(ax, result, {name: factor * path[0] for name, path in places.items()}, factor * middle, factor * size)
     margin = 0.08 * size
     ax.set_aspect("equal")
     ax.set(
@@ -45,7 +47,8 @@ def drawing(result: Result) -> Figure:
         ylim=(factor * (low[1] - 1.3 * margin), factor * (high[1] + margin)),
         xlabel=f"x ({unit})", ylabel=f"y ({unit})",
     )  # fmt: skip
-    ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    handles, labels = ax.get_legend_handles_labels()
+    ax.legend([*handles, *signs.values()], [*labels, *signs], loc="center left", bbox_to_anchor=(1.01, 0.5))
     behind = ", faint: over the last turn" if result.crank is not None else ", faint: later"
     ax.set_title(f"{result.name} at the start{behind if len(later) else ''}")
     return figure
@@ -103,28 +106,29 @@ def _ground(ax: Axes, result: Result, factor: float, size: float) -> None:
     """A triangle on a hatched strip under each point of the ground that carries a joint."""
     mechanism = result.record.assembly.mechanism
     used = {pin for joint in mechanism.joints.values() for owner, pin in joint.sides if owner == "ground"}
-    half, tall = 0.028 * size * factor, 0.045 * size * factor
+    half, tall, deep = (part * size * factor for part in (0.028, 0.045, GROUND_DEPTH))
     for pin in used:
         x, y = (factor * value for value in mechanism.points[pin])
         ax.fill([x, x - half, x + half], [y, y - tall, y - tall], facecolor="white", edgecolor=INK, lw=1.2, zorder=2)
         strip = {"facecolor": "none", "edgecolor": GREY, "hatch": "//////", "lw": 0.0, "zorder": 2}
-        ax.fill([x - 1.6 * half, x + 1.6 * half] * 2, [y - tall, y - tall, y - 1.45 * tall, y - 1.45 * tall], **strip)
+        ax.fill([x - 1.6 * half, x + 1.6 * half] * 2, [y - tall, y - tall, y - deep, y - deep], **strip)
         ax.plot([x - 1.6 * half, x + 1.6 * half], [y - tall] * 2, color=INK, lw=1.2, zorder=2)
 
 
-def _joints(ax: Axes, result: Result, places: dict[str, Array], factor: float, size: float, middle: Array) -> None:
-    clear = result.record.assembly.clearances
-    said = set()
-    for name, path in places.items():
-        at = factor * path[0]
-        kind = "joint with clearance" if name in clear else "ideal joint"
-        ax.plot(*at, ls="", marker="o", ms=9, mfc="white", mec=INK, mew=1.4, zorder=5, label="_" if kind in said else kind)
-        if name in clear:
-            ax.plot(*at, ls="", marker="o", ms=4, mfc=INK, mec=INK, zorder=6)
-        said.add(kind)
-        away = at - middle
-        away = away / (np.linalg.norm(away) or 1.0)
-        ax.annotate(
-            name, at, xytext=14.0 * away, textcoords="offset points", ha="center", va="center", weight="bold", zorder=7,
-            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": FAINT, "alpha": 0.85, "lw": 0.5},
-        )  # fmt: skip
+def _joints(ax: Axes, result: Result, places: dict[str, Array], middle: Array, size: float) -> dict[str, Any]:
+    """Joints as rings, with a dot where there is clearance, and their names; returns what a legend shows of them."""
+    mechanism = result.record.assembly.mechanism
+    signs: dict[str, Any] = {}
+    for name, at in places.items():
+        clear = name in mechanism.clearances
+        ring = ax.plot(*at, ls="", marker="o", ms=9, mfc="white", mec=INK, mew=1.4, zorder=5)
+        dot = ax.plot(*at, ls="", marker="o", ms=4, mfc=INK, mec=INK, zorder=6) if clear else []
+        signs["joint with clearance" if clear else "ideal joint"] = (*ring, *dot)
+        look = {"ha": "center", "va": "center", "weight": "bold", "zorder": 7}
+        look["bbox"] = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}
+        if "ground" in (owner for owner, _ in mechanism.joints[name].sides):
+            ax.text(at[0], at[1] - (GROUND_DEPTH + 0.03) * size, name, **look)
+        else:
+            away = (at - middle) / (np.linalg.norm(at - middle) or 1.0)
+            ax.annotate(name, at, xytext=16.0 * away, textcoords="offset points", **look)
+    return signs

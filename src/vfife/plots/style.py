@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -60,9 +61,19 @@ def length_unit(size: float) -> tuple[float, str]:
     return (1e3, "mm") if size < 1.0 else (1.0, "m")
 
 
-def prefix_of(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit with the prefix (none, k or M) in which a quantity reads well."""
-    for limit, factor, prefix in ((2e6, 1e-6, "M"), (2e3, 1e-3, "k")):
+def scale_of(size: float, unit: str) -> tuple[float, str]:
+    """Factor and unit in which a quantity reads well: kN and MN for newtons, powers of ten for other units."""
+    for limit, power, prefix in ((2e6, 6, "M"), (2e3, 3, "k")):
         if size >= limit:
-            return factor, f"{prefix}{unit}"
+            return 10.0**-power, f"{prefix}{unit}" if unit in ("N", "N m") else f"$10^{power}$ {unit}"
     return 1.0, unit
+
+
+def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
+    """A legend below the panels with every label that occurs in one of them; nothing where there is only one."""
+    entries: dict[str, Any] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if len(entries) > 1:
+        figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=len(entries))
