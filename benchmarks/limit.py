@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from limit_model import FOLLOWER_PIN, runner
-from measure import HERE, Options, Part, interleaved, seconds, table
+from measure import HERE, Options, Part, seconds, table
 
 SOURCE = HERE / "limit" / "four_bar_limit.c"
 FLAGS = ["-O3", "-march=native", "-ffast-math"]
@@ -47,15 +48,34 @@ def ask(program: Path, steps: int) -> dict[str, float]:
     return {name: float(value) for name, value in found.groupdict().items()}
 
 
-def loop_time(loop: str, lanes: int, steps: int) -> Callable[[], float]:
-    """A timed run of one loop from the start: ns per step and simulation."""
+def time_loops(steps: int) -> dict[str, float]:
+    """ns per step and simulation of vfife's loops from the start, the best of three, in this process."""
+    best = {}
+    for name, (loop, lanes) in LOOPS.items():
+        runner(loop, lanes).advance(10, 1)  # compile
+        models = [runner(loop, lanes) for _ in range(3)]
+        took = min(seconds(lambda model=model: model.advance(steps, 1)) for model in models)
+        best[name] = 1e9 * took / steps / lanes
+    return best
 
-    def run() -> float:
-        model = runner(loop, lanes)
-        return seconds(lambda: model.advance(steps, 1)) * 1e9 / steps / lanes
 
-    runner(loop, lanes).advance(10, 1)  # compile
-    return run
+def ask_loops(steps: int) -> dict[str, float]:
+    """The same in a process of its own, as each run of the C program is: where code and data come to lie is drawn anew."""
+    command = [sys.executable, str(Path(__file__).resolve()), str(steps)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    result: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+    return result
+
+
+def rounds(programs: dict[str, Path], steps: int, count: int) -> dict[str, float]:
+    """Best ns per step and simulation of everything, asked in turn."""
+    best: dict[str, float] = {}
+    for _ in range(count):
+        found = ask_loops(steps)
+        for name, program in programs.items():
+            found[name] = min(ask(program, steps)["ns"] for _ in range(3))
+        best = {name: min(best.get(name, value), value) for name, value in found.items()}
+    return best
 
 
 def position(steps: int) -> tuple[float, float, float]:
@@ -89,12 +109,7 @@ def measure(options: Options) -> Part:
     steps = 200_000 if options.quick else 1_000_000
     with tempfile.TemporaryDirectory() as folder:
         programs = build(Path(folder))
-        runs: dict[str, Callable[[], float]] = {}
-        for name, (loop, lanes) in LOOPS.items():
-            runs[name] = loop_time(loop, lanes, steps)
-        for name, program in programs.items():
-            runs[name] = lambda program=program: ask(program, steps)["ns"]  # type: ignore[misc]
-        best = interleaved(3 if options.quick else 20, runs)
+        best = rounds(programs, steps, 2 if options.quick else 8)
         moved = agreement(programs, (2000, 20_000))
     part.measured = {"ns_per_step_and_simulation": best, "steps": steps, "agreement": moved, "flags": FLAGS}
     rows: list[tuple[Any, ...]] = []
@@ -112,3 +127,7 @@ def measure(options: Options) -> Part:
     columns = ("after steps", "C as given", "C located", "onsets vfife, C")
     part.tables.append(table("distance of the follower pin from vfife's (m)", *columns, rows=rows))
     return part
+
+
+if __name__ == "__main__":
+    print(json.dumps(time_loops(int(sys.argv[1]))))

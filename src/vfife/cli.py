@@ -23,7 +23,7 @@ class Group(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            tell("interrupted", "Nothing more was done.")
+            tell("interrupted", "Stopped by Ctrl-C.")
             raise typer.Exit(INTERRUPTED) from None
 
 

@@ -77,7 +77,7 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         time = found["steps"] * found["step"]
         turns = f" = {time / found['turn']:.4g} turns" if found["turn"] else ""
         yield "Steps", f"{found['steps']:,} of {found['steps_planned']:,}, of {found['step']:.6g} s: {time:.6g} s{turns}"
-    yield "Outputs", f"{found['outputs']:,} of {len(found['channels'])} quantities; latest checkpoint: {in_words(found['checkpoint'])}"
+    yield "Outputs", f"{found['outputs']:,}, of {len(found['channels'])} kinds of numbers each; latest checkpoint: {in_words(found['checkpoint'])}"
     yield "Reference", "the ideal mechanism is kept beside it" if found["reference"] else "none"
     wall = f", {span(found['wall_s'])}" if found["wall_s"] else ""
     yield "Computed by", f"{found['loop']} loop{wall}; " + ", ".join(f"{name} {version}" for name, version in found["versions"].items())

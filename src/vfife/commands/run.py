@@ -85,7 +85,7 @@ def simulated(
     mechanism: Mechanism, model: Path, asked: Path | None, loop: Any, compare: bool, force_step: bool, quiet: bool
 ) -> tuple[Result, RunFolder]:
     """Runs a mechanism into a folder; every fault of the input is told before the folder is touched."""
-    from ..provenance import provenance
+    from ..provenance import keep_reference, provenance
     from ..runfile import RunFile, RunFileError
     from ..simulate import choose_loop, recorded_rows, simulate
     from .folder import make_folder
@@ -94,6 +94,7 @@ def simulated(
     with sentences(str(model)):
         ideal, assembly = prepared(mechanism, compare, force_step)
         meta = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, loop))
+    with sentences(str(asked or "runs")):
         place = make_folder(asked, model)
         (place.path / "model.toml").write_text(meta["model"], encoding="utf-8")
         file = RunFile.create(place.run_file, meta)
@@ -101,6 +102,8 @@ def simulated(
         tell("note", f"{note}.")
     with file:
         try:
+            if ideal is not None:
+                keep_reference(file, ideal.record)
             with ProgressLine(quiet) as line:
                 options: dict[str, Any] = dict(loop=loop, force_step=force_step, progress=line, file=file)
                 result = simulate(mechanism, reference=ideal if ideal is not None else False, **options)
@@ -108,11 +111,15 @@ def simulated(
         except (RunFileError, OSError) as error:
             tell("error", f"{error}", "bold red")
             raise typer.Exit(1) from None
-        except BaseException:
-            if not len(file.steps):
-                file.close()
-                place.discard()
-            raise
+        except BaseException as error:
+            if len(file.steps):
+                raise
+            file.close()
+            place.discard()
+            if not isinstance(error, KeyboardInterrupt):
+                raise
+            tell("interrupted", "Stopped by Ctrl-C before the first step, so there is nothing to keep.")
+            raise typer.Exit(INTERRUPTED) from None
     return result, place
 
 

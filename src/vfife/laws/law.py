@@ -48,9 +48,17 @@ class Pair:
         return 1.0 / (self.bearing.compliance + self.journal.compliance)
 
 
-def quantity(unit: str, meaning: str, default: Any = dataclasses.MISSING, *, low: float | None = None, high: float | None = None) -> Any:
-    """A field of a law: its unit ("1" if it has none), its meaning, its default and the limits it must keep."""
-    return dataclasses.field(default=default, metadata={"unit": unit, "meaning": meaning, "low": low, "high": high})
+def quantity(
+    unit: str,
+    meaning: str,
+    default: Any = dataclasses.MISSING,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    above: float | None = None,
+) -> Any:
+    """A field of a law: its unit ("1" if it has none), meaning and default, and its limits: at least ``low``, at most ``high``, ``above``."""
+    return dataclasses.field(default=default, metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "above": above})
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,6 @@ DEFAULTS: dict[str, Any] = {
 }
 # A unit such as N/m^n is known only once the law has its exponent: such a parameter is a bare number in SI units.
 SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
-# Their limit in the law allows 0, at which there is neither an elastic nor a damped contact.
-NEVER_ZERO = ("restitution", "stiffness")
 
 
 def read_law(kind: str, holder: Raw, path: Path, given: set[Path]) -> tuple[Law | None, list[Fault]]:
@@ -66,9 +64,8 @@ def read_field(field: dataclasses.Field[Any], value: Any) -> Any:
         unit = field.metadata.get("unit", "1")
         if SYMBOLIC.search(unit):
             unit = "1"
-        low, high = field.metadata.get("low"), field.metadata.get("high")
-        above = low if field.name in NEVER_ZERO else None
-        return Measure(unit, above=above, low=low if above is None else None, high=high).read(value)
+        limits = {limit: field.metadata.get(limit) for limit in ("above", "low", "high")}
+        return Measure(unit, **limits).read(value)
     if not isinstance(value, wanted):
         raise refuse(value, kind_of(value), kind_of(wanted()), f"write {kind_of(wanted())}")
     return value

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .style import BLUE, SKY, VERMILION, one_legend, panels, scale_of
+from .style import BLUE, SKY, VERMILION, heading, one_legend, panels, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from ..result import Result
 
 Array = NDArray[np.float64]
-Curve = Callable[["Result", str], "tuple[Array, Array] | None"]
+Series = tuple[Array, Array | None]  # a line, and the extremes around it where it is not made of them itself
+Curve = Callable[["Result", str], "Series | None"]
 
 
 def force_curves(result: Result, reference: Result | None = None) -> Figure | None:
@@ -40,15 +41,14 @@ def acceleration_curves(result: Result, reference: Result | None = None) -> Figu
     return _figure(result, reference, names, _acceleration, "angular acceleration", "rad/s²")
 
 
-def _force(result: Result, name: str) -> tuple[Array, Array] | None:
+def _force(result: Result, name: str) -> Series | None:
     joints = list(result.record.assembly.mechanism.joints)
     if name not in joints:
         return None
-    largest = result.channels["joint_force_max"].values[:, joints.index(name)]
-    return largest, largest
+    return result.channels["joint_force_max"].values[:, joints.index(name)], None
 
 
-def _acceleration(result: Result, name: str) -> tuple[Array, Array] | None:
+def _acceleration(result: Result, name: str) -> Series | None:
     bodies = list(result.record.assembly.bodies)
     if name not in bodies:
         return None
@@ -63,20 +63,21 @@ def _figure(
     if not names:
         return None
     columns = 2 if len(names) > 1 else 1
-    figure, axes = panels(-(-len(names) // columns), columns, 5.2, 3.0, sharex=True)
+    rows = -(-len(names) // columns)
+    figure, axes = panels(rows, columns, 5.2, 2.7 + 0.9 / rows, sharex=True)
     for k, (ax, name) in enumerate(zip(axes, names, strict=False)):
         found = curve(result, name)
         if found is not None:
             _panel(ax, result, reference, (found, None if reference is None else curve(reference, name)), (what, unit))
             ax.set_title(f"{kind}{name}")
         if k >= len(names) - columns:
-            ax.set_xlabel("time (s)" if result.crank is None else f"angle of {result.crank} (degrees)")
+            ax.set_xlabel("time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)")
             ax.tick_params(labelbottom=True)
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     one_legend(figure, axes)
     turn = "" if result.crank is None or result.last_turn.all() else ", last turn"
-    figure.suptitle(f"{result.name}: {what}{turn}")
+    heading(figure, f"{result.name}: {what}{turn}")
     return figure
 
 
@@ -84,31 +85,31 @@ def _panel(
     ax: Axes,
     result: Result,
     reference: Result | None,
-    curves: tuple[tuple[Array, Array], tuple[Array, Array] | None],
+    curves: tuple[Series, Series | None],
     quantity: tuple[str, str],
 ) -> None:
     (line, extreme), ideal = curves
     first = max(int(np.argmax(result.last_turn)) - 1, 0)  # the output at which the turn's first interval begins
     x, origin = _one_turn(abscissa(result)[first:], result)
-    line, extreme = line[first:], extreme[first:]
-    factor, unit = scale_of(float(np.abs(extreme[1:]).max(initial=0.0)), quantity[1])
+    line, extreme = line[first:], None if extreme is None else extreme[first:]
+    factor, unit = scale_of(float(np.abs(line if extreme is None else extreme).max()), quantity[1])
     if ideal is not None and reference is not None:
         at, values = _ideal_turn(reference, ideal[0], x, origin)
         ax.plot(at, factor * values, color=VERMILION, lw=1.6, label="ideal joints", zorder=3)
-    if extreme is not line:
+    if extreme is not None:
         band = {"color": SKY, "alpha": 0.5, "lw": 0.0, "label": "extremes between the samples"}
         ax.fill_between(x[1:], factor * line[1:], factor * extreme[1:], **band)
     label = "with clearance" if ideal is not None else "this run"
     ax.plot(x, factor * line, color=BLUE, lw=1.1, label=label, zorder=4)
-    ax.set_ylabel(f"{quantity[0]} ({unit})")
+    ax.set_ylabel(f"{quantity[0]}\n({unit})")
     ax.margins(x=0.0)
     if result.crank is not None and 300.0 < abs(x[-1] - x[0]) <= 361.0:
         ax.set_xticks(np.arange(np.ceil(min(x) / 60.0 - 1e-6) * 60.0, max(x) + 1e-6, 60.0))
 
 
 def abscissa(result: Result) -> Array:
-    """Crank angle (degrees), or time (s) without a crank, at the outputs."""
-    return result.time if result.crank_angle is None else result.crank_angle
+    """Crank angle (degrees), or time (ms) without a crank, at the outputs."""
+    return 1e3 * result.time if result.crank_angle is None else result.crank_angle
 
 
 def _one_turn(angle: Array, result: Result) -> tuple[Array, float]:

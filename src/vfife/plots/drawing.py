@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..analysis.motion import pin_path
 from ..bodies import Link
-from .style import BODIES, GREY, INK, length_unit, panels
+from ..joints import ClearanceRevolute
+from .style import BODIES, GREY, INK, heading, length_unit, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,39 +20,49 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 POSITIONS = 12  # faint ones over a turn
+LARGE_BEARING = 0.03  # bearing radius, as a share of the drawing, from which its circle is drawn
 GROUND_DEPTH = 0.065  # of the sign for the ground, as a share of the drawing
 
 
 def drawing(result: Result) -> Figure:
     """Bodies in their colours at the start of the run, their positions over the last turn behind them, the joints by name."""
-    figure, (ax,) = panels(1, 1, 7.2, 5.4)
+    mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
-    places = {name: pin_path(result.record, *joint.sides[0]) for name, joint in result.record.assembly.mechanism.joints.items()}
-    everything = np.concatenate([path.reshape(-1, 2) for path in (*outlines.values(), *places.values())])
-    low, high = everything.min(axis=0), everything.max(axis=0)
+    places = {name: pin_path(result.record, *joint.sides[0]) for name, joint in mechanism.joints.items()}
+    low, high = _extent(result, [*outlines.values(), *places.values()])
     size = float(np.max(high - low)) or 1.0
     factor, unit = length_unit(size)
+    width, height = np.maximum((high - low) / size, 0.35) * 5.6
+    figure, (ax,) = panels(1, 1, width + 2.2, height + 1.1)
     later = _later(result)
-    for (_, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
+    for path, colour in zip(outlines.values(), _colours(len(outlines)), strict=True):
         for k in later:
             ax.plot(*(factor * path[k]).T, color=colour, lw=1.0, alpha=0.28, zorder=1)
     _ground(ax, result, factor, size)
     for (name, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
         _body(ax, name, factor * path[0], colour)
     middle = np.mean([path[0].mean(axis=0) for path in outlines.values()], axis=0)
-    signs = _joints(ax, result, {name: factor * path[0] for name, path in places.items()}, factor * middle, factor * size)
-    margin = 0.08 * size
-    ax.set_aspect("equal")
-    ax.set(
-        xlim=(factor * (low[0] - margin), factor * (high[0] + margin)),
-        ylim=(factor * (low[1] - 1.3 * margin), factor * (high[1] + margin)),
-        xlabel=f"x ({unit})", ylabel=f"y ({unit})",
-    )  # fmt: skip
+    signs = _joints(ax, result, {name: factor * path[0] for name, path in places.items()}, factor * middle, factor * size, factor)
     handles, labels = ax.get_legend_handles_labels()
-    ax.legend([*handles, *signs.values()], [*labels, *signs], loc="center left", bbox_to_anchor=(1.01, 0.5))
-    behind = ", faint: over the last turn" if result.crank is not None else ", faint: later"
-    ax.set_title(f"{result.name} at the start{behind if len(later) else ''}")
+    figure.legend([*handles, *signs.values()], [*labels, *signs], loc="outside right center")
+    ax.set_aspect("equal")
+    ax.set(xlim=factor * np.array([low[0], high[0]]), ylim=factor * np.array([low[1], high[1]]))
+    ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+    behind = "" if not later else " (faint: over the last turn)" if result.crank is not None else " (faint: later)"
+    heading(figure, f"{result.name} at the start{behind}")
     return figure
+
+
+def _extent(result: Result, paths: list[Array]) -> tuple[Array, Array]:
+    """Lower left and upper right corner (m) of what is drawn, with a margin that holds the signs for the ground."""
+    points = [path.reshape(-1, 2) for path in paths]
+    for joint in result.record.assembly.mechanism.clearances.values():
+        centre = pin_path(result.record, *joint.sides[0])[0]
+        points.append(np.stack([centre - joint.bearing_radius, centre + joint.bearing_radius]))
+    everything = np.concatenate(points)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    margin = 0.08 * float(np.max(high - low))
+    return low - np.array([margin, 1.4 * margin]), high + margin
 
 
 def outline(result: Result, name: str) -> Array:
@@ -115,20 +126,35 @@ def _ground(ax: Axes, result: Result, factor: float, size: float) -> None:
         ax.plot([x - 1.6 * half, x + 1.6 * half], [y - tall] * 2, color=INK, lw=1.2, zorder=2)
 
 
-def _joints(ax: Axes, result: Result, places: dict[str, Array], middle: Array, size: float) -> dict[str, Any]:
+def _joints(ax: Axes, result: Result, places: dict[str, Array], middle: Array, size: float, factor: float) -> dict[str, Any]:
     """Joints as rings, with a dot where there is clearance, and their names; returns what a legend shows of them."""
     mechanism = result.record.assembly.mechanism
     signs: dict[str, Any] = {}
     for name, at in places.items():
-        clear = name in mechanism.clearances
-        ring = ax.plot(*at, ls="", marker="o", ms=9, mfc="white", mec=INK, mew=1.4, zorder=5)
-        dot = ax.plot(*at, ls="", marker="o", ms=4, mfc=INK, mec=INK, zorder=6) if clear else []
-        signs["joint with clearance" if clear else "ideal joint"] = (*ring, *dot)
-        look = {"ha": "center", "va": "center", "weight": "bold", "zorder": 7}
+        joint = mechanism.joints[name]
+        clear = isinstance(joint, ClearanceRevolute)
+        if isinstance(joint, ClearanceRevolute) and joint.bearing_radius > LARGE_BEARING * size / factor:
+            _surfaces(ax, result, joint, factor)
+            signs["bearing and journal"] = ax.plot([], [], ls="", marker="o", ms=9, mfc="none", mec=INK, mew=1.4)[0]
+        else:
+            ring = ax.plot(*at, ls="", marker="o", ms=9, mfc="white", mec=INK, mew=1.4, zorder=5)
+            dot = ax.plot(*at, ls="", marker="o", ms=4, mfc=INK, mec=INK, zorder=6) if clear else []
+            signs["joint with clearance" if clear else "ideal joint"] = (*ring, *dot)
+        look: dict[str, Any] = {"ha": "center", "va": "center", "weight": "bold", "zorder": 7}
         look["bbox"] = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}
-        if "ground" in (owner for owner, _ in mechanism.joints[name].sides):
+        if "ground" in (owner for owner, _ in joint.sides):
             ax.text(at[0], at[1] - (GROUND_DEPTH + 0.03) * size, name, **look)
         else:
             away = (at - middle) / (np.linalg.norm(at - middle) or 1.0)
             ax.annotate(name, at, xytext=16.0 * away, textcoords="offset points", **look)
     return signs
+
+
+def _surfaces(ax: Axes, result: Result, joint: ClearanceRevolute, factor: float) -> None:
+    """The circles of bearing and journal where they are large enough to be seen."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 181)
+    circle = np.stack([np.cos(turn), np.sin(turn)])
+    radii = (joint.bearing_radius, joint.bearing_radius - joint.clearance)
+    for side, radius, width in zip(joint.sides, radii, (1.8, 0.9), strict=True):
+        centre = pin_path(result.record, *side)[0]
+        ax.plot(*factor * (centre[:, None] + radius * circle), color=INK, lw=width, zorder=4)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ..analysis.forces import IMPACT
-from .style import BLUE, GREY, ORANGE, SKY, VERMILION, length_unit, one_legend, panels
+from .style import BLUE, GREY, ORANGE, SKY, VERMILION, heading, length_unit, one_legend, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,7 @@ def orbits(result: Result) -> Figure:
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     one_legend(figure, axes)
-    figure.suptitle(f"{result.name}: journal centres in their bearings")
+    heading(figure, f"{result.name}: journal centres in their bearings")
     return figure
 
 

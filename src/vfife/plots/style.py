@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -76,4 +77,10 @@ def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if len(entries) > 1:
-        figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=len(entries))
+        columns = min(len(entries), max(1, int(figure.get_figwidth() / 1.9)))
+        figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=columns)
+
+
+def heading(figure: Figure, text: str) -> None:
+    """A title over all panels, broken where the figure is too narrow for it."""
+    figure.suptitle("\n".join(wrap(text, max(20, int(10.0 * figure.get_figwidth())))))

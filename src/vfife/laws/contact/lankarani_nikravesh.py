@@ -25,8 +25,8 @@ class LankaraniNikravesh(ContactLaw):
     formula: ClassVar[str] = "F = K d^1.5 (1 + 3/4 (1 - e^2) d'/d'0)"
     slots: ClassVar[tuple[str, ...]] = ("stiffness", "damping_factor")
 
-    restitution: float = quantity("1", "restitution coefficient c_e", 0.9, low=0.0, high=1.0)
-    stiffness: float | None = quantity("N/m^1.5", "generalised stiffness K; from radii and materials if left out", None, low=0.0)
+    restitution: float = quantity("1", "restitution coefficient c_e", 0.9, above=0.0, high=1.0)
+    stiffness: float | None = quantity("N/m^1.5", "generalised stiffness K; from radii and materials if left out", None, above=0.0)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Stiffness (N/m^1.5) and damping factor (1)."""

@@ -28,7 +28,7 @@ class Pereira(ContactLaw):
     formula: ClassVar[str] = "F = (a dR + b) L E*/dR d^n (1 + 3/4 (1 - e^2) d'/d'0), mm, MPa, N"
     slots: ClassVar[tuple[str, ...]] = ("stiffness", "exponent_beyond_1", "damping_factor")
 
-    restitution: float = quantity("1", "restitution coefficient c_e", 0.9, low=0.0, high=1.0)
+    restitution: float = quantity("1", "restitution coefficient c_e", 0.9, above=0.0, high=1.0)
 
     def exponent(self, pair: Pair) -> float:
         """Exponent n for the clearance (Eq. 27c, d)."""
