@@ -60,7 +60,7 @@ def time_loops(steps: int) -> dict[str, float]:
 
 
 def ask_loops(steps: int) -> dict[str, float]:
-    """The same in a process of its own, as each run of the C program is: where code and data come to lie is drawn anew."""
+    """The same in a process of its own, as the C program's: where code and data come to lie is drawn anew."""
     command = [sys.executable, str(Path(__file__).resolve()), str(steps)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     result: dict[str, float] = json.loads(done.stdout.splitlines()[-1])

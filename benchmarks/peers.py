@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from candidates import CANDIDATES, GRID, REFERENCE, TOLERANCE, Candidate
+from candidates import CANDIDATES, FINE, GRID, REFERENCE, STRICT, TOLERANCE, Candidate
 from environments import Missing, run
 from measure import EXAMPLES, Options, Part, table
 
@@ -55,10 +55,10 @@ class Case:
         """The quickest of several runs."""
         return min((self.run(step, loop) for _ in range(times)), key=lambda found: found["ms"])
 
-    def largest_good_step(self) -> tuple[float, list[dict[str, float]]]:
-        """Largest step of the grid from which on every smaller one is right; the errors of all."""
-        scan = [{"step": step, **self.run(step, "generated")} for step in GRID[self.case]]
-        good = GRID[self.case][-1]
+    def largest_good_step(self, grid: tuple[float, ...]) -> tuple[float, list[dict[str, float]]]:
+        """Largest step of a grid from which on every smaller one is right; the errors of all."""
+        scan = [{"step": step, **self.run(step, "generated")} for step in grid]
+        good = grid[-1]
         for row in reversed(scan):
             error = max(abs(row["err_alpha"]), abs(row["err_force"]))
             if not error <= TOLERANCE[self.case] or row["refused_by_default"]:
@@ -76,6 +76,22 @@ def peer(candidate: Candidate, case: str, repeat: int) -> dict[str, Any]:
     return {"step": candidate.step, "ms": 1e3 * found["wall_per_rev_s"], **found}
 
 
+def fine(case: Case, repeat: int, part: Part, compare: bool) -> list[tuple[Any, ...]]:
+    """The same search on a much finer grid: rows of the table, and the ratio there."""
+    tolerance = TOLERANCE[case.case]
+    step, scan = case.largest_good_step(FINE[case.case])
+    found = case.best(step, "generated", 4 * repeat)
+    wrong = [entry["step"] for entry in scan if not max(abs(entry["err_alpha"]), abs(entry["err_force"])) <= tolerance]
+    part.measured[f"case_{case.case}_fine"] = {"vfife_step": step, "vfife": found, "steps": len(scan), "wrong": wrong}
+    rows = [row(f"{case.case}, fine grid  vfife, generated", step, found)]
+    rival = peer(STRICT[case.case], case.case, repeat) if compare else {"missing": ""}
+    if "missing" not in rival:
+        part.measured[f"case_{case.case}_fine"]["mujoco"] = rival
+        part.ratios[f"peers.case_{case.case}_fine_grid"] = rival["ms"] / found["ms"]
+        rows.append(row(f"{case.case}, fine grid  {rival['peer']}, {rival['route']}", STRICT[case.case].step, rival))
+    return rows
+
+
 def row(label: str, step: float, found: dict[str, Any]) -> tuple[Any, ...]:
     """A line of the table."""
     return label, f"{step:g}", found["ms"], 100 * found["err_alpha"], 100 * found["err_force"]
@@ -87,7 +103,7 @@ def measure(options: Options) -> Part:
     repeat = 2 if options.quick else 5
     for name in MODELS:
         case = Case(name)
-        step, scan = case.largest_good_step()
+        step, scan = case.largest_good_step(GRID[name])
         before = {loop: case.best(step, loop, 4 * repeat) for loop in LOOPS}
         chosen = [c for c in CANDIDATES[name] if options.peers and (c.decides or not options.quick)]
         others = {c.name: peer(c, name, repeat) for c in chosen}
@@ -101,9 +117,15 @@ def measure(options: Options) -> Part:
                 part.notes.append(f"peers: case {name}: {found['missing']}")
                 continue
             rows.append(row(f"{name}  {found['peer']}, {found['route']}", candidate.step, found))
-            rivals += [found["ms"]] if candidate.decides else []
+            rivals += [found] if candidate.decides else []
         if rivals:
-            part.ratios[f"peers.case_{name}"] = min(rivals) / best["generated"]["ms"]
+            rival = min(rivals, key=lambda found: found["ms"])
+            part.ratios[f"peers.case_{name}"] = rival["ms"] / best["generated"]["ms"]
+            equal = case.best(rival["step"], "generated", 2 * repeat)
+            part.measured[f"case_{name}"]["vfife_at_equal_step"] = equal
+            part.ratios[f"peers.case_{name}_equal_step"] = rival["ms"] / equal["ms"]
+        if name in FINE:
+            rows += fine(case, repeat, part, options.peers)
     if not options.peers:
         part.notes.append("peers: the programs of others were left out (--no-peers), so there is no ratio")
     title = "wall ms per crank revolution at equal accuracy; errors (%) of the largest acceleration and force"

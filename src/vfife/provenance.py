@@ -32,8 +32,8 @@ def versions() -> dict[str, str]:
 def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[str, Any]:
     """What a run file's meta should hold to read the run again, and to run it again.
 
-    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. Raises ValueError for a mechanism that no
-    model file can hold.
+    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. Raises ValueError for a
+    mechanism that no model file can hold.
     """
     from .modelfile import dump
 
@@ -61,18 +61,25 @@ def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, 
 def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64], where: str) -> Record:
     """The record of which a file kept the meta, the steps and the rows; ``where`` names the file in messages.
 
-    Raises RunFileError where the model cannot be assembled by this version, or was recorded with quantities it does not know.
+    Raises RunFileError where the model cannot be assembled by this version, or was recorded with quantities it does
+    not know.
     """
     wanted = ("model", "choice", "kept")
     if missing := [key for key in wanted if key not in meta]:
-        raise RunFileError(f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again")
+        raise RunFileError(
+            f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again"
+        )
     if not rows.size:
         raise RunFileError(f"{where}: the run ended before its first output; run the model again")
-    choice = StepChoice(**{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])})
+    choice = StepChoice(
+        **{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])}
+    )
     assembly = dataclasses.replace(_assembled(meta, choice, where), choice=choice)
     kept = rows_named(assembly, meta["kept"], where)
     if rows.shape[1] != len(kept) or len(rows) != len(steps):
-        raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
+        raise RunFileError(
+            f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again"
+        )
     status = "unfinished" if meta.get("status") == "running" else str(meta.get("status", "complete"))
     return Record(assembly, steps, rows, kept, float(meta.get("wall", 0.0)), str(meta.get("loop", "")), status)
 

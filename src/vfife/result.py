@@ -99,7 +99,7 @@ class Result:
 
     @cached_property
     def data(self) -> xarray.Dataset:
-        """All channels, over time and the names of joints, bodies, elements and particles; each with units and a long name."""
+        """All channels over time and the names of joints, bodies, elements and particles, with units and long names."""
         import xarray
 
         coords: dict[str, Any] = {"time": ("time", self.time, {"units": "s", "long_name": "time"})}
@@ -108,7 +108,8 @@ class Result:
             said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
             coords["crank_angle"] = ("time", self.crank_angle, said)
         variables = {
-            name: (one.dims, one.values, {"units": one.unit, "long_name": one.meaning}) for name, one in self.channels.items()
+            name: (one.dims, one.values, {"units": one.unit, "long_name": one.meaning})
+            for name, one in self.channels.items()
         }
         data = xarray.Dataset(variables, coords, self.attributes)
         if "mode" in data:
@@ -152,12 +153,13 @@ class Result:
         part = path.with_name(path.name + ".part")
         meta = provenance(self.record.assembly, self.record.kept, self.record.loop)
         with RunFile.create(part, meta, replace=True) as file:
-            file.append(self.record.steps, self.record.rows)
             self.finish(file)
         os.replace(part, path)
 
     def finish(self, file: RunFile) -> None:
-        """Ends a run file that the run has filled: the reference, how it ended, and its summary."""
+        """Ends a run file: outputs it does not have yet, the reference, how the run ended, and its summary."""
+        missing = slice(len(file.steps), None)  # an interrupt may have come between a chunk and its being written
+        file.append(self.record.steps[missing], self.record.rows[missing])
         if self.reference is not None:
             keep_reference(file, self.reference.record)
         meta = provenance(self.record.assembly, self.record.kept, self.record.loop)

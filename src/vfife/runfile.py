@@ -1,7 +1,7 @@
-"""One SQLite file a run: model, versions, history, checkpoints, events. Whole up to the last transaction, whatever stops the run.
+"""One SQLite file a run: model, versions, history, checkpoints, events; whole up to the last transaction.
 
-Rows of S are stored chunk by chunk, turned to columns, their bytes sorted by place and then deflated: neighbouring outputs have their
-leading bytes in common, which halves the file. The rollback journal is kept (no write-ahead log), so that a finished run is one file.
+Rows of S are stored chunk by chunk. SQLite keeps its rollback journal (no write-ahead log), so a finished run is one
+file.
 """
 
 from __future__ import annotations
@@ -13,13 +13,15 @@ import tempfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .packing import packed, unpacked
 
 RUN_FILE = "run.sqlite"  # its name in a run folder
 APPLICATION = 0x56464946  # "VFIF", in the header of the file
@@ -67,7 +69,7 @@ def path_of(file: Any) -> str:
 
 def damaged(file: Any, what: str) -> str:
     """The sentence about a damaged file."""
-    return f"{path_of(file)}: this run file is damaged ({what}); run the model again, or take a copy of the file if there is one"
+    return f"{path_of(file)}: this run file is damaged ({what}); run the model again, or take a copy of the file"
 
 
 class RunFile:
@@ -100,7 +102,9 @@ class RunFile:
                     connection.execute(statement)
                 file._put({"status": "running", "created": now(), **(meta or {})})
         except sqlite3.Error as error:
-            raise RunFileError(f"{path}: no run file can be made here ({error}); name a folder you can write to") from error
+            raise RunFileError(
+                f"{path}: no run file can be made here ({error}); name a folder you can write to"
+            ) from error
         return file
 
     @classmethod
@@ -113,7 +117,9 @@ class RunFile:
         with path.open("rb") as stream:
             head = stream.read(100)
         if not head.startswith(b"SQLite format 3\0") or int.from_bytes(head[68:72], "big") != APPLICATION:
-            raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
+            raise RunFileError(
+                f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left"
+            )
         if int.from_bytes(head[60:64], "big") > FORMAT:
             raise RunFileError(f"{path}: this run file was written by a newer vfife; install that version to read it")
         file = cls(path, _readable(path))
@@ -134,14 +140,18 @@ class RunFile:
 
     @told
     def begin(self, meta: Mapping[str, Any]) -> None:
-        """Starts the run anew, as after a first try with too large a step: ``meta`` is replaced key by key, the history goes."""
+        """Starts the run anew, as after a try with too large a step: the history goes, ``meta`` is replaced key by
+        key.
+        """
         with self._transaction():
             self._forget()
             self._put({"status": "running", **meta})
 
     @told
     def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
-        """Adds outputs in one transaction: step numbers, shape (outputs,), and rows, shape (outputs, kept). Step 0 starts anew."""
+        """Adds outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept). Step 0 starts
+        anew.
+        """
         if len(steps) == 0:
             return
         with self._transaction():
@@ -152,7 +162,9 @@ class RunFile:
             chunk = self._connection.execute("SELECT coalesce(max(chunk) + 1, 0) FROM history").fetchone()[0]
             numbered = [(first + k, int(step)) for k, step in enumerate(steps)]
             self._connection.executemany("INSERT INTO steps VALUES (?, ?)", numbered)
-            self._connection.execute("INSERT INTO history VALUES (?, ?, ?, ?)", (chunk, first, len(steps), packed(rows)))
+            self._connection.execute(
+                "INSERT INTO history VALUES (?, ?, ?, ?)", (chunk, first, len(steps), packed(rows))
+            )
 
     @told
     def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
@@ -178,7 +190,7 @@ class RunFile:
 
     @told
     def finish(self, status: str, summary: Mapping[str, Any] | None = None, **meta: Any) -> None:
-        """Says how the run ended ("complete", "interrupted", "diverged"), with its summary and what else is known now."""
+        """Says how the run ended ("complete", "interrupted", "diverged"), with its summary and what else is known."""
         with self._transaction():
             self._put({"status": status, "finished": now(), "summary": dict(summary or {}), **meta})
 
@@ -260,7 +272,9 @@ def _readable(path: Path) -> sqlite3.Connection:
         return connection
     except sqlite3.OperationalError as error:
         if "locked" in str(error):
-            raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
+            raise RunFileError(
+                f"{path}: another program keeps this run file locked; try again when it has ended"
+            ) from error
     except sqlite3.DatabaseError as error:
         raise RunFileError(damaged(path, str(error))) from error
     memory = sqlite3.connect(":memory:", isolation_level=None)
@@ -278,24 +292,6 @@ def _readable(path: Path) -> sqlite3.Connection:
     return memory
 
 
-def packed(values: NDArray[np.float64]) -> bytes:
-    """Shape and numbers as bytes: columns first, then the first bytes of all numbers, their second bytes and so on, deflated."""
-    columns = np.ascontiguousarray(np.atleast_1d(values).T, dtype="<f8")
-    shape = np.array([values.ndim, *values.shape], dtype="<u4").tobytes()
-    return shape + zlib.compress(columns.reshape(-1).view(np.uint8).reshape(-1, 8).T.tobytes(), 1)
-
-
-def unpacked(data: bytes) -> NDArray[np.float64]:
-    """What :func:`packed` was given."""
-    dimensions = int(np.frombuffer(data[:4], dtype="<u4")[0]) if len(data) >= 4 else 9
-    shape = tuple(int(n) for n in np.frombuffer(data[4 : 4 + 4 * dimensions], dtype="<u4")) if dimensions < 3 else ()
-    raw = zlib.decompress(data[4 + 4 * dimensions :])
-    if len(raw) != 8 * int(np.prod(shape)) or len(shape) != dimensions:
-        raise zlib.error("a block of numbers is not as long as it should be")
-    numbers = np.frombuffer(raw, dtype=np.uint8).reshape(8, -1).T.copy().reshape(-1).view("<f8")
-    return np.ascontiguousarray(numbers.reshape(shape[::-1]).T, dtype=float)
-
-
 def now() -> str:
     """The present time (UTC)."""
-    return datetime.now(timezone.utc).isoformat(timespec="seconds")
+    return datetime.now(UTC).isoformat(timespec="seconds")

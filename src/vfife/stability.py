@@ -17,7 +17,7 @@ from .mechanism import Mechanism
 Array = NDArray[np.float64]
 
 SAFETY = 0.9
-CONTACT_STEPS = 50  # steps in half a period of the stiffest contact
+CONTACT_STEPS = 80  # steps in half a period of the stiffest contact
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
 
 
@@ -127,7 +127,7 @@ def choose_step(
 ) -> StepChoice:
     """The step, its limits, and the number of steps and outputs.
 
-    "auto" takes 0.9 of the stable step, at most 1/50 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
+    "auto" takes 0.9 of the stable step, at most 1/80 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
     StepError for a larger one than stable unless ``force_step``.
     """
     limits = _limits(mechanism, layout, state, topology, expected or {}, owners)

@@ -15,6 +15,7 @@ STIFFNESS, RESTITUTION, CLEARANCE = 6.6e10, 0.9, 5e-4
 # method.md, section 3: contact time (s), depth (m), peak force (N), rebound speed (m/s).
 PUBLISHED = (1.5277e-4, 4.9585e-5, 2.3221e4, 0.913177)
 NAMES = ("contact time", "depth", "peak", "rebound")
+SPEED, SPIN, INERTIA, V0, V1 = 1.0, 50.0, 4e-5, 0.05, 0.5  # of the slanting impact: m/s, rad/s, kg m^2, m/s
 
 
 @cache
@@ -111,9 +112,6 @@ def slanting(moment: str) -> np.ndarray:
     start = [CLEARANCE * (1 + 1e-14), 0.0, 0.0, SPEED, 0.0, SPIN]
     solved = solve_ivp(motion, (0, 1), start, method="DOP853", rtol=1e-11, atol=1e-16, events=parted, first_step=1e-10, max_step=2e-7)
     return solved.y[3:, -1]
-
-
-SPEED, SPIN, INERTIA, V0, V1 = 1.0, 50.0, 4e-5, 0.05, 0.5
 
 
 @pytest.mark.parametrize("moment", ["mid-overlap", "surface", "off"])

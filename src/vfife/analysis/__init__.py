@@ -1,4 +1,4 @@
-"""From a record to motion, forces, energies and measures: plain arrays and numbers, without datasets and without kernels."""
+"""From a record to motion, forces, energies and measures: arrays and numbers, without datasets and without kernels."""
 
 from .energy import Ledger, ledger
 from .influence import influence, lip

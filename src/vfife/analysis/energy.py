@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..assembly import Record
 from ..laws import ContactLaw
-from .motion import AXES, half_damping, is_free, velocities
+from .motion import AXES, is_free, velocities
 
 Array = NDArray[np.float64]
 STORED = ("kinetic", "strain", "contact")
@@ -47,8 +47,8 @@ class Ledger:
 def ledger(record: Record) -> Ledger:
     """All energies and works of a record, from its state at t_n.
 
-    A work row sums span * power up to and including all of step n, so the work at t_n is the row less dt/2 power; the first step,
-    whose span is dt/2, gives zero.
+    A work row sums span * power up to and including all of step n, so the work at t_n is the row less dt/2 power; the
+    first step, whose span is dt/2, gives zero.
     """
     return Ledger(
         {
@@ -70,9 +70,11 @@ def _work(record: Record, name: str) -> Array:
 
 
 def kinetic(record: Record) -> Array:
-    """Kinetic energy (J): sum of m/4 (v_(n-1/2)^2 + v_(n+1/2)^2) over free particles, and I w^2/2 of the driven bodies.
+    """Kinetic energy (J): sum of m/4 (v_(n-1/2)^2 + v_(n+1/2)^2) over free particles, and I w^2/2 of the driven
+    bodies.
 
-    The mean of both half steps is what the central difference keeps; output 0 has m v_0^2/2, the velocity it starts from.
+    The mean of both half steps is what the central difference keeps; output 0 has m v_0^2/2, the velocity it starts
+    from.
     """
     free = is_free(record)
     now = velocities(record)
@@ -93,7 +95,8 @@ def kinetic(record: Record) -> Array:
 def strain(record: Record) -> Array:
     """Strain energy of the elements (J): N^2 l/(2 E A) + l/(6 E I) (m_1^2 - m_1 m_2 + m_2^2).
 
-    With one end released its moment is zero, and what is left, l m^2/(6 E I), is the energy of the condensed stiffness 3 E I/l.
+    With one end released its moment is zero, and what is left, l m^2/(6 E I), is the energy of the condensed
+    stiffness 3 E I/l.
     """
     if not record.assembly.topology.element_nodes:
         return np.zeros(len(record.steps))
@@ -121,20 +124,21 @@ def contact(record: Record) -> Array:
 
 
 def elastic_energy(law: ContactLaw, depth: Array, slots: tuple[float, ...]) -> Array:
-    """Elastic energy (J) at penetrations (m) of any shape: the law's own, or its elastic force summed up where it has none."""
+    """Elastic energy (J) at penetrations (m): the law's own, or its elastic force summed up where it has none."""
     try:
         return np.asarray(law.elastic_energy(depth, slots), dtype=float)
     except NotImplementedError:
         grid = np.linspace(0.0, max(float(depth.max()), 1e-12), 2001)
         force = np.array([law.force(float(d), 0.0, slots)[0] for d in grid])
         steps = 0.5 * (force[1:] + force[:-1]) * np.diff(grid)
-        return np.interp(depth, grid, np.concatenate([[0.0], np.cumsum(steps)]))
+        return np.asarray(np.interp(depth, grid, np.concatenate([[0.0], np.cumsum(steps)])), dtype=float)
 
 
 def constant_loads(record: Record) -> Array:
     """Work of constant loads and of the weight since output 0 (J): force dot displacement.
 
-    The weight of a driven body acts at its centre of mass, whose place times mass is ``driven_moment``, turned with the body.
+    The weight of a driven body acts at its centre of mass, whose place times mass is ``driven_moment``, turned with
+    the body.
     """
     total = np.zeros(len(record.steps))
     for axis, load in (("x", "x"), ("y", "y"), ("theta", "m")):
@@ -143,7 +147,9 @@ def constant_loads(record: Record) -> Array:
     driven = list(record.assembly.topology.driven)
     if driven:
         angle = record.block("particle_theta")[:, driven]
-        mx, my, gx, gy = (record.parameter(f"driven_{name}") for name in ("moment_x", "moment_y", "weight_x", "weight_y"))
+        mx, my, gx, gy = (
+            record.parameter(f"driven_{name}") for name in ("moment_x", "moment_y", "weight_x", "weight_y")
+        )
         c, s = np.cos(angle), np.sin(angle)
         height = gx * (c * mx - s * my) + gy * (s * mx + c * my)
         total += (height - height[0]).sum(axis=1)

@@ -10,11 +10,14 @@ from .motion import pin_path
 
 Array = NDArray[np.float64]
 FREE_FLIGHT, IMPACT, CONTINUOUS_CONTACT = 0, 1, 2
+MODES = ("free_flight", "impact", "continuous_contact")  # their names, in this order
 BLOCK = {"clearances": "clearance", "ideals": "ideal", "pivots": "driven"}
 
 
 def joint_rows(record: Record) -> dict[str, tuple[str, int]]:
-    """Each joint's kind of row (``clearance``, ``ideal`` or ``driven``) and its place there, in the order of the mechanism."""
+    """Kind of row (``clearance``, ``ideal``, ``driven``) of each joint and its place there, joints in the mechanism's
+    order.
+    """
     found = {}
     for kind, block in BLOCK.items():
         for index, name in enumerate(getattr(record.assembly, kind)):
@@ -34,7 +37,8 @@ def eccentricity(record: Record) -> Array:
 def joint_force(record: Record) -> Array:
     """Force of each joint on its journal, global axes (N), shape (outputs, joints, 2).
 
-    A joint with clearance gives -F_N n + F_T t, n from the bearing's centre to the journal's and t = n turned anticlockwise.
+    A joint with clearance gives -F_N n + F_T t, n from the bearing's centre to the journal's and t = n turned
+    anticlockwise.
     """
     rows = joint_rows(record)
     force = np.zeros((len(record.steps), len(rows), 2))
@@ -67,8 +71,8 @@ def joint_force_max(record: Record) -> Array:
 def modes(record: Record) -> NDArray[np.int8]:
     """Mode of each clearance joint at an output, shape (outputs, clearances).
 
-    2 continuous contact where the penetration is positive, 0 free flight elsewhere, and 1 impact where a contact began since the
-    output before: an impact lasts one step (Eq. 19), and no sample would meet it.
+    2 continuous contact where the penetration is positive, 0 free flight elsewhere, and 1 impact where a contact
+    began since the output before: an impact lasts one step (Eq. 19), and no sample would meet it.
     """
     mode = np.where(record.block("clearance_penetration") > 0.0, CONTINUOUS_CONTACT, FREE_FLIGHT)
     began = np.diff(record.block("clearance_onsets"), axis=0, prepend=0.0) > 0.0
@@ -76,8 +80,11 @@ def modes(record: Record) -> NDArray[np.int8]:
 
 
 def shares(record: Record) -> dict[str, Array]:
-    """Share of all steps in each mode, shape (clearances,): steps at which a contact begins, further steps in contact, the rest."""
+    """Share of all steps in each mode, shape (clearances,).
+
+    An impact is a step at which a contact begins, continuous contact is every further step of it.
+    """
     steps = float(record.steps[-1] + 1)
     impact = record.block("clearance_onsets")[-1] / steps
     lasting = record.block("clearance_contact_steps")[-1] / steps
-    return {"free_flight": 1.0 - impact - lasting, "impact": impact, "continuous_contact": lasting}
+    return dict(zip(MODES, (1.0 - impact - lasting, impact, lasting), strict=True))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-NEGLIGIBLE = 1e-9  # an ideal maximum this small beside the largest of its kind is round-off, and no share of it says anything
+NEGLIGIBLE = (
+    1e-9  # an ideal maximum this small beside the largest of its kind is round-off, and no share of it says anything
+)
 
 
 def lip(largest: float, ideal: float) -> float:
@@ -15,7 +17,8 @@ def lip(largest: float, ideal: float) -> float:
 def influence(own: Mapping[str, float], ideal: Mapping[str, float], driven: Iterable[str] = ()) -> dict[str, float]:
     """``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent) for what both mechanisms have.
 
-    Driven bodies are left out, their motion is prescribed; so is what does not move or carry anything in the ideal mechanism.
+    Driven bodies are left out, their motion is prescribed; so is what does not move or carry anything in the ideal
+    mechanism.
     """
     prescribed = set(driven)
     found = {}

@@ -32,12 +32,13 @@ def last_turn(record: Record) -> NDArray[np.bool_]:
 
 
 def measures(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Largest absolute values over the last full crank turn, from the extremes within the output intervals; counts of the whole run.
+    """Largest absolute values over the last full crank turn, from the extremes within the output intervals; counts of
+    the whole run.
 
     ``<joint>.force.max`` (N), ``<joint>.penetration.max`` (m), ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
     ``<joint>.deepest`` (m), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
-    ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a ``reference`` also
-    ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
+    ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
+    ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
     """
     window = last_turn(record)
     found: dict[str, float] = {}

@@ -19,9 +19,10 @@ def times(record: Record) -> Array:
 def velocities(record: Record) -> dict[str, Array]:
     """Velocities u, v (m/s) and w (rad/s) of all particles at t_n, shape (outputs, particles).
 
-    A record holds v_(n+1/2). The central difference with mass-proportional damping z = damping dt/2 is v_(n+1/2) - v_(n-1/2)
-    = dt a_n - 2 z v_n with v_n the mean of both, hence v_n = (v_(n+1/2) - dt/2 a_n)/(1 - z); the first step, which starts
-    from v_0 itself, gives the same. Where the motion is prescribed the record holds the velocity at t_n already.
+    A record holds v_(n+1/2). The central difference with mass-proportional damping z = damping dt/2 is v_(n+1/2) -
+    v_(n-1/2) = dt a_n - 2 z v_n with v_n the mean of both, hence v_n = (v_(n+1/2) - dt/2 a_n)/(1 - z); the first
+    step, which starts from v_0 itself, gives the same. Where the motion is prescribed the record holds the velocity
+    at t_n already.
     """
     dt, z = half_damping(record)
     free = is_free(record)
@@ -49,8 +50,8 @@ def is_free(record: Record) -> NDArray[np.bool_]:
 def body_motion(record: Record) -> dict[str, Array]:
     """Centre of mass x, y (m) and angle (rad) with its rate (rad/s) of each body, shape (outputs, bodies).
 
-    A rigid body is where its particle carries it. An elastic link has the mean of its particles, weighted by their mass, and the
-    angle of its chord from the first node to the last, made continuous from the angle it starts with.
+    A rigid body is where its particle carries it. An elastic link has the mean of its particles, weighted by their
+    mass, and the angle of its chord from the first node to the last, made continuous from the angle it starts with.
     """
     position = {axis: record.block(f"particle_{axis}") for axis in ("x", "y", "theta")}
     velocity = velocities(record)
@@ -63,7 +64,9 @@ def body_motion(record: Record) -> dict[str, Array]:
     return found
 
 
-def _carried(record: Record, body: BodyMap, position: dict[str, Array], velocity: dict[str, Array]) -> tuple[Array, ...]:
+def _carried(
+    record: Record, body: BodyMap, position: dict[str, Array], velocity: dict[str, Array]
+) -> tuple[Array, ...]:
     p = body.particles[0]
     rx, ry = np.subtract(body.center, body.reference)
     angle = position["theta"][:, p]

@@ -1,4 +1,6 @@
-"""Figures of a result: the one place that imports matplotlib. A figure is made as an object, without pyplot and without a window."""
+"""Figures of a result: the one place that imports matplotlib. Figures are objects, without pyplot and without a
+window.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,10 @@ def figures(result: Result, reference: Result | None = None) -> dict[str, Figure
         found = {"mechanism": drawing(result)}
         if result.record.assembly.clearances:
             found["orbits"] = orbits(result)
-        for name, figure in (("forces", force_curves(result, reference)), ("accelerations", acceleration_curves(result, reference))):
+        for name, figure in (
+            ("forces", force_curves(result, reference)),
+            ("accelerations", acceleration_curves(result, reference)),
+        ):
             if figure is not None:
                 found[name] = figure
     return found

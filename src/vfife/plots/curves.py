@@ -1,4 +1,4 @@
-"""Joint forces and angular accelerations against crank angle, over those of the ideal mechanism (Figs. 16-17 of the VFIFE paper)."""
+"""Joint forces and angular accelerations against crank angle, over the ideal ones (Figs. 16-17 of the VFIFE paper)."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ if TYPE_CHECKING:
     from ..result import Result
 
 Array = NDArray[np.float64]
-Series = tuple[Array, Array | None]  # a line, and the extremes around it where it is not made of them itself
+Series = tuple[Array, Array | None]  # a line, and the extremes around it
 Curve = Callable[["Result", str], "Series | None"]
 
 
 def force_curves(result: Result, reference: Result | None = None) -> Figure | None:
-    """Size of each joint's force over the last crank turn, one panel a joint; joints with clearance first, None without any joint.
+    """Size of each joint's force over the last crank turn, one panel a joint; joints with clearance first, None
+    without any joint.
 
     The line is the largest force in each output interval, so that no peak is missed.
     """
@@ -32,9 +33,11 @@ def force_curves(result: Result, reference: Result | None = None) -> Figure | No
 
 
 def acceleration_curves(result: Result, reference: Result | None = None) -> Figure | None:
-    """Angular acceleration of each body that is not driven over the last crank turn, one panel a body, or None without any.
+    """Angular acceleration of each body that is not driven over the last crank turn, one panel a body, or None
+    without any.
 
-    The line joins the samples; the band reaches to the largest absolute value in each output interval, on the sample's side.
+    The line joins the samples; the band reaches to the largest absolute value in each output interval, on the
+    sample's side.
     """
     bodies = [body.name for body in result.record.assembly.bodies.values() if body.driven is None]
     names = [name for name in bodies if f"{name}.angular_acceleration.max" in result.measures]
@@ -97,8 +100,8 @@ def _panel(
         at, values = _ideal_turn(reference, ideal[0], x, origin)
         ax.plot(at, factor * values, color=VERMILION, lw=1.6, label="ideal joints", zorder=3)
     if extreme is not None:
-        band = {"color": SKY, "alpha": 0.5, "lw": 0.0, "label": "extremes between the samples"}
-        ax.fill_between(x[1:], factor * line[1:], factor * extreme[1:], **band)
+        label = "extremes between the samples"
+        ax.fill_between(x[1:], factor * line[1:], factor * extreme[1:], color=SKY, alpha=0.5, lw=0.0, label=label)
     label = "with clearance" if ideal is not None else "this run"
     ax.plot(x, factor * line, color=BLUE, lw=1.1, label=label, zorder=4)
     ax.set_ylabel(f"{quantity[0]}\n({unit})")
@@ -121,7 +124,9 @@ def _one_turn(angle: Array, result: Result) -> tuple[Array, float]:
 
 
 def _ideal_turn(reference: Result, values: Array, x: Array, origin: float) -> tuple[Array, Array]:
-    """The reference's curve over the same angles: its last turn, shifted by whole turns; times are compared as they are."""
+    """The reference's curve over the same angles: its last turn, shifted by whole turns; times are compared as they
+    are.
+    """
     window = reference.last_turn
     at = abscissa(reference)[window]
     chosen = values[window]

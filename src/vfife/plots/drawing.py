@@ -25,7 +25,7 @@ GROUND_DEPTH = 0.065  # of the sign for the ground, as a share of the drawing
 
 
 def drawing(result: Result) -> Figure:
-    """Bodies in their colours at the start of the run, their positions over the last turn behind them, the joints by name."""
+    """Bodies at the start of the run, their positions over the last turn faint behind them, joints with their names."""
     mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
     places = {name: pin_path(result.record, *joint.sides[0]) for name, joint in mechanism.joints.items()}
@@ -33,7 +33,7 @@ def drawing(result: Result) -> Figure:
     size = float(np.max(high - low)) or 1.0
     factor, unit = length_unit(size)
     width, height = np.maximum((high - low) / size, 0.35) * 5.6
-    figure, (ax,) = panels(1, 1, width + 2.2, height + 1.1)
+    figure, (ax,) = panels(1, 1, width + 2.9, height + 1.0, equal=True)
     later = _later(result)
     for path, colour in zip(outlines.values(), _colours(len(outlines)), strict=True):
         for k in later:
@@ -42,7 +42,9 @@ def drawing(result: Result) -> Figure:
     for (name, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
         _body(ax, name, factor * path[0], colour)
     middle = np.mean([path[0].mean(axis=0) for path in outlines.values()], axis=0)
-    signs = _joints(ax, result, {name: factor * path[0] for name, path in places.items()}, factor * middle, factor * size, factor)
+    signs = _joints(
+        ax, result, {name: factor * path[0] for name, path in places.items()}, factor * middle, factor * size, factor
+    )
     handles, labels = ax.get_legend_handles_labels()
     figure.legend([*handles, *signs.values()], [*labels, *signs], loc="outside right center")
     ax.set_aspect("equal")
@@ -66,7 +68,7 @@ def _extent(result: Result, paths: list[Array]) -> tuple[Array, Array]:
 
 
 def outline(result: Result, name: str) -> Array:
-    """Corners of a body at all outputs (m), shape (outputs, corners, 2): particles of an elastic link, pins of a rigid body."""
+    """Particles of an elastic link or pins of a rigid body at all outputs (m), shape (outputs, corners, 2)."""
     record = result.record
     body = record.assembly.bodies[name]
     if body.elements:
@@ -80,7 +82,11 @@ def outline(result: Result, name: str) -> Array:
     if len(pins) > 2:
         middle = at.mean(axis=0)
         order = np.argsort(np.arctan2(*(at - middle).T[::-1]), kind="stable")
-        pins = [pins[k] for k in (*order, order[0])] if not _collinear(at) else [pins[k] for k in np.argsort(at @ (at[1] - at[0]))]
+        pins = (
+            [pins[k] for k in (*order, order[0])]
+            if not _collinear(at)
+            else [pins[k] for k in np.argsort(at @ (at[1] - at[0]))]
+        )
     elif len(pins) == 1 and at.any() and "center" in body.pins:
         pins.append("center")
     paths = [pin_path(record, name, pin) for pin in pins or ["center"]]
@@ -110,7 +116,8 @@ def _body(ax: Axes, name: str, path: Array, colour: str) -> None:
     elif len(path) > 3 and np.array_equal(path[0], path[-1]):
         ax.fill(*path.T, facecolor=colour, alpha=0.3, edgecolor=colour, lw=2.5, label=name, zorder=3)
     else:
-        ax.plot(*path.T, color=colour, lw=4.0, label=name, zorder=3, marker="|" if len(path) > 2 else "", ms=7, mew=1.0)
+        ax.plot(*path.T, color=colour, lw=4.0, label=name, zorder=3)
+        ax.plot(*path[1:-1].T, ls="", marker="o", ms=3, color="white", zorder=4)  # nodes of an elastic link
 
 
 def _ground(ax: Axes, result: Result, factor: float, size: float) -> None:
@@ -121,12 +128,14 @@ def _ground(ax: Axes, result: Result, factor: float, size: float) -> None:
     for pin in used:
         x, y = (factor * value for value in mechanism.points[pin])
         ax.fill([x, x - half, x + half], [y, y - tall, y - tall], facecolor="white", edgecolor=INK, lw=1.2, zorder=2)
-        strip = {"facecolor": "none", "edgecolor": GREY, "hatch": "//////", "lw": 0.0, "zorder": 2}
+        strip: dict[str, Any] = {"facecolor": "none", "edgecolor": GREY, "hatch": "//////", "lw": 0.0, "zorder": 2}
         ax.fill([x - 1.6 * half, x + 1.6 * half] * 2, [y - tall, y - tall, y - deep, y - deep], **strip)
         ax.plot([x - 1.6 * half, x + 1.6 * half], [y - tall] * 2, color=INK, lw=1.2, zorder=2)
 
 
-def _joints(ax: Axes, result: Result, places: dict[str, Array], middle: Array, size: float, factor: float) -> dict[str, Any]:
+def _joints(
+    ax: Axes, result: Result, places: dict[str, Array], middle: Array, size: float, factor: float
+) -> dict[str, Any]:
     """Joints as rings, with a dot where there is clearance, and their names; returns what a legend shows of them."""
     mechanism = result.record.assembly.mechanism
     signs: dict[str, Any] = {}
@@ -146,7 +155,9 @@ def _joints(ax: Axes, result: Result, places: dict[str, Array], middle: Array, s
             ax.text(at[0], at[1] - (GROUND_DEPTH + 0.03) * size, name, **look)
         else:
             away = (at - middle) / (np.linalg.norm(at - middle) or 1.0)
-            ax.annotate(name, at, xytext=16.0 * away, textcoords="offset points", **look)
+            ax.annotate(
+                name, (at[0], at[1]), xytext=(16.0 * away[0], 16.0 * away[1]), textcoords="offset points", **look
+            )
     return signs
 
 

@@ -23,12 +23,12 @@ MOST_COLUMNS = 3
 def orbits(result: Result) -> Figure:
     """Path of each journal's centre seen from its bearing's centre, global axes, one panel a joint.
 
-    The last crank turn is dark, what came before it is light (and cut off where it leaves the panel), onsets of contact in the last turn
-    are dots; the circle of radius c is where the two surfaces touch.
+    The last crank turn is dark, what came before it is light (and cut off where it leaves the panel), onsets of
+    contact in the last turn are dots; the circle of radius c is where the two surfaces touch.
     """
     names = list(result.record.assembly.clearances)
     columns = min(len(names), MOST_COLUMNS)
-    figure, axes = panels(math.ceil(len(names) / columns), columns, 3.9, 4.1)
+    figure, axes = panels(math.ceil(len(names) / columns), columns, 3.9, 4.1, equal=True)
     for k, (ax, name) in enumerate(zip(axes, names, strict=False)):
         _panel(result, ax, k, name)
     for ax in axes[len(names) :]:
@@ -58,4 +58,6 @@ def _panel(result: Result, ax: Axes, k: int, name: str) -> None:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     ax.set_aspect("equal")
-    ax.set(xlim=(-reach, reach), ylim=(-reach, reach), xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")
+    ax.set(
+        xlim=(-reach, reach), ylim=(-reach, reach), xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}"
+    )

@@ -1,4 +1,4 @@
-"""One look for all figures: colours that the colour-blind can tell apart (Okabe and Ito 2008), large enough letters, little ink."""
+"""One look for all figures: colours that the colour-blind can tell apart (Okabe and Ito 2008), little ink."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "
 INK, GREY, FAINT = "#222222", "#767676", "#d9d9d9"
 BODIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
-STYLE: dict[str, Any] = {
+STYLE: Any = {  # matplotlib types its settings by their names
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 10.0,
@@ -47,9 +47,9 @@ STYLE: dict[str, Any] = {
 }
 
 
-def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure with a grid of axes (inches for each), and the axes row by row."""
-    figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
+def panels(rows: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any) -> tuple[Figure, list[Axes]]:
+    """A figure with a grid of axes (inches for each), and the axes row by row; ``equal`` if their scales will be."""
+    figure = Figure(figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, columns, squeeze=False, **options)
     return figure, list(axes.flat)

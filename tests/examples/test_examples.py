@@ -1,0 +1,63 @@
+"""Every file of examples/ runs and says its number; so does the code of the README."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import vfife
+
+ROOT = Path(__file__).parents[2]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "agg"}
+SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
+MODELS = {
+    "four_bar": ("lip.follower.angular_acceleration", 31.6, 0.5),
+    "four_bar_ideal": ("follower.angular_acceleration.max", 22816.05, 5.0),
+    "four_bar_case_b": ("C.force.max", 65794.78, 70.0),
+    "four_bar_case_c": ("follower.angular_acceleration.max", 38153.31, 190.0),
+    "journal_in_bearing": ("O.force.max", 23221.0, 2.3),
+}
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
+def test_script_runs_and_its_number_holds(script: Path, tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, env=ENVIRONMENT)
+    assert done.returncode == 0, done.stderr
+    assert "assert" in script.read_text()
+
+
+def test_every_model_file_has_a_number() -> None:
+    assert {path.stem for path in (ROOT / "examples").glob("*.toml")} == set(MODELS)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_model_runs_and_its_number_holds(name: str) -> None:
+    measure, value, tolerance = MODELS[name]
+    result = vfife.simulate(vfife.load(ROOT / "examples" / f"{name}.toml"))
+    assert result.record.status == "complete"
+    assert result.measures[measure] == pytest.approx(value, abs=tolerance)
+
+
+def test_readme_code_runs(tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
+    assert blocks
+    for block in blocks:
+        done = subprocess.run([sys.executable, "-c", block], cwd=tmp_path, capture_output=True, text=True, env=ENVIRONMENT)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "orbits.png").stat().st_size > 10_000
+
+
+def test_demo_json_is_one_object(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "vfife", "run", str(ROOT / "examples/four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--json"]
+    done = subprocess.run([*command, "--step", "1e-6"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["status"] == "complete"
+    assert said["step"] == 1e-6
+    assert (said["measures"]["B.impacts"], said["measures"]["C.impacts"], said["measures"]["D.impacts"]) == (4, 7, 5)
+    assert said["measures"]["C.force.max"] == pytest.approx(68842.16, rel=0.01)
+    assert said["energy_error"] < 1e-4
