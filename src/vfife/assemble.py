@@ -94,7 +94,7 @@ def _releases(release: str, elements: int) -> list[int]:
 def registered(base: type, used: list[type]) -> tuple[type, ...]:
     """All built-in laws, so that one compiled loop serves all models, then the user's own ones that this model uses."""
     built_in = [law for law in base.registry.values() if law.__module__.startswith("vfife.")]  # type: ignore[attr-defined]
-    return tuple(sorted(built_in, key=lambda law: law.name)) + tuple(dict.fromkeys(law for law in used if law not in built_in))  # type: ignore[attr-defined]
+    return tuple(sorted(built_in, key=lambda law: law.name)) + tuple(dict.fromkeys(law for law in used if law not in built_in))
 
 
 def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected: Mapping[str, float] | None = None, **run: Any) -> Assembly:

@@ -13,7 +13,8 @@ from .loads import PointForce
 
 StartMode = Literal["consistent", "rough"]
 Journals = Literal["centred", "seated"]
-Named = TypeVar("Named", Body, Joint)
+AnyBody = TypeVar("AnyBody", bound=Body)
+AnyJoint = TypeVar("AnyJoint", bound=Joint)
 
 
 @dataclass(frozen=True)
@@ -95,13 +96,13 @@ class Mechanism:
         self.drivers[body] = driver
         return driver
 
-    def _add_body(self, body: Any) -> Any:
+    def _add_body(self, body: AnyBody) -> AnyBody:
         if body.name in self.bodies or body.name == "ground":
             raise ValueError(f"there is a body called {body.name!r} already")
         self.bodies[body.name] = body
         return body
 
-    def _add_joint(self, joint: Any) -> Any:
+    def _add_joint(self, joint: AnyJoint) -> AnyJoint:
         if joint.name in self.joints:
             raise ValueError(f"there is a joint called {joint.name!r} already")
         self.joints[joint.name] = joint

@@ -244,5 +244,6 @@ def _differences(path: list[tuple[dict[str, Array], Motion, Mechanism, dict[str,
     extra = {}
     for name in links:
         second = (16.0 * (after[name] + before[name]) - after2[name] - before2[name] - 30.0 * now[name]) / (12.0 * h * h)
-        extra[name] = second - particle_motion(motion, held.bodies[name], shapes[name])[2]  # type: ignore[arg-type]
+        rigid: Array = particle_motion(motion, held.bodies[name], shapes[name])[2]  # type: ignore[arg-type]
+        extra[name] = np.subtract(second, rigid)
     return velocity, extra

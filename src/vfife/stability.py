@@ -46,7 +46,7 @@ def element_limits(layout: Layout, state: Array, topology: Topology) -> tuple[Ar
         return total
 
     def both(values: Array) -> Array:
-        return values[nodes[:, 0]] + values[nodes[:, 1]]
+        return np.asarray(values[nodes].sum(axis=1))
 
     stretch = both(at_nodes(axial) * im)
     sway = both(at_nodes(12.0 * bend * inverse**2) * im)

@@ -56,7 +56,7 @@ def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, 
 
 def clearance(assembly: Assembly, joint: Joint) -> dict[str, Any]:
     """Size and laws of a joint with clearance."""
-    from ..assemble import surfaces
+    from ..start import surfaces
 
     noun = assembly.mechanism.clearances[joint.name]
     pair = surfaces(assembly.mechanism, noun)

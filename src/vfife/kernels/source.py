@@ -50,7 +50,7 @@ class Gathered:
             if used not in self.texts:
                 self.texts[used] = self.given[used]
             return
-        value = function.__globals__.get(used, math)  # type: ignore[attr-defined]
+        value = function.__globals__.get(used, math)
         if value is math or isinstance(value, Fields):
             return
         if isinstance(value, FunctionType):
@@ -80,8 +80,8 @@ def require_plain(function: Callable[..., Any]) -> None:
 
 def global_names(function: Callable[..., Any]) -> list[str]:
     """Names a function takes from its module, in order of first use."""
-    code = function.__code__  # type: ignore[attr-defined]
-    space = function.__globals__  # type: ignore[attr-defined]
+    code = function.__code__
+    space = function.__globals__
     return [name for name in code.co_names if name in space]
 
 
@@ -105,7 +105,7 @@ class _Literal(ast.NodeTransformer):
     """Writes the row of a field, ``P.x``, as the number it is."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self.space = function.__globals__  # type: ignore[attr-defined]
+        self.space = function.__globals__
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None

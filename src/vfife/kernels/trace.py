@@ -114,8 +114,8 @@ class Symbol:
     __lt__ = _operator("{} < {}")
     __ge__ = _operator("{} >= {}")
     __le__ = _operator("{} <= {}")
-    __eq__ = _operator("{} == {}")  # type: ignore[assignment]
-    __ne__ = _operator("{} != {}")  # type: ignore[assignment]
+    __eq__ = _operator("{} == {}")
+    __ne__ = _operator("{} != {}")
     __hash__ = object.__hash__
 
     def __mod__(self, other: int) -> int:

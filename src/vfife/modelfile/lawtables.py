@@ -64,8 +64,8 @@ def read_field(field: dataclasses.Field[Any], value: Any) -> Any:
         unit = field.metadata.get("unit", "1")
         if SYMBOLIC.search(unit):
             unit = "1"
-        limits = {limit: field.metadata.get(limit) for limit in ("above", "low", "high")}
-        return Measure(unit, **limits).read(value)
+        above, low, high = (field.metadata.get(limit) for limit in ("above", "low", "high"))
+        return Measure(unit, above=above, low=low, high=high).read(value)
     if not isinstance(value, wanted):
         raise refuse(value, kind_of(value), kind_of(wanted()), f"write {kind_of(wanted())}")
     return value
