@@ -86,7 +86,7 @@ def others(options: Options, part: Part) -> dict[str, float]:
     }
     for name, (script, *arguments) in chosen.items():
         try:
-            result = run(name, script, "--case", "a", "--dt", "1e-6", "--nel", "8", "--repeat", "3", *arguments)
+            result = run(name, script, "--case", "a", "--dt", "1e-6", "--nel", "8", "--repeat", "7", *arguments)
         except Missing as error:
             part.notes.append(f"elastic: {error}")
             continue

@@ -16,7 +16,7 @@ from measure import EXAMPLES, Options, Part, table
 
 import vfife
 from vfife.assemble import assemble
-from vfife.simulate import run as advance
+from vfife.simulation import run as advance
 
 TURN = 0.04
 MODELS = {"a": "four_bar_ideal.toml", "b": "four_bar_case_b.toml", "c": "four_bar_case_c.toml"}

@@ -15,7 +15,7 @@ from vfife.bodies import Link, RigidBody, Section
 from vfife.kernels.runner import Runner
 from vfife.laws import Ambrosio, LankaraniNikravesh
 from vfife.mechanism import Mechanism
-from vfife.simulate import recorded_rows, run
+from vfife.simulation import recorded_rows, run
 
 CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 TURN = 0.04  # s, one turn of that crank
@@ -52,12 +52,12 @@ def four_bar(
     m.link("coupler", length=0.26, mass=2.028, angle=side * math.radians(51), model=model, **link)
     m.link("follower", length=0.46, mass=3.588, angle=side * math.radians(26), model=model, **link)
     m.revolute("A", "ground.A", "crank.start")
-    options = dict(
-        clearance=clearance,
-        bearing_radius=0.01,
-        contact=contact or LankaraniNikravesh(restitution=0.9, stiffness=6.6e10),
-        friction=friction or Ambrosio(0.1, 1e-4, 1e-2),
-    ) | (joint or {})
+    options = {
+        "clearance": clearance,
+        "bearing_radius": 0.01,
+        "contact": contact or LankaraniNikravesh(restitution=0.9, stiffness=6.6e10),
+        "friction": friction or Ambrosio(0.1, 1e-4, 1e-2),
+    } | (joint or {})
     for name, *ends in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
         sides = ends[::-1] if exchanged else ends
         if name in clear:
@@ -161,7 +161,7 @@ def bits(values: np.ndarray) -> np.ndarray:
 
 def order(errors: Sequence[float], ratio: float = 2.0) -> list[float]:
     """Orders of convergence between neighbours of a sequence of errors, the step divided by ``ratio`` each time."""
-    return [math.log(coarse / fine) / math.log(ratio) for coarse, fine in zip(errors, errors[1:])]
+    return [math.log(coarse / fine) / math.log(ratio) for coarse, fine in zip(errors, errors[1:], strict=False)]
 
 
 def observed(function: Callable[[float], Any], steps: Sequence[float]) -> list[Any]:
@@ -176,11 +176,15 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
         return point[0], -point[1]
 
     def body(b: Any) -> Any:
-        changes = dict(angle=-b.angle, velocity=(b.velocity[0], -b.velocity[1], -b.velocity[2]), position=b.position and flip(b.position))
+        changes = {
+            "angle": -b.angle,
+            "velocity": (b.velocity[0], -b.velocity[1], -b.velocity[2]),
+            "position": b.position and flip(b.position),
+        }
         if isinstance(b, RigidBody):
-            changes |= dict(center=flip(b.center), points={name: flip(at) for name, at in b.points.items()})
+            changes |= {"center": flip(b.center), "points": {name: flip(at) for name, at in b.points.items()}}
         if isinstance(b, Link):
-            changes |= dict(extra_points={name: flip(at) for name, at in b.extra_points.items()})
+            changes |= {"extra_points": {name: flip(at) for name, at in b.extra_points.items()}}
         return dataclasses.replace(b, **changes)
 
     def driver(d: Any) -> Any:

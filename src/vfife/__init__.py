@@ -15,14 +15,13 @@ from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
-    from .assemble import assemble
     from .modelfile import load
     from .result import Result
-    from .simulate import simulate
+    from .simulation import simulate
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulate", "assemble": "assemble", "Result": "result", "load": "modelfile"}
+_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile"}
 
 
 def __getattr__(name: str) -> Any:
@@ -60,7 +59,6 @@ __all__ = [
     "Settings",
     "Start",
     "Torque",
-    "assemble",
     "load",
     "quantity",
     "simulate",

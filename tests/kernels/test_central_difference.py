@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support import particle, with_settings
 
+from support import particle, with_settings
 from vfife.assemble import assemble
 from vfife.bodies import Section
 from vfife.kernels.step import coefficients
 from vfife.mechanism import Mechanism
-from vfife.simulate import run
+from vfife.simulation import run
 
 
 def positions_only(count, dt, damping, acceleration, d0, v0):

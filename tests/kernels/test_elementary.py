@@ -5,8 +5,8 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from support import EPS
 
+from support import EPS
 from vfife.kernels import elementary, frame
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798")

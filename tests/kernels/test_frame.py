@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from support import EPS
 
+from support import EPS
 from vfife.kernels import loop
 from vfife.kernels.arrays import Topology
 from vfife.kernels.graph import tables
@@ -59,8 +59,17 @@ def beam_matrix(release: str) -> np.ndarray:
     """Textbook stiffness of a plane frame member along x; released rotations condensed out (Schur complement)."""
     l, k = LENGTH, np.zeros((6, 6))
     k[np.ix_([0, 3], [0, 3])] = EA / l * np.array([[1, -1], [-1, 1]])
-    k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = EI / l**3 * np.array(
-        [[12, 6 * l, -12, 6 * l], [6 * l, 4 * l * l, -6 * l, 2 * l * l], [-12, -6 * l, 12, -6 * l], [6 * l, 2 * l * l, -6 * l, 4 * l * l]]
+    k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = (
+        EI
+        / l**3
+        * np.array(
+            [
+                [12, 6 * l, -12, 6 * l],
+                [6 * l, 4 * l * l, -6 * l, 2 * l * l],
+                [-12, -6 * l, 12, -6 * l],
+                [6 * l, 2 * l * l, -6 * l, 4 * l * l],
+            ]
+        )
     )
     out = [5 - 3 * (name == "start") for name in ("start", "end") if release in (name, "both")]
     for row in out:

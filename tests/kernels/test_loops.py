@@ -6,10 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support import SQUARE, bits, four_bar, lanes, with_settings
 
+from support import SQUARE, bits, four_bar, lanes, with_settings
 from vfife.assemble import assemble
 from vfife.drivers import Ramp, Torque
+from vfife.kernels.compile import interpreted
+from vfife.kernels.generate import straight_line
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
 from vfife.loads import PointForce
 from vfife.mechanism import Mechanism
@@ -19,7 +21,9 @@ LANES = 4
 
 def rigid_bars(lane: int) -> Mechanism:
     """Case c: three clearance joints that share bodies, friction with its moments."""
-    return four_bar("BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]})
+    return four_bar(
+        "BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]}
+    )
 
 
 def two_particle_bars(lane: int) -> Mechanism:
@@ -50,11 +54,19 @@ def swing(lane: int) -> Mechanism:
     m.revolute("O", "ground.O", "arm.start")
     m.revolute("P", "arm.end", "upper.start")
     m.clearance(
-        "Q", "upper.end", "lower.eye", clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(0.8, 1e9), friction=Ambrosio(0.2, 1e-3, 1e-2)
+        "Q",
+        "upper.end",
+        "lower.eye",
+        clearance=3e-4,
+        bearing_radius=0.01,
+        contact=LankaraniNikravesh(0.8, 1e9),
+        friction=Ambrosio(0.2, 1e-3, 1e-2),
     )
     m.drivers["arm"] = Ramp(body="arm", speed=40.0 + lane, duration=0.004)
     m.drivers["lower"] = Torque(body="lower", torque=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
-    m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
+    m.loads["pull"] = PointForce(
+        name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5)
+    )
     return with_settings(m, damping=2.0)
 
 
@@ -86,11 +98,22 @@ def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> s
     return {names[k] for k in np.flatnonzero((bits(ours) != bits(theirs)).any(axis=(0, 2)))}
 
 
-@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+@pytest.mark.parametrize("model", [rigid_bars, two_particle_bars], ids=lambda model: model.__name__)
 def test_generated_is_data_driven(model):
     rows, names = computed(model, "data-driven", LANES)
     one, _ = computed(model, "generated", 1)
     assert differing(one, rows[:, :, :1], names) == set()
+
+
+@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+def test_the_generated_text_is_data_driven(model):
+    """The straight line run as plain Python, which costs no compilation: its lines, their order and the steps it leaves to the other loop."""
+    rows, names = computed(model, "data-driven", LANES)
+    step, every, _, outputs = RUNS[model]
+    runner = lanes([assemble(model(0), step, duration=1e-3, force_step=True)], "interpreted")
+    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    plain = np.concatenate([runner.advance(1, 1), runner.advance(every, outputs)])
+    assert differing(plain, rows[: len(plain), :, :1], names) == set()
 
 
 @pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
@@ -141,4 +164,3 @@ def test_a_run_in_pieces_is_one_run():
             pieces.advance(count, 1)
         state = [k for k in range(whole.layout.rows) if k in set(whole.layout.of("state"))]
         assert (bits(whole.states[state]) == bits(pieces.states[state])).all()
-

@@ -5,8 +5,8 @@ import re
 from collections import Counter
 
 import pytest
-from support import SQUARE, four_bar
 
+from support import SQUARE, four_bar, journal_in_bearing
 from vfife.assemble import assemble
 from vfife.kernels import compile as compiling
 from vfife.kernels.generate import straight_line
@@ -28,9 +28,7 @@ def instructions(body: str, folder) -> Counter[str]:
 
 
 @pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="reads x86 instructions")
-@pytest.mark.parametrize(
-    "mechanism", [four_bar("BCD"), four_bar("BCD", "two-particle", section=SQUARE)], ids=["rigid", "frames"]
-)
+@pytest.mark.parametrize("mechanism", [four_bar("BCD"), four_bar("BCD", "two-particle", section=SQUARE)], ids=["rigid", "frames"])
 def test_four_lanes_are_packed(mechanism, tmp_path):
     """Nothing is added, multiplied, divided or rooted lane by lane; what is left adds the four flags of a rare step, once a step."""
     topology = assemble(mechanism, 1e-6, duration=1e-3).topology
@@ -46,7 +44,7 @@ def test_four_lanes_are_packed(mechanism, tmp_path):
 
 @pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="reads x86 instructions")
 def test_the_reading_tells_packed_from_scalar(tmp_path):
-    """The same step in one lane is scalar: what the test above would see if the compiler gave up."""
-    topology = assemble(four_bar("BCD"), 1e-6, duration=1e-3).topology
+    """A step in one lane is scalar: what the test above would see if the compiler gave up."""
+    topology = assemble(journal_in_bearing(), 1e-6, duration=1e-3).topology
     found = instructions(straight_line(topology, 1), tmp_path)
-    assert found["vmulsd"] + found["mulsd"] > 100 and found["vsqrtsd"] + found["sqrtsd"] >= 3
+    assert found["vmulsd"] + found["mulsd"] > 20 and found["vsqrtsd"] + found["sqrtsd"] >= 1

@@ -7,15 +7,15 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from support import bits, four_bar, lanes
 
+from support import bits, four_bar, lanes
 from vfife.assemble import assemble
 from vfife.kernels.arrays import CONTACT_SLOTS
-from vfife.kernels.compile import interpreted
+from vfife.kernels.compile import compiled, interpreted
 from vfife.kernels.generate import straight_line
-from vfife.kernels.source import SourceError, data_driven
+from vfife.kernels.source import Gathered, SourceError, data_driven, dispatch
 from vfife.kernels.trace import Branch
-from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh, Pair, quantity
+from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh, Pair
 
 
 @pytest.fixture(autouse=True)
@@ -85,10 +85,24 @@ def test_a_law_of_selects_goes_into_straight_lines():
 
 
 def test_a_law_that_branches_runs_in_the_data_driven_loop():
-    """What happens: the compiled loop takes an ``if`` as it is, and gives what the select gives, to the bit."""
-    branching = rows(branch_law(), "data-driven")
+    """What happens: the data-driven loop takes an ``if`` as it is, and gives what the select gives, to the bit."""
+    branching = rows(branch_law(), "interpreted")
     assert (bits(branching) == bits(rows(select_law(), "interpreted"))).all()
     assert np.abs(branching).max() > 1e3
+
+
+def test_a_law_that_branches_compiles_beside_others():
+    """The choice of a law as the loop compiles it, alone (the whole loop would take ten seconds more)."""
+    laws = (LankaraniNikravesh, branch_law())
+    gathered = Gathered()
+    choice = dispatch("contact", laws, gathered)
+    asked = "@jit\ndef ask(kind, depth, S, out):\n    out[0], out[1] = contact_law(kind, depth, 2.0, S, 0)\n    return 0\n"
+    ask = compiled("\n\n".join([*gathered.texts.values(), choice, asked]), "ask")
+    out, slots = np.zeros(2), np.array([6e10, 0.3])
+    for kind, law in enumerate(laws):
+        for depth in (1e-7, 1e-5):
+            ask(kind, depth, slots, out)
+            assert tuple(out) == law.force(depth, 2.0, tuple(slots[: len(law.slots)]))
 
 
 def test_a_law_that_branches_is_no_straight_line():
@@ -122,7 +136,7 @@ def test_a_number_of_the_module_becomes_part_of_the_law():
         return FACTOR * p[0] * penetration, 0.0
 
     text = gathered_with(force)
-    assert "FACTOR = 3.0" in text and "contact_faulty" in text
+    assert "3.0 * p[0]" in text and "contact_faulty" in text
 
 
 def test_a_closure_is_refused_and_named():

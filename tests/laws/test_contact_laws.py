@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
-from support import go, journal_in_bearing, particle
 
 import vfife.laws  # registers them
+from support import go, journal_in_bearing, particle
 from vfife.kernels.pin import normal_force
 from vfife.laws import ContactLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira
 
@@ -154,7 +154,17 @@ def free_impact(law: type[ContactLaw], p: tuple[float, ...], mass: float, speed:
         return y[0]
 
     parted.terminal, parted.direction = True, -1.0
-    run = solve_ivp(motion, (0, 1), [0.0, speed, 0.0], method="DOP853", rtol=1e-11, atol=[1e-17, 1e-14, 1e-16], events=parted, first_step=1e-9, max_step=2e-6)
+    run = solve_ivp(
+        motion,
+        (0, 1),
+        [0.0, speed, 0.0],
+        method="DOP853",
+        rtol=1e-11,
+        atol=[1e-17, 1e-14, 1e-16],
+        events=parted,
+        first_step=1e-9,
+        max_step=2e-6,
+    )
     assert run.status == 1
     return -float(run.y[1, -1]), float(run.y[2, -1])
 

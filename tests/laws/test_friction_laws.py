@@ -6,8 +6,8 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support import EPS
 
+from support import EPS
 from vfife.laws import Ambrosio, FrictionLaw, Frictionless, Pair
 
 LAWS = sorted(FrictionLaw.registry.values(), key=lambda law: law.name)
@@ -15,10 +15,10 @@ PAIR = Pair(0.01, 2e-4, 0.02)
 DT = 1e-6
 
 each_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
-numbers = dict(
-    normal=st.floats(0.0, 1e6), free=st.floats(-50.0, 50.0) | st.floats(-1e-2, 1e-2) | st.just(0.0),
-    mobility=st.floats(1e-9, 1e-3) | st.just(0.0), memory=st.floats(-1e-5, 1e-5),
-)  # fmt: skip
+numbers = {
+    "normal": st.floats(0.0, 1e6), "free": st.floats(-50.0, 50.0) | st.floats(-1e-2, 1e-2) | st.just(0.0),
+    "mobility": st.floats(1e-9, 1e-3) | st.just(0.0), "memory": st.floats(-1e-5, 1e-5),
+}  # fmt: skip
 
 
 def test_there_are_laws():

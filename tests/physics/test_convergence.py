@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from support import SQUARE, four_bar, go, observed, order, particle, with_settings
 
+from support import SQUARE, four_bar, go, observed, order, particle, with_settings
 from vfife.bodies import Section
 from vfife.laws import Material
 from vfife.mechanism import Mechanism, Start

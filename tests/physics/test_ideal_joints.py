@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 from scipy.signal import savgol_filter
-from support import CRANK_SPEED, SQUARE, TURN, four_bar, go, joint_gap, largest_alpha, largest_force, particle, pin, with_settings, within
 
+from support import CRANK_SPEED, SQUARE, TURN, four_bar, go, joint_gap, largest_alpha, largest_force, particle, pin, with_settings, within
 from vfife.loads import PointForce
 from vfife.mechanism import Mechanism, Start
 
@@ -113,7 +113,7 @@ def test_reaction_between_two_particles(damping):
 def test_reaction_between_two_elastic_links():
     """The same with internal forces, read from the elements: two bars on one pin, one of them pushed at the pin."""
     m = Mechanism("bars", start=Start(mode="rough"))
-    bars = dict(model="two-particle", section=SQUARE, release="both")
+    bars = {"model": "two-particle", "section": SQUARE, "release": "both"}
     m.link("a", length=0.4, mass=3.0, angle=0.3, velocity=(0.0, 0.0, 50.0), **bars)
     m.link("b", length=0.3, mass=2.0, angle=1.9, velocity=(0.0, 0.0, -80.0), start_mass=0.5, **bars)
     m.revolute("J", "a.end", "b.start")

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from support import go, journal_in_bearing, onsets, order, particle, times
 
+from support import go, journal_in_bearing, onsets, order, particle, times
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 
 STIFFNESS, RESTITUTION, CLEARANCE = 6.6e10, 0.9, 5e-4
@@ -49,7 +49,16 @@ def independent() -> tuple[float, float, float, float]:
 
     parted.terminal, parted.direction = True, -1.0
     solved = solve_ivp(
-        lambda t, y: [y[1], -force(y)], (0, 1), [0.0, 1.0], method="DOP853", rtol=1e-12, atol=1e-18, events=parted, first_step=1e-9, max_step=1e-6, dense_output=True
+        lambda t, y: [y[1], -force(y)],
+        (0, 1),
+        [0.0, 1.0],
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-18,
+        events=parted,
+        first_step=1e-9,
+        max_step=1e-6,
+        dense_output=True,
     )
     fine = solved.sol(np.linspace(0, solved.t[-1], 200001))
     return solved.t[-1], fine[0].max(), force(fine).max(), -solved.y[1, -1]

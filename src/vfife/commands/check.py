@@ -31,7 +31,7 @@ def examine(model: Path, texts: list[str] | None) -> dict[str, Any]:
     """Everything that is known before a run."""
     mechanism = read_model(model, texts)
     from ..assemble import assemble
-    from ..simulate import expected_forces, reference_of
+    from ..simulation import expected_forces, reference_of
     from . import described
     from .cost import estimate
     from .filled import filled_in
@@ -115,7 +115,8 @@ def freedom(found: Mapping[str, Any]) -> list[str]:
     lines = [f"Degrees of freedom with ideal joints: {found['free']}; {found['after_drives']} with the drivers at work."]
     if found["redundant"]:
         count, named = found["redundant"], ", ".join(found["redundant_joints"])
-        lines.append(f"{count} redundant constraint{'s' * (count > 1)}, at {named}: how joints share their load is not determined by rigid links.")
+        many = f"{count} redundant constraint{'s' * (count > 1)}, at {named}"
+        lines.append(f"{many}: rigid links do not determine how these joints share their load.")
     return lines
 
 
@@ -125,7 +126,8 @@ def steps(found: Mapping[str, Any]) -> list[str]:
     how = "chosen; set by" if step["automatic"] else "as given; the stable one is set by"
     turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
     return [
-        f"Step {step['size']:.4g} s, {how} {step['set_by']}. The largest stable step is {step['stable']:.4g} s:",
+        f"Step {step['size']:.4g} s, {how} {step['set_by']}.",
+        f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
         f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
     ]
@@ -133,10 +135,11 @@ def steps(found: Mapping[str, Any]) -> list[str]:
 
 def cost(found: Mapping[str, Any]) -> list[str]:
     """What it costs, in words."""
-    ns, compiling = found["ns_per_step"], span(found["compile_seconds"])
+    pace, compiling = f"{found['ns_per_step']:.0f} ns a step, {found['loop']} loop", span(found["compile_seconds"])
     return [
-        f"Time, an estimate from a table of costs: {span(found['seconds'])} ({ns:.0f} ns a step, {found['loop']} loop), and some {compiling}",
-        f"  to compile that loop if it was never used here. The record takes {amount_of_bytes(found['bytes'])}.",
+        f"Time, an estimate from a table of costs: {span(found['seconds'])} ({pace}),",
+        f"  and some {compiling} to compile that loop if it was never used here.",
+        f"The record takes {amount_of_bytes(found['bytes'])}, which is packed to about half of it in the run file.",
     ]
 
 
@@ -149,8 +152,8 @@ def show_defaults(console: Console, defaults: list[dict[str, Any]]) -> None:
         section, _, rest = entry["path"].partition(".")
         name, _, key = rest.partition(".") if rest.count(".") else ("", "", rest)
         unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
-        path = (f"{section}.*.{key}" if name else entry["path"], f"{shown(entry['value'])}{unit}", entry["meaning"])
-        alike.setdefault(path, []).append(name)
+        same = (f"{section}.*.{key}" if name else entry["path"], f"{shown(entry['value'])}{unit}", entry["meaning"])
+        alike.setdefault(same, []).append(name)
     table = grid("filled in", "of", "value", "meaning", title="Not in the file, so taken by default")
     for (path, value, meaning), names in alike.items():
         row(table, path.replace("*", names[0]) if len(names) == 1 else path, ", ".join(names) if len(names) > 1 else "", value, meaning)

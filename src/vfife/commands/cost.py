@@ -17,7 +17,7 @@ COMPILE_SECONDS = {"data-driven": (8.0, 0.0), "generated": (2.5, 0.3)}  # once, 
 
 def estimate(assembly: Assembly) -> dict[str, Any]:
     """Loop, time of a step (ns), time of all steps and of a first compilation (s), bytes of the record."""
-    from ..simulate import choose_loop, recorded_rows
+    from ..simulation import choose_loop, recorded_rows
 
     topology, choice = assembly.topology, assembly.choice
     counts = {

@@ -68,8 +68,8 @@ def cause(record: Record) -> str:
     choice = record.assembly.choice
     if choice.step > choice.stable:
         return (
-            f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows, which is the likely "
-            "cause; take --step auto, without --force-step."
+            f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows, "
+            "which is the likely cause; take --step auto, without --force-step."
         )
     deepest = ""
     if record.assembly.clearances:
@@ -77,6 +77,6 @@ def cause(record: Record) -> str:
         worst = int(np.argmax(depths))
         deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.clearances[worst]})"
     return (
-        f"The likely cause is a contact or an element that became stiffer than the step was chosen for{deepest}, or a load that grows without "
-        f"limit; try half the step, --step {0.5 * choice.step:.4g}, and look at the last outputs with `vfife plot`."
+        f"The likely cause is a contact or an element that became stiffer than the step was chosen for{deepest}, "
+        f"or a load that grows without limit; try half the step, --step {0.5 * choice.step:.4g}, and look at the last outputs with `vfife plot`."
     )

@@ -71,13 +71,14 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The same for people: names and texts."""
     yield "Run file", f"{found['file']}, {amount_of_bytes(found['bytes'])}"
     yield "Model", f"{found['model']}" + (f", from {found['source']}" if found["source"] else "")
-    ending = f", finished {found['finished']}" if found["finished"] else ": it was killed, or is still at work; what it wrote until then is whole"
+    ending = f", finished {found['finished']}" if found["finished"] else ": killed, or still at work; what it wrote is whole"
     yield "Status", f"{found['status']}; begun {found['created']}{ending}"
     if found["step"]:
         time = found["steps"] * found["step"]
         turns = f" = {time / found['turn']:.4g} turns" if found["turn"] else ""
         yield "Steps", f"{found['steps']:,} of {found['steps_planned']:,}, of {found['step']:.6g} s: {time:.6g} s{turns}"
-    yield "Outputs", f"{found['outputs']:,}, of {len(found['channels'])} kinds of numbers each; latest checkpoint: {in_words(found['checkpoint'])}"
+    yield "Outputs", f"{found['outputs']:,}, of {len(found['channels'])} kinds of numbers each"
+    yield "Checkpoint", in_words(found["checkpoint"])
     yield "Reference", "the ideal mechanism is kept beside it" if found["reference"] else "none"
     wall = f", {span(found['wall_s'])}" if found["wall_s"] else ""
     yield "Computed by", f"{found['loop']} loop{wall}; " + ", ".join(f"{name} {version}" for name, version in found["versions"].items())

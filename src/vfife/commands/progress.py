@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from .terminal import errors, span
 
 if TYPE_CHECKING:
-    from ..simulate import Progress
+    from ..simulation import Progress
 
 PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
 START = "preparing the loop"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 
 
-class Loop(str, Enum):
+class Loop(StrEnum):
     """The loops there are."""
 
     auto = "auto"
@@ -29,15 +29,20 @@ class Loop(str, Enum):
     interpreted = "interpreted"
 
 
+MODELS = "the model's"
 Folder = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Run folder.", show_default="runs/MODEL")]
-Step = Annotated[str | None, typer.Option(metavar="SECONDS", help='Time step, such as 1e-6 or "1 us", or auto.', show_default="the model's")]
-Turns = Annotated[float | None, typer.Option(metavar="N", help="Length in turns of the crank.", show_default="the model's")]
+Step = Annotated[
+    str | None, typer.Option(metavar="SECONDS", help='Time step, such as 1e-6 or "1 us", or auto.', show_default=MODELS)
+]
+Turns = Annotated[float | None, typer.Option(metavar="N", help="Length in turns of the crank.", show_default=MODELS)]
 Duration = Annotated[str | None, typer.Option(metavar="SECONDS", help="Length in time, instead of turns.")]
-Outputs = Annotated[int | None, typer.Option(metavar="N", min=1, help="Outputs per turn; per run without a crank.", show_default="the model's")]
+Outputs = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="Outputs per turn; per run without a crank.", show_default=MODELS)
+]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures as well.")]
 Reference = Annotated[bool, typer.Option("--reference/--no-reference", help="Compare with the ideal mechanism.")]
 ForceStep = Annotated[bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")]
 LoopOption = Annotated[Loop, typer.Option(help="Loop that makes the steps; all give the same bits.")]
 
 
@@ -78,6 +83,9 @@ def run(
         print_json(payload(result, place, notes))
     elif not quiet:
         show(result, place, figures)
+    elif result.record.status == "complete":
+        for warning in result.summary["warnings"]:
+            tell("warning", warning)
     end(result, place)
 
 
@@ -87,7 +95,7 @@ def simulated(
     """Runs a mechanism into a folder; every fault of the input is told before the folder is touched."""
     from ..provenance import keep_reference, provenance
     from ..runfile import RunFile, RunFileError
-    from ..simulate import choose_loop, recorded_rows, simulate
+    from ..simulation import choose_loop, recorded_rows, simulate
     from .folder import make_folder
     from .progress import ProgressLine
 
@@ -105,8 +113,8 @@ def simulated(
             if ideal is not None:
                 keep_reference(file, ideal.record)
             with ProgressLine(quiet) as line:
-                options: dict[str, Any] = dict(loop=loop, force_step=force_step, progress=line, file=file)
-                result = simulate(mechanism, reference=ideal if ideal is not None else False, **options)
+                kept: Any = ideal if ideal is not None else False
+                result = simulate(mechanism, reference=kept, loop=loop, force_step=force_step, progress=line, file=file)
             result.finish(file)
         except (RunFileError, OSError) as error:
             tell("error", f"{error}", "bold red")
@@ -126,7 +134,7 @@ def simulated(
 def prepared(mechanism: Mechanism, compare: bool, force_step: bool) -> tuple[Result | None, Any]:
     """The ideal mechanism's result and the assembled model, which tell what cannot be run."""
     from ..assemble import assemble
-    from ..simulate import expected_forces, reference_of
+    from ..simulation import expected_forces, reference_of
 
     ideal = reference_of(mechanism) if compare else None
     if ideal is not None and ideal.record.status == "interrupted":

@@ -61,7 +61,9 @@ def place(text: str) -> Path:
     """Writes the text where the cache holds it, or to a folder of this process's own if the cache cannot be written."""
     path = location(text)
     if path.exists():
-        return path
+        if path.read_bytes() == text.encode():
+            return path
+        shutil.rmtree(path.parent, ignore_errors=True)  # cut short by a crash or a full disk
     try:
         cache_folder().mkdir(parents=True, exist_ok=True)
         fresh = Path(tempfile.mkdtemp(prefix="new-", dir=cache_folder()))

@@ -10,7 +10,7 @@ import ast
 import inspect
 import math
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from types import FunctionType
 from typing import Any
 
@@ -25,10 +25,10 @@ class SourceError(ValueError):
 class Gathered:
     """Source texts of functions by the name they go by, each after those it calls."""
 
-    def __init__(self, given: Mapping[str, str] | None = None) -> None:
+    def __init__(self) -> None:
         self.texts: dict[str, str] = {}
         self.origin: dict[str, object] = {}
-        self.given = dict(given or {})
+        self.given: dict[str, str] = {}
 
     def add(self, function: Callable[..., Any], name: str | None = None) -> str:
         """Adds a function, under another name if asked, and all it calls; returns the name it goes by."""
@@ -57,9 +57,7 @@ class Gathered:
             known = self.add(value)
             if known != used:
                 self.texts[used] = f"{used} = {known}\n"
-        elif isinstance(value, (bool, int, float)):
-            self.texts[used] = f"{used} = {value!r}\n"
-        else:
+        elif not isinstance(value, (bool, int, float)):
             raise SourceError(
                 f"{function.__module__}.{function.__qualname__} uses {used!r}, a {type(value).__name__}; a law's function may use its "
                 "arguments, math.sqrt, numbers and plain functions of numbers"
@@ -102,14 +100,21 @@ def definition(function: Callable[..., Any], name: str) -> str:
 
 
 class _Literal(ast.NodeTransformer):
-    """Writes the row of a field, ``P.x``, as the number it is."""
+    """Writes the row of a field, ``P.x``, and a number of the function's module as the numbers they are."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.space = function.__globals__
+        self.local = set(function.__code__.co_varnames)
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None
-        return ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else node
+        return ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else self.generic_visit(node)
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        value = self.space.get(node.id) if isinstance(node.ctx, ast.Load) and node.id not in self.local else None
+        if not isinstance(value, (bool, int, float)):
+            return node
+        return ast.UnaryOp(ast.USub(), ast.Constant(-value)) if value < 0 else ast.Constant(value)
 
 
 def law_name(kind: str, law: type) -> str:
@@ -136,12 +141,10 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
 
 def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
     """Text of the data-driven loop with an if-chain over the given laws."""
-    laws = Gathered()
-    chains = {
-        "contact_law": dispatch("contact", contact_laws, laws),
-        "friction_law": dispatch("friction", friction_laws, laws),
+    gathered = Gathered()
+    gathered.given = {
+        "contact_law": dispatch("contact", contact_laws, gathered),
+        "friction_law": dispatch("friction", friction_laws, gathered),
     }
-    body = Gathered(chains)
-    body.add(loop.advance)
-    texts = {**laws.texts, **body.texts}
-    return "\n\n".join(texts.values())
+    gathered.add(loop.advance)
+    return gathered.text()

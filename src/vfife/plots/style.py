@@ -47,8 +47,10 @@ STYLE: Any = {  # matplotlib types its settings by their names
 }
 
 
-def panels(rows: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure with a grid of axes (inches for each), and the axes row by row; ``equal`` if their scales will be."""
+def panels(
+    rows: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any
+) -> tuple[Figure, list[Axes]]:
+    """A figure with a grid of axes (inches for each), and the axes; ``equal`` if their scales will be."""
     figure = Figure(figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, columns, squeeze=False, **options)

@@ -1,0 +1,206 @@
+"""Run files survive their writer, and say what is wrong with them."""
+
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vfife.packing import packed, unpacked
+from vfife.runfile import RunFile, RunFileError
+
+WRITER = """
+import sys
+import numpy as np
+from vfife.runfile import RunFile
+file = RunFile.create(sys.argv[1], {"step": 1e-6})
+steps = np.arange(50)
+while True:
+    file.append(steps, np.sin(np.outer(steps, np.arange(1, 41))))
+    file.checkpoint(int(steps[-1]), np.full(100, float(steps[-1])))
+    steps = steps + len(steps)
+"""
+
+
+def written(steps: np.ndarray) -> np.ndarray:
+    return np.sin(np.outer(steps, np.arange(1, 41)))
+
+
+def small(path: Path) -> Path:
+    with RunFile.create(path, {"step": 1e-6, "loop": "data-driven"}) as file:
+        for first in (0, 10, 20):
+            steps = np.arange(first, first + 10)
+            file.append(steps, written(steps))
+            file.checkpoint(first, np.full(5, float(first)))
+        file.event(20, "something happened")
+        file.finish("complete", {"energy_error": 1e-7}, wall=0.5)
+    return path
+
+
+def test_what_was_written_is_read(tmp_path: Path) -> None:
+    with RunFile.open(small(tmp_path / "run.sqlite")) as file:
+        assert file.meta["step"] == 1e-6
+        assert file.meta["status"] == "complete"
+        assert file.meta["summary"] == {"energy_error": 1e-7}
+        assert file.meta["wall"] == 0.5
+        assert np.array_equal(file.steps, np.arange(30))
+        assert np.array_equal(file.rows, written(file.steps))
+        step, state = file.last_checkpoint()
+        assert (step, list(state)) == (20, [20.0] * 5)
+        assert [(step, text) for step, _, text in file.events] == [(20, "something happened")]
+        assert file.reference() is None
+    assert os.listdir(tmp_path) == ["run.sqlite"]
+
+
+def test_only_the_latest_checkpoints_stay(tmp_path: Path) -> None:
+    with sqlite3.connect(small(tmp_path / "a")) as connection:
+        assert connection.execute("SELECT count(*) FROM checkpoints").fetchone() == (2,)
+
+
+def test_a_second_try_takes_the_place_of_the_first(tmp_path: Path) -> None:
+    with RunFile.create(tmp_path / "a", {"step": 2e-6, "loop": "generated"}) as file:
+        file.append(np.arange(3), np.ones((3, 2)))
+        file.checkpoint(2, np.ones(2))
+        file.begin({"step": 1e-6})
+        assert len(file.steps) == 0
+        assert file.last_checkpoint() is None
+        file.append(np.arange(2), np.zeros((2, 2)))
+        file.append(np.arange(2), np.full((2, 2), 3.0))  # from step 0 again
+        assert (file.meta["step"], file.meta["loop"]) == (1e-6, "generated")
+        assert np.array_equal(file.rows, np.full((2, 2), 3.0))
+
+
+@pytest.mark.parametrize("trial", range(6))
+def test_killed_while_writing(tmp_path: Path, trial: int) -> None:
+    path = tmp_path / "run.sqlite"
+    writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)])
+    try:
+        deadline = time.monotonic() + 30.0
+        while not path.exists() or path.stat().st_size < 50_000:
+            assert time.monotonic() < deadline
+            assert writer.poll() is None
+            time.sleep(0.005)
+        time.sleep(0.004 * trial)
+    finally:
+        writer.send_signal(signal.SIGKILL)
+        writer.wait()
+    with RunFile.open(path) as file:
+        steps = file.steps
+        assert len(steps) >= 50
+        assert np.array_equal(steps, np.arange(len(steps)))
+        assert np.array_equal(file.rows, written(steps))
+        step, state = file.last_checkpoint()
+        assert step <= steps[-1]
+        assert (state == step).all()
+        assert file.meta["status"] == "running"
+
+
+def half_written(path: Path) -> Path:
+    """A copy of a file and its journal in the middle of a transaction, as a killed writer leaves them."""
+    small(path)
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute("PRAGMA cache_size = 1")  # so that changed pages reach the file before the transaction ends
+    connection.execute("BEGIN")
+    connection.executemany("INSERT INTO steps VALUES (?, 0)", [(k,) for k in range(1000, 60000)])
+    folder = path.parent / "copy"
+    folder.mkdir()
+    for name in (path.name, f"{path.name}-journal"):
+        shutil.copy(path.parent / name, folder)
+    connection.rollback()
+    return folder / path.name
+
+
+def test_journal_of_a_killed_writer_is_rolled_back(tmp_path: Path) -> None:
+    with RunFile.open(half_written(tmp_path / "run.sqlite")) as file:
+        assert np.array_equal(file.steps, np.arange(30))
+
+
+def test_the_same_where_nothing_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, connect = half_written(tmp_path / "run.sqlite"), sqlite3.connect
+    before = path.read_bytes()
+
+    def refused(name, *args, **kwargs):
+        if "mode=rw" in str(name):
+            raise sqlite3.OperationalError("attempt to write a readonly database")
+        return connect(name, *args, **kwargs)
+
+    monkeypatch.setattr(sqlite3, "connect", refused)
+    with RunFile.open(path) as file:
+        assert np.array_equal(file.rows, written(np.arange(30)))
+    assert path.read_bytes() == before
+
+
+def test_read_while_it_is_written(tmp_path: Path) -> None:
+    with RunFile.create(tmp_path / "run.sqlite") as writer:
+        writer.append(np.arange(2), np.zeros((2, 3)))
+        with RunFile.open(tmp_path) as reader:
+            assert reader.rows.shape == (2, 3)
+            writer.append(np.arange(2, 4), np.zeros((2, 3)))
+            assert reader.rows.shape == (4, 3)
+            with pytest.raises(RunFileError):
+                reader.event(0, "a reader does not write")
+
+
+def test_a_file_that_is_there_stays(tmp_path: Path) -> None:
+    path = small(tmp_path / "a")
+    with pytest.raises(RunFileError, match="there is a run file already"):
+        RunFile.create(path)
+    with RunFile.create(path, replace=True) as file:
+        assert len(file.steps) == 0
+
+
+def test_what_is_no_run_file_is_told(tmp_path: Path) -> None:
+    with pytest.raises(RunFileError, match="there is no run file of this name"):
+        RunFile.open(tmp_path / "nothing")
+    with pytest.raises(RunFileError, match="there is no run file of this name"):
+        RunFile.open(tmp_path)
+    (tmp_path / "text").write_text("name = 1\n")
+    sqlite3.connect(tmp_path / "other").execute("CREATE TABLE meta (key, json)").connection.close()
+    for name in ("text", "other"):
+        with pytest.raises(RunFileError, match="no run file of vfife"):
+            RunFile.open(tmp_path / name)
+    with pytest.raises(RunFileError, match="no run file can be made here"):
+        RunFile.create(tmp_path / "no" / "such" / "folder")
+
+
+def test_a_newer_format_is_told(tmp_path: Path) -> None:
+    path = small(tmp_path / "a")
+    with sqlite3.connect(path) as connection:
+        connection.execute("PRAGMA user_version = 99")
+    with pytest.raises(RunFileError, match="newer vfife"):
+        RunFile.open(path)
+
+
+@pytest.mark.parametrize("kind", ["cut", "overwritten", "dropped", "gap", "chunk"])
+def test_damage_is_told(tmp_path: Path, kind: str) -> None:
+    path = small(tmp_path / "a")
+    whole = path.read_bytes()
+    if kind == "cut":
+        path.write_bytes(whole[: len(whole) // 3])
+    elif kind == "overwritten":
+        path.write_bytes(whole[:4096] + b"\x5a" * (len(whole) - 4096))
+    else:
+        with sqlite3.connect(path) as connection:
+            statement = {
+                "dropped": "DROP TABLE history",
+                "gap": "DELETE FROM history WHERE chunk = 1",
+                "chunk": "UPDATE history SET data = zeroblob(50) WHERE chunk = 1",
+            }[kind]
+            connection.execute(statement)
+    with pytest.raises(RunFileError, match="damaged .*; run the model again"), RunFile.open(path) as file:
+        _ = file.meta, file.steps, file.rows
+
+
+@pytest.mark.parametrize("shape", [(3,), (4, 5), (0, 5), (5, 0), (1, 1)])
+def test_packing_keeps_every_bit(shape: tuple[int, ...]) -> None:
+    values = np.random.default_rng(1).standard_normal(shape)
+    values.ravel()[:3] = (np.nan, -0.0, np.inf)[: values.size]
+    again = unpacked(packed(values))
+    assert again.shape == shape
+    assert again.tobytes() == values.tobytes()
