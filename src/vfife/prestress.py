@@ -186,11 +186,14 @@ def settle(
         held = dataclasses.replace(mechanism, bodies=bodies)
         motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats)
         guess = motion.position
-        shapes = {
+        bent = {
             name: deformed(mechanism, link, motion, bodies[name], shapes[name], extra[name])  # type: ignore[arg-type]
             for name, link in links.items()
         }
-    return motion, shapes, held
+        # the last motion is closed with the shapes it was found for: the least gap in a joint would be a blow at the first step
+        closed = {name: dataclasses.replace(bent[name], local=shapes[name].local) for name in links}
+        shapes = bent
+    return motion, closed, held
 
 
 def _inertial(held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]) -> dict[str, tuple[Array, Array, Array]]:

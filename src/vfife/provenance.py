@@ -51,11 +51,18 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[
     }
 
 
-def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, int]]:
-    """Block and entity of each kept row."""
+def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
+    """The kept rows as runs of a block: its name, the first entity and how many follow one another."""
     layout = assembly.layout
-    owner = {row: (name, k) for name, where in layout.slices.items() for k, row in enumerate(range(layout.rows)[where])}
-    return [owner[int(row)] for row in kept]
+    names = list(layout.slices)
+    block, entity = np.zeros(layout.rows, dtype=int), np.zeros(layout.rows, dtype=int)
+    for k, where in enumerate(layout.slices.values()):
+        block[where] = k
+        entity[where] = np.arange(len(block[where]))
+    b, e = block[kept], entity[kept]
+    starts = np.flatnonzero(np.r_[True, (np.diff(b) != 0) | (np.diff(e) != 1)]) if len(kept) else np.zeros(0, dtype=int)
+    counts = np.diff(np.r_[starts, len(kept)])
+    return [(names[b[at]], (int(e[at]), int(count))) for at, count in zip(starts, counts, strict=True)]
 
 
 def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64], where: str) -> Record:
@@ -66,20 +73,14 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np
     """
     wanted = ("model", "choice", "kept")
     if missing := [key for key in wanted if key not in meta]:
-        raise RunFileError(
-            f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again"
-        )
+        raise RunFileError(f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again")
     if not rows.size:
         raise RunFileError(f"{where}: the run ended before its first output; run the model again")
-    choice = StepChoice(
-        **{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])}
-    )
+    choice = StepChoice(**{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])})
     assembly = dataclasses.replace(_assembled(meta, choice, where), choice=choice)
     kept = rows_named(assembly, meta["kept"], where)
     if rows.shape[1] != len(kept) or len(rows) != len(steps):
-        raise RunFileError(
-            f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again"
-        )
+        raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
     status = "unfinished" if meta.get("status") == "running" else str(meta.get("status", "complete"))
     return Record(assembly, steps, rows, kept, float(meta.get("wall", 0.0)), str(meta.get("loop", "")), status)
 
@@ -100,17 +101,18 @@ def _assembled(meta: Mapping[str, Any], choice: StepChoice, where: str) -> Assem
         ) from error
 
 
-def rows_named(assembly: Assembly, names: list[tuple[str, int]], where: str) -> NDArray[np.uint32]:
-    """Rows of S by block and entity."""
+def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], where: str) -> NDArray[np.uint32]:
+    """Rows of S of runs of a block, as :func:`named_rows` gives them."""
     layout = assembly.layout
     rows = {name: range(layout.rows)[at] for name, at in layout.slices.items()}
-    unknown = sorted({name for name, entity in names if entity >= len(rows.get(name, ()))})
+    unknown = sorted({name for name, (first, count) in runs if first + count > len(rows.get(name, ()))})
     if unknown:
         raise RunFileError(
             f"{where}: it records {', '.join(unknown)}, which this version does not know for this model; "
             "read it with the version it names, or run the model again"
         )
-    return np.array([rows[name][entity] for name, entity in names], dtype=np.uint32)
+    parts = [np.array(rows[name][first : first + count], dtype=np.uint32) for name, (first, count) in runs]
+    return np.concatenate(parts) if parts else np.zeros(0, dtype=np.uint32)
 
 
 def keep_reference(file: RunFile, record: Record) -> None:

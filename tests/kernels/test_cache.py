@@ -11,7 +11,16 @@ import pytest
 
 from vfife.kernels import compile as compiling
 
-TEXT = "@jit\ndef half(x):\n    return 0.5 * x\n\n@jit\ndef tripled(S):\n    for k in range(len(S)):\n        S[k] = 6.0 * half(S[k])\n    return 0\n"
+TEXT = """@jit
+def half(x):
+    return 0.5 * x
+
+@jit
+def tripled(S):
+    for k in range(len(S)):
+        S[k] = 6.0 * half(S[k])
+    return 0
+"""
 
 COUNTED = """
 import json, sys

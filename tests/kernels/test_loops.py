@@ -27,7 +27,7 @@ def rigid_bars(lane: int) -> Mechanism:
 
 
 def two_particle_bars(lane: int) -> Mechanism:
-    """The paper's links: one frame element each, joints with particles of their own and other laws each, among them a power of the depth."""
+    """The paper's links: a frame element each, joints with particles of their own and other laws each, one with a power of the depth."""
     m = four_bar("BCD", "two-particle", clearance=1e-4 * (1 + lane), friction=Ambrosio(0.1, 0.01, 0.1), section=SQUARE)
     m.joints["C"] = dataclasses.replace(m.joints["C"], contact=Pereira(0.5))
     m.joints["D"] = dataclasses.replace(m.joints["D"], friction=Frictionless())
@@ -107,7 +107,7 @@ def test_generated_is_data_driven(model):
 
 @pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
 def test_the_generated_text_is_data_driven(model):
-    """The straight line run as plain Python, which costs no compilation: its lines, their order and the steps it leaves to the other loop."""
+    """The straight line run as plain Python, without compilation: its lines, their order and the steps it leaves to the other loop."""
     rows, names = computed(model, "data-driven", LANES)
     step, every, _, outputs = RUNS[model]
     runner = lanes([assemble(model(0), step, duration=1e-3, force_step=True)], "interpreted")
@@ -164,3 +164,25 @@ def test_a_run_in_pieces_is_one_run():
             pieces.advance(count, 1)
         state = [k for k in range(whole.layout.rows) if k in set(whole.layout.of("state"))]
         assert (bits(whole.states[state]) == bits(pieces.states[state])).all()
+
+
+@pytest.mark.parametrize("loop", ["data-driven", "generated"])
+def test_extremes_are_those_of_the_steps_since_the_last_output(loop):
+    """Every step recorded against every fortieth: the extreme of an interval is the largest of its steps, no more and no less."""
+    a = assemble(rigid_bars(0), 2e-6, duration=1e-3, force_step=True)
+    every, some = (lanes([a], loop).advance(count, 1200 // count)[:, :, 0] for count in (1, 40))
+    column = {int(row): k for k, row in enumerate(lanes([a], loop).kept)}
+
+    def of(rows: np.ndarray, name: str) -> np.ndarray:
+        return rows[:, [column[row] for row in range(*a.layout[name].indices(a.layout.rows))]]
+
+    force = of(every, "clearance_normal_force") ** 2 + of(every, "clearance_friction_force") ** 2
+    largest = {
+        "clearance_force_squared_max": force,
+        "clearance_penetration_max": np.maximum(of(every, "clearance_penetration"), 0.0),
+        "body_alpha_max": np.abs(of(every, "body_alpha")),
+        "driven_torque_max": np.abs(of(every, "driven_torque")),
+    }
+    for name, values in largest.items():
+        assert (of(some, name) == values.reshape(30, 40, -1).max(axis=1)).all(), name
+    assert (np.diff(of(some, "body_alpha_max")[:, 2]) < 0).any()

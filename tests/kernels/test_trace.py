@@ -117,7 +117,7 @@ def test_an_unused_law_of_the_user_does_not_stand_in_the_way():
 
 
 def gathered_with(force, slots=("stiffness",)) -> str:
-    name, count = "faulty", slots
+    count = slots
 
     class Faulty(LankaraniNikravesh):
         name: ClassVar[str] = "faulty"

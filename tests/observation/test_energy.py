@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from support import SQUARE, four_bar, go, journal_in_bearing, times, with_settings
 
+from support import SQUARE, four_bar, go, journal_in_bearing, times, with_settings
 from vfife.analysis import ledger
 from vfife.analysis.energy import elastic_energy
 from vfife.analysis.motion import velocities

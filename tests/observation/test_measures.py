@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from support import TURN, four_bar, go, journal_in_bearing, largest_alpha, largest_force, onsets, within
 
+from support import TURN, four_bar, go, journal_in_bearing, largest_alpha, largest_force, onsets, within
 from vfife.analysis import influence, last_turn, lip, measures
 
 STEP = 2e-6

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
-from support import SQUARE, four_bar, go, journal_in_bearing
 
+from support import SQUARE, four_bar, go, journal_in_bearing
 from vfife.result import Result
 from vfife.runfile import RunFileError
 from vfife.simulation import simulate

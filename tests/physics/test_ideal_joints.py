@@ -75,7 +75,7 @@ def test_maxima_of_two_particle_links_made_rigid(speed, alpha, rods, lumped):
 @pytest.mark.parametrize(("release", "tolerance"), [("both", 3e-4), ("none", 2e-3)])
 @pytest.mark.parametrize(("speed", "alpha", "rods", "lumped"), IDEAL[1:])
 def test_maxima_of_stiff_two_particle_links(speed, alpha, rods, lumped, release, tolerance):
-    """Elements a thousand times as stiff as steel, as frames and as bars. Rotary inertia of a frame's ends (Eq. 2) is in no table: 0.16 %."""
+    """A thousand times as stiff as steel, as frames and as bars. Rotary inertia of a frame's ends (Eq. 2) is in no table: 0.16 %."""
     m = four_bar("", "two-particle", speed=speed * math.pi, section=SQUARE, release=release, stiffness_factor=1000.0)
     record = go(m, 7e-7, turns=1)
     window = within(record, 0, 1)

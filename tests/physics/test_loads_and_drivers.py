@@ -184,7 +184,7 @@ def test_angle_table():
 
 
 def test_a_ramp_carries_what_hangs_on_it():
-    """Four-bar ramped up to speed within half a turn: places stay those that the crank's angle demands, and the next turn is the steady one."""
+    """Four-bar ramped up to speed within half a turn: places are those that the crank's angle demands, the next turn is the steady one."""
     m = four_bar("", speed=0.0)
     m.drivers["crank"] = Ramp(body="crank", speed=50 * math.pi, duration=0.04)
     record = go(m, 2e-6, duration=0.1, outputs=500)

@@ -53,8 +53,8 @@ def free_chain(
     ideal, clear = (pair[::-1] if exchanged else pair for pair in ends)
     m.revolute("P", *ideal)
     m.clearance(
-        "Q", *clear, clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(0.7, 6.6e9), friction=friction or Ambrosio(0.2, 1e-3, 1e-2),
-        friction_moment=moment,
+        "Q", *clear, clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(0.7, 6.6e9),
+        friction=friction or Ambrosio(0.2, 1e-3, 1e-2), friction_moment=moment,
     )  # fmt: skip
     return m
 
@@ -70,7 +70,7 @@ def masses(record) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("model", ["rigid", "elastic"])
 def test_momentum_of_a_free_mechanism(model):
-    """Linear and angular momentum to rounding over 10,000 steps and a dozen impacts; angular, because friction acts at one point of both bodies."""
+    """Linear and angular momentum to rounding over 10,000 steps and a dozen impacts; angular, as friction acts at one point of both."""
     record = go(free_chain(model), 2e-6, duration=0.02, outputs=200)
     assert onsets(record)[0] >= 8 and record.block("clearance_friction_work")[-1, 0] > 0.1
     m, i = masses(record)
@@ -181,7 +181,7 @@ def sign(name: str) -> float:
 
 
 def mirror_faults(one, other) -> set[str]:
-    """Recorded blocks that are no mirror images to the bit. Functions of time are left out: a factor of a force does not turn, a torque does."""
+    """Recorded blocks that are no mirror images to the bit. Functions of time left out: a force's factor does not turn, a torque does."""
     return {
         block
         for block in one.assembly.layout.slices
@@ -219,7 +219,7 @@ def test_the_mirror_image_moves_mirrored_to_the_bit(name):
 
 
 def test_the_four_bar_below_is_the_mirror_image_of_the_one_above():
-    """Crank reversed and joint C below the line of the ground pivots: the same forces and accelerations (built by other angles, not mirrored numbers)."""
+    """Crank reversed and joint C below the line of the ground pivots: the same forces and accelerations."""
     above, below = (go(four_bar("BCD", mirrored=flipped), 1e-6, duration=0.02) for flipped in (False, True))
     window = within(above, 0.0, 0.02)
     assert onsets(above) == onsets(below)

@@ -1,7 +1,7 @@
 """Cases b and c: uniform rigid rods at 50 pi rad/s, one and three clearance joints, against an independent reference.
 
-Reference: RK4 with located onsets, 3.2 million steps (peers/README.md); an independent event-located integration agrees to 5e-7 in the force
-of case c. Maxima over the second turn.
+Reference: RK4 with located onsets, 3.2 million steps (peers/README.md); an independent event-located integration agrees to 5e-7 in the
+force of case c. Maxima over the second turn.
 """
 
 import math

@@ -1,7 +1,8 @@
 """Table 3 of the paper (50 pi rad/s, joint 2 = C): local influence parameters with the parameter sets inferred from it.
 
 Eq. 38-39: LIP = (largest with clearance / largest with ideal joints - 1) in per cent. The sets are inferences, not the paper's, and two
-independent programs gave the rows below with them (method.md, section 2). The paper's own row is 6.72, 17.21, 89.95 and 13.45, 28.60, 110.32.
+independent programs gave the rows below with them (method.md, section 2). The paper's own row is 6.72, 17.21, 89.95 and
+13.45, 28.60, 110.32.
 
 The mechanism stands with joint C below the line of the ground pivots (or, which is the mirror image, above it with the crank reversed).
 """

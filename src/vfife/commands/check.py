@@ -80,7 +80,15 @@ def show_bodies(console: Console, bodies: list[dict[str, Any]]) -> None:
     for body in bodies:
         elements = f", {body['elements']} elements" if body["elements"] > 1 else ""
         center = f"({body['center'][0]:.6g}, {body['center'][1]:.6g})"
-        row(table, body["name"], body["model"] + elements, f"{body['mass']:.6g}", f"{body['inertia']:.6g}", center, body["driver"] or "")
+        row(
+            table,
+            body["name"],
+            body["model"] + elements,
+            f"{body['mass']:.6g}",
+            f"{body['inertia']:.6g}",
+            center,
+            body["driver"] or "",
+        )
     console.print(table)
 
 
@@ -129,7 +137,8 @@ def steps(found: Mapping[str, Any]) -> list[str]:
         f"Step {step['size']:.4g} s, {how} {step['set_by']}.",
         f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
-        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
+        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; "
+        f"an output every {found['steps_between_outputs']:,} steps.",
     ]
 
 
@@ -156,7 +165,13 @@ def show_defaults(console: Console, defaults: list[dict[str, Any]]) -> None:
         alike.setdefault(same, []).append(name)
     table = grid("filled in", "of", "value", "meaning", title="Not in the file, so taken by default")
     for (path, value, meaning), names in alike.items():
-        row(table, path.replace("*", names[0]) if len(names) == 1 else path, ", ".join(names) if len(names) > 1 else "", value, meaning)
+        row(
+            table,
+            path.replace("*", names[0]) if len(names) == 1 else path,
+            ", ".join(names) if len(names) > 1 else "",
+            value,
+            meaning,
+        )
     console.print(table)
 
 

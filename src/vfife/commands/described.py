@@ -49,7 +49,13 @@ def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, 
     found = []
     for name, joint in assembly.mechanism.joints.items():
         kind = "clearance" if name in clearances else "ideal, driven pivot" if name in assembly.pivots else "ideal"
-        entry = {"name": name, "kind": kind, "bearing": joint.bearing, "journal": joint.journal, "expected_force": expected.get(name)}
+        entry = {
+            "name": name,
+            "kind": kind,
+            "bearing": joint.bearing,
+            "journal": joint.journal,
+            "expected_force": expected.get(name),
+        }
         found.append(entry | (clearance(assembly, joint) if name in clearances else {}))
     return found
 

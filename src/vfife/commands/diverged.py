@@ -43,7 +43,9 @@ def named(assembly: Assembly, rows: Any) -> str:
     found = []
     for block in BLOCKS:
         where = range(*assembly.layout[block.name].indices(assembly.layout.rows))
-        found += [(ORDER.index(block.entity), block, where.index(row)) for row in rows if block.entity in ORDER and row in where]
+        found += [
+            (ORDER.index(block.entity), block, where.index(row)) for row in rows if block.entity in ORDER and row in where
+        ]
     if not found:
         return "a number of the state"
     _, block, index = min(found, key=lambda entry: entry[0])
@@ -53,7 +55,12 @@ def named(assembly: Assembly, rows: Any) -> str:
 
 def owner(assembly: Assembly, entity: str, index: int) -> str:
     """Name of the joint or body that an entry of a block belongs to."""
-    names = {"clearance": assembly.clearances, "ideal": assembly.ideals, "driven": assembly.pivots, "body": tuple(assembly.bodies)}
+    names = {
+        "clearance": assembly.clearances,
+        "ideal": assembly.ideals,
+        "driven": assembly.pivots,
+        "body": tuple(assembly.bodies),
+    }
     if entity in names:
         return f"{'body' if entity == 'body' else 'joint'} {names[entity][index]}"
     for name, where in assembly.bodies.items():
@@ -78,5 +85,6 @@ def cause(record: Record) -> str:
         deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.clearances[worst]})"
     return (
         f"The likely cause is a contact or an element that became stiffer than the step was chosen for{deepest}, "
-        f"or a load that grows without limit; try half the step, --step {0.5 * choice.step:.4g}, and look at the last outputs with `vfife plot`."
+        f"or a load that grows without limit; try half the step, --step {0.5 * choice.step:.4g}, "
+        "and look at the last outputs with `vfife plot`."
     )

@@ -81,7 +81,8 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "Checkpoint", in_words(found["checkpoint"])
     yield "Reference", "the ideal mechanism is kept beside it" if found["reference"] else "none"
     wall = f", {span(found['wall_s'])}" if found["wall_s"] else ""
-    yield "Computed by", f"{found['loop']} loop{wall}; " + ", ".join(f"{name} {version}" for name, version in found["versions"].items())
+    versions = ", ".join(f"{name} {version}" for name, version in found["versions"].items())
+    yield "Computed by", f"{found['loop']} loop{wall}; {versions}"
     for name, source in found["laws"].items():
         yield "Law", f"{name}: {source}"
     for event in found["events"]:
@@ -95,10 +96,12 @@ def in_words(step: int | None) -> str:
     return "none" if step is None else f"step {step:,}"
 
 
-def plot(
-    run: RunArgument,
-    folder: Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")] = None,
-) -> None:
+FiguresOption = Annotated[
+    Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")
+]
+
+
+def plot(run: RunArgument, folder: FiguresOption = None) -> None:
     """Draw the figures of a run: journal paths, forces and accelerations over the ideal ones, the mechanism."""
     result, file = loaded(run)
     with sentences(str(run)):

@@ -40,7 +40,8 @@ def table(path: str, model: BaseModel) -> Iterator[Filled]:
     for key, field in type(model).model_fields.items():
         told = key in model.model_fields_set or field.is_required() or field.default is None
         if not told and not hasattr(field.default, "model_fields_set") and field.default not in ({}, ""):
-            yield {"path": f"{path}.{key}".lstrip("."), "value": field.default, "unit": unit(field), "meaning": field.description or ""}
+            meaning = field.description or ""
+            yield {"path": f"{path}.{key}".lstrip("."), "value": field.default, "unit": unit(field), "meaning": meaning}
 
 
 def unit(field: Any) -> str:
@@ -58,5 +59,5 @@ def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
         yield {"path": f"{path}.{kind}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
     for field in dataclasses.fields(LAWS[kind].registry[name]):
         if field.name not in given and field.default not in (None, dataclasses.MISSING):
-            meta = field.metadata
-            yield {"path": f"{path}.{kind}.{field.name}", "value": field.default, "unit": meta["unit"], "meaning": meta["meaning"]}
+            told = {key: field.metadata[key] for key in ("unit", "meaning")}
+            yield {"path": f"{path}.{kind}.{field.name}", "value": field.default, **told}

@@ -54,7 +54,8 @@ def refuse_foreign(asked: Path | None) -> None:
 def make_folder(asked: Path | None, model: Path) -> RunFolder:
     """The folder of a run, ready for it.
 
-    A folder that is given is made; an earlier run in it gives way. Else it is runs/<model>, or the next free number where there is one.
+    A folder that is given is made; an earlier run in it gives way. Else it is runs/<model>, or with the next free number
+    where there is one already.
     """
     if asked is not None:
         refuse_foreign(asked)

@@ -48,7 +48,7 @@ def described() -> Iterator[dict[str, Any]]:
 
 
 def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """A parameter of a law: a default of null is derived from the surfaces; where a value has to be given, there is no default."""
+    """A parameter of a law; a default of null is derived from the surfaces, and there is none where a value has to be given."""
     entry = {"name": field.name, "unit": field.metadata.get("unit", "1"), "meaning": field.metadata.get("meaning", "")}
     return entry if field.default is dataclasses.MISSING else {**entry, "default": field.default}
 

@@ -17,7 +17,9 @@ ModelArgument = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Model
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="Run folder, or the run file in it.", show_default=False)]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help='Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'),
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help='Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON value on standard output, and nothing else.")]
 

@@ -16,7 +16,7 @@ START = "preparing the loop"
 
 
 class ProgressLine:
-    """Percentage, steps a second and time left: one line that changes on a terminal, else a line every ten seconds and the last one."""
+    """Percentage, steps a second and time left: one line that changes on a terminal, else one every ten seconds and the last."""
 
     def __init__(self, quiet: bool) -> None:
         from rich.progress import BarColumn, TextColumn

@@ -63,8 +63,8 @@ def run(
 ) -> None:
     """Run a model: a progress line, a summary, and a run folder.
 
-    The folder holds the run file, the model as it was run, the summary, and figures where they are asked for. Exit codes: 2 for input that
-    cannot be used, 3 where the numbers became infinite, 130 after Ctrl-C, which keeps what was computed.
+    The folder holds the run file, the model as it was run, the summary, and figures where they are asked for. Exit codes: 2 for
+    input that cannot be used, 3 where the numbers became infinite, 130 after Ctrl-C, which keeps what was computed.
     """
     with sentences(str(model)):
         from .folder import refuse_foreign
