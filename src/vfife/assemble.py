@@ -225,6 +225,8 @@ class Filler:
             self.put(f"particle_{axis}", value, p)
         if p not in self.free:
             self.put("particle_w", velocity[2], p)
+            self.put("particle_load_x", mass * self.mechanism.gravity[0], p)
+            self.put("particle_load_y", mass * self.mechanism.gravity[1], p)
             return
         for axis, value in zip("uvw", velocity, strict=True):
             self.put(f"particle_{axis}", value, p)
@@ -257,7 +259,7 @@ class Filler:
         self.span("particle_inverse_mass", particles, np.where(free, 1.0 / lumps.mass, 0.0))
         self.span("particle_inverse_inertia", particles, np.where(free, 1.0 / inertia, 0.0))
         for axis, name in enumerate("xy"):
-            self.span(f"particle_load_{name}", particles, np.where(free, lumps.mass * self.mechanism.gravity[axis], 0.0))
+            self.span(f"particle_load_{name}", particles, lumps.mass * self.mechanism.gravity[axis])
         chord = np.diff(there[:, :2], axis=0)
         length = np.hypot(chord[:, 0], chord[:, 1])
         elements = slice(where.elements[0], where.elements[-1] + 1)

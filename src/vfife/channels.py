@@ -83,9 +83,7 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
     for entity, make in MADE.items():
         if entity in present:
             found |= make(record)
-            found |= {
-                name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in found
-            }
+            found |= {name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in found}
     for name, (term, meaning) in ENERGIES.items():
         found[name] = Channel(ledger.terms[term], None, "J", meaning)
     found["energy_residual"] = Channel(ledger.residual, None, "J", "stored + lost - supplied - stored at the start")
@@ -105,9 +103,7 @@ def _particles(record: Record) -> dict[str, Channel]:
     """Velocities at the time of the output; the record holds those half a step later."""
     return {
         f"particle_{axis}": Channel(values[:, 1:], "particle", BY_NAME[f"particle_{axis}"].unit, meaning)
-        for (axis, values), meaning in zip(
-            motion.velocities(record).items(), 2 * ["velocity"] + ["angular velocity"], strict=True
-        )
+        for (axis, values), meaning in zip(motion.velocities(record).items(), 2 * ["velocity"] + ["angular velocity"], strict=True)
     }
 
 
@@ -128,9 +124,7 @@ def _joints(record: Record) -> dict[str, Channel]:
         "joint_force": Channel(np.hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"),
         "joint_force_x": Channel(force[..., 0], "joint", "N", "force on the journal"),
         "joint_force_y": Channel(force[..., 1], "joint", "N", "force on the journal"),
-        "joint_force_max": Channel(
-            forces.joint_force_max(record), "joint", "N", "largest joint force since the last output"
-        ),
+        "joint_force_max": Channel(forces.joint_force_max(record), "joint", "N", "largest joint force since the last output"),
     }
 
 

@@ -107,10 +107,7 @@ class Result:
         if self.crank_angle is not None:
             said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
             coords["crank_angle"] = ("time", self.crank_angle, said)
-        variables = {
-            name: (one.dims, one.values, {"units": one.unit, "long_name": one.meaning})
-            for name, one in self.channels.items()
-        }
+        variables = {name: (one.dims, one.values, {"units": one.unit, "long_name": one.meaning}) for name, one in self.channels.items()}
         data = xarray.Dataset(variables, coords, self.attributes)
         if "mode" in data:
             data["mode"].attrs |= {

@@ -102,9 +102,7 @@ class RunFile:
                     connection.execute(statement)
                 file._put({"status": "running", "created": now(), **(meta or {})})
         except sqlite3.Error as error:
-            raise RunFileError(
-                f"{path}: no run file can be made here ({error}); name a folder you can write to"
-            ) from error
+            raise RunFileError(f"{path}: no run file can be made here ({error}); name a folder you can write to") from error
         return file
 
     @classmethod
@@ -117,9 +115,7 @@ class RunFile:
         with path.open("rb") as stream:
             head = stream.read(100)
         if not head.startswith(b"SQLite format 3\0") or int.from_bytes(head[68:72], "big") != APPLICATION:
-            raise RunFileError(
-                f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left"
-            )
+            raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
         if int.from_bytes(head[60:64], "big") > FORMAT:
             raise RunFileError(f"{path}: this run file was written by a newer vfife; install that version to read it")
         file = cls(path, _readable(path))
@@ -162,9 +158,7 @@ class RunFile:
             chunk = self._connection.execute("SELECT coalesce(max(chunk) + 1, 0) FROM history").fetchone()[0]
             numbered = [(first + k, int(step)) for k, step in enumerate(steps)]
             self._connection.executemany("INSERT INTO steps VALUES (?, ?)", numbered)
-            self._connection.execute(
-                "INSERT INTO history VALUES (?, ?, ?, ?)", (chunk, first, len(steps), packed(rows))
-            )
+            self._connection.execute("INSERT INTO history VALUES (?, ?, ?, ?)", (chunk, first, len(steps), packed(rows)))
 
     @told
     def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
@@ -272,9 +266,7 @@ def _readable(path: Path) -> sqlite3.Connection:
         return connection
     except sqlite3.OperationalError as error:
         if "locked" in str(error):
-            raise RunFileError(
-                f"{path}: another program keeps this run file locked; try again when it has ended"
-            ) from error
+            raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
     except sqlite3.DatabaseError as error:
         raise RunFileError(damaged(path, str(error))) from error
     memory = sqlite3.connect(":memory:", isolation_level=None)

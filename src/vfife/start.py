@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -196,6 +197,22 @@ def constant_forces(mechanism: Mechanism, position: Array, names: tuple[str, ...
     return force
 
 
+def mirrored(system: RigidSystem) -> RigidSystem:
+    """The system with y and every angle turned round."""
+    pins = tuple(
+        dataclasses.replace(pin, point_a=np.asarray(pin.point_a) * (1.0, -1.0), point_b=np.asarray(pin.point_b) * (1.0, -1.0))
+        for pin in system.joints
+    )
+    drives = tuple(Drive(d.body, -d.angle, -d.speed, -d.acceleration) for d in system.drives)
+    return RigidSystem(system.names, system.mass, system.inertia, pins, drives)
+
+
+def handedness(guess: Array) -> float:
+    """-1 if the first body that is not along x is turned clockwise, else 1: the mirror image has the opposite one."""
+    turned = guess[:, 2][guess[:, 2] != 0.0]
+    return -1.0 if len(turned) and turned[0] < 0.0 else 1.0
+
+
 def ideal_motion(
     mechanism: Mechanism,
     time: float = 0.0,
@@ -209,28 +226,33 @@ def ideal_motion(
     ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot reach.
     """
     system = rigid_system(mechanism, time, seats=seats)
-    closure = close(system, first_guess(mechanism) if guess is None else guess)
+    guess = first_guess(mechanism) if guess is None else guess
+    hand = handedness(guess)  # solved in one of the two mirror images, so that the other one starts from the same bits
+    flip = np.array([1.0, hand, hand])
+    reflect = mirrored if hand < 0.0 else lambda same: same
+    position = close(reflect(system), guess * flip).position * flip
     own = {name for name, body in mechanism.bodies.items() if any(body.velocity)}
     loose = frozenset(j.name for j in mechanism.clearances.values() if {side[0] for side in j.sides} & own)
     moving = rigid_system(mechanism, time, open_joints=loose, seats=seats) if loose else system
-    wish = np.zeros_like(closure.position)
+    wish = np.zeros_like(position)
     for name in own:
         wish[system.names.index(name)] = mechanism.bodies[name].velocity
-    velocity = velocities(moving, closure.position, wish)
-    force = constant_forces(mechanism, closure.position, system.names)
+    velocity = velocities(reflect(moving), position * flip, wish * flip) * flip
+    force = constant_forces(mechanism, position, system.names)
     for name, (mass, local, extra) in (inertial or {}).items():
         row = system.names.index(name)
-        c, s = np.cos(closure.position[row, 2]), np.sin(closure.position[row, 2])
+        c, s = np.cos(position[row, 2]), np.sin(position[row, 2])
         arm, push = local @ np.array([[c, s], [-s, c]]), -mass[:, None] * extra[:, :2]
         force[row] += np.array([*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()])
-    acceleration, reaction, torque = accelerations(moving, closure.position, velocity, force)
+    acceleration, reaction, torque = accelerations(reflect(moving), position * flip, velocity * flip, force * flip)
+    acceleration, reaction, torque = acceleration * flip, reaction * flip[:2], torque * hand
     reactions: Mapping[str, Array] = {pin.name: value for pin, value in zip(moving.joints, reaction, strict=True)}
     return Motion(
         system.names,
-        closure.position,
+        position,
         velocity,
         acceleration,
         {name: (float(value[0]), float(value[1])) for name, value in reactions.items()},
         {system.names[drive.body]: float(value) for drive, value in zip(moving.drives, torque, strict=True)},
-        mobility(system, closure.position),
+        mobility(reflect(system), position * flip),
     )

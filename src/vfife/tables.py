@@ -86,9 +86,7 @@ def _torques(told: dict[str, Any]) -> Iterable[str]:
     for name, body in told["model"]["bodies"].items():
         if body["torque.max"] is not None:
             ideal = body["ideal_torque.max"]
-            yield f"{name}: largest torque {body['torque.max']:,.1f} N m" + (
-                f", ideal {ideal:,.1f} N m" if ideal is not None else ""
-            )
+            yield f"{name}: largest torque {body['torque.max']:,.1f} N m" + (f", ideal {ideal:,.1f} N m" if ideal is not None else "")
 
 
 def _law_lines(told: dict[str, Any]) -> Iterable[str]:
@@ -112,16 +110,18 @@ def _grid(title: str, *headings: str) -> Table:
 
 
 def _joint_table(told: dict[str, Any]) -> Table:
-    table = _grid(f"Largest reactions ({_over(told)})", "joint", "reaction", "ideal", "LIP(F)", "penetration")
-    for name, joint in told["joints"].items():
-        lip, depth, ideal = told["lip"].get(f"{name}.force"), joint.get("penetration.max"), joint["ideal_force.max"]
-        table.add_row(
-            name,
-            f"{joint['force.max']:,.1f} N",
-            "" if ideal is None else f"{ideal:,.1f} N",
-            _percent(lip),
-            "" if depth is None else prefixed(depth, "m"),
-        )
+    joints = told["joints"]
+    compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
+    depths = any("penetration.max" in joint for joint in joints.values())
+    headings = ["reaction", *(["ideal", "LIP(F)"] if compared else []), *(["penetration"] if depths else [])]
+    table = _grid(f"Largest reactions ({_over(told)})", "joint", *headings)
+    for name, joint in joints.items():
+        cells = [f"{joint['force.max']:,.1f} N"]
+        if compared:
+            cells += [_amount(joint["ideal_force.max"], "N"), _percent(told["lip"].get(f"{name}.force"))]
+        if depths:
+            cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
+        table.add_row(name, *cells)
     return table
 
 
@@ -137,15 +137,22 @@ def _contact_table(told: dict[str, Any]) -> Table:
 
 
 def _body_table(told: dict[str, Any]) -> Table:
-    table = _grid(f"Largest angular accelerations ({_over(told)})", "body", "acceleration", "ideal", "LIP(a)")
-    for name, body in told["model"]["bodies"].items():
-        largest, lip = body["angular_acceleration.max"], told["lip"].get(f"{name}.angular_acceleration")
-        if largest is not None and not body["driven"]:
-            ideal = body["ideal_angular_acceleration.max"]
-            table.add_row(
-                name, f"{largest:,.1f} rad/s²", "" if ideal is None else f"{ideal:,.1f} rad/s²", _percent(lip)
-            )
+    bodies = {name: body for name, body in told["model"]["bodies"].items() if not body["driven"]}
+    compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
+    headings = ["acceleration", *(["ideal", "LIP(a)"] if compared else [])]
+    table = _grid(f"Largest angular accelerations ({_over(told)})", "body", *headings)
+    for name, body in bodies.items():
+        if body["angular_acceleration.max"] is not None:
+            cells = [_amount(body["angular_acceleration.max"], "rad/s²")]
+            if compared:
+                ideal = _amount(body["ideal_angular_acceleration.max"], "rad/s²")
+                cells += [ideal, _percent(told["lip"].get(f"{name}.angular_acceleration"))]
+            table.add_row(name, *cells)
     return table
+
+
+def _amount(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:,.1f} {unit}"
 
 
 def _percent(value: float | None) -> str:

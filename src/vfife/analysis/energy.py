@@ -147,9 +147,7 @@ def constant_loads(record: Record) -> Array:
     driven = list(record.assembly.topology.driven)
     if driven:
         angle = record.block("particle_theta")[:, driven]
-        mx, my, gx, gy = (
-            record.parameter(f"driven_{name}") for name in ("moment_x", "moment_y", "weight_x", "weight_y")
-        )
+        mx, my, gx, gy = (record.parameter(f"driven_{name}") for name in ("moment_x", "moment_y", "weight_x", "weight_y"))
         c, s = np.cos(angle), np.sin(angle)
         height = gx * (c * mx - s * my) + gy * (s * mx + c * my)
         total += (height - height[0]).sum(axis=1)

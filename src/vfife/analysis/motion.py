@@ -64,9 +64,7 @@ def body_motion(record: Record) -> dict[str, Array]:
     return found
 
 
-def _carried(
-    record: Record, body: BodyMap, position: dict[str, Array], velocity: dict[str, Array]
-) -> tuple[Array, ...]:
+def _carried(record: Record, body: BodyMap, position: dict[str, Array], velocity: dict[str, Array]) -> tuple[Array, ...]:
     p = body.particles[0]
     rx, ry = np.subtract(body.center, body.reference)
     angle = position["theta"][:, p]

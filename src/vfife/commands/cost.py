@@ -9,15 +9,15 @@ if TYPE_CHECKING:
 
 # Time (ns) of a step, and what each clearance joint, ideal joint and element adds to it; measured on a common 3 GHz core.
 NANOSECONDS = {
-    "data-driven": {"step": 20.0, "clearance": 50.0, "ideal": 85.0, "element": 18.0},
+    "data-driven": {"step": 20.0, "clearance": 50.0, "ideal": 115.0, "element": 18.0},
     "generated": {"step": 10.0, "clearance": 38.0, "ideal": 40.0, "element": 5.0},
 }
-COMPILE_SECONDS = {"data-driven": (8.0, 0.0), "generated": (2.5, 0.3)}  # once, and per element; kept on disk
+DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models; kept on disk
 
 
 def estimate(assembly: Assembly) -> dict[str, Any]:
     """Loop, time of a step (ns), time of all steps and of a first compilation (s), bytes of the record."""
-    from ..simulation import choose_loop, recorded_rows
+    from ..simulation import choose_loop, compilation, recorded_rows
 
     topology, choice = assembly.topology, assembly.choice
     counts = {
@@ -27,12 +27,11 @@ def estimate(assembly: Assembly) -> dict[str, Any]:
         "element": len(topology.element_nodes),
     }
     loop = choose_loop(assembly, "auto")
-    table, compiling = NANOSECONDS[loop], COMPILE_SECONDS[loop]
-    ns = sum(table[name] * count for name, count in counts.items())
+    ns = sum(NANOSECONDS[loop][name] * count for name, count in counts.items())
     return {
         "loop": loop,
         "ns_per_step": ns,
         "seconds": 1e-9 * ns * choice.steps,
-        "compile_seconds": compiling[0] + compiling[1] * counts["element"],
+        "compile_seconds": compilation(assembly) if loop == "generated" else DATA_DRIVEN_COMPILATION,
         "bytes": 8 * len(recorded_rows(assembly)) * (choice.outputs + 1),
     }

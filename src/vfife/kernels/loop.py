@@ -16,11 +16,11 @@ contact_law = friction_law = None  # written by source.py for the laws at hand
 
 
 
-def functions(S, T, I, time, after):
+def functions(S, T, I, shift, time, after):
     """Functions of time at t_n, and their value at t_(n+1)."""
     for m in range(I[H.function_count]):
         f = I[I[H.function] + JF.SIZE * m]
-        start = I[I[H.function] + JF.SIZE * m + 1]
+        start = shift + I[I[H.function] + JF.SIZE * m + 1]
         value, rate, second = polynomial(T, start, time)
         S[f + F.value] = value
         S[f + F.rate] = rate
@@ -427,13 +427,22 @@ def step(S, I, n, start):
     observe(S, I, span)
 
 
-def advance(S, T, I, n0, count, out, kept, extremes):
-    """Fills each row of ``out`` with the rows ``kept`` of S after ``count`` steps more; the rows ``extremes`` start anew before them."""
-    for m in range(out.shape[0]):
-        for q in extremes:
-            S[q] = 0.0
-        for n in range(n0 + m * count, n0 + (m + 1) * count):
-            functions(S, T, I, n * S[Y.step], (n + 1) * S[Y.step])
-            step(S, I, n, n == 0)
-        for q in range(out.shape[1]):
-            out[m, q] = S[kept[q]]
+def advance(S, T, I, wide, rows, lanes, n0, count, out, kept, extremes):
+    """Lane by lane: fills ``out[m, :, lane]`` with the rows ``kept`` after ``count`` steps more; ``extremes`` start anew before them.
+
+    ``wide`` holds the states, rows by lanes; S is scratch for one of them. T holds the tables of all lanes, one after the other.
+    """
+    for w in range(lanes):
+        shift = w * (len(T) // lanes)
+        for q in range(rows):
+            S[q] = wide[q * lanes + w]
+        for m in range(out.shape[0]):
+            for q in extremes:
+                S[q] = 0.0
+            for n in range(n0 + m * count, n0 + (m + 1) * count):
+                functions(S, T, I, shift, n * S[Y.step], (n + 1) * S[Y.step])
+                step(S, I, n, n == 0)
+            for q in range(out.shape[1]):
+                out[m, q, w] = S[kept[q]]
+        for q in range(rows):
+            wide[q * lanes + w] = S[q]

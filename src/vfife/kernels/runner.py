@@ -51,13 +51,16 @@ class Runner:
         self.integers, self.layout, self.rows = tables(topology)
         self.lanes = states.shape[1]
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
-        self.functions = np.ascontiguousarray(functions, dtype=float).reshape(self.lanes, -1)
+        self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
         self.done = 0
         self.single = _data_driven(topology.contact_laws, topology.friction_laws, loop == "interpreted")
         self.wide = _straight_line(topology, self.lanes, False) if loop == "generated" else None
         self.S = aligned((self.layout.rows + 1) * self.lanes)
         self.S.reshape(-1, self.lanes)[: self.layout.rows] = states
+        self.states[self.layout["c"]] = self.states[self.layout["cn"]] = 1.0
+        self.scratch = np.zeros(self.rows)
         self.spare = np.zeros(self.layout.rows * self.lanes)
+        self.nothing = np.zeros(0, dtype=np.uint32), np.zeros((1, 0, self.lanes))
 
     @property
     def states(self) -> Rows:
@@ -68,8 +71,7 @@ class Runner:
         """``outputs`` times ``count`` steps from where the state is."""
         out = np.zeros((outputs, len(self.kept), self.lanes))
         if self.wide is None:
-            for lane in range(self.lanes):
-                self._single(lane, self.done, count, out[:, :, lane], self.extremes)
+            self._single(self.done, count, out, self.kept, self.extremes)
         else:
             self._wide(self.wide, count, out)
         self.done += count * outputs
@@ -78,12 +80,12 @@ class Runner:
     def _wide(self, wide: Callable[..., Any], count: int, out: Rows) -> None:
         total, done = count * len(out), 0
         if self.done == 0:  # the first step starts the central difference and is not in the straight line
-            self._seldom(0, self.extremes)
+            self._single(0, 1, self.nothing[1], self.nothing[0], self.extremes)
             done = self._note(1, count, out)
         while done < total:
-            done = wide(self.S, self.functions.ravel(), self.done, count, done, out, self.kept, self.extremes, self.spare)
+            done = wide(self.S, self.functions, self.done, count, done, out, self.kept, self.extremes, self.spare)
             if done < total:
-                self._seldom(self.done + done, np.zeros(0, dtype=np.uint32))
+                self._single(self.done + done, 1, self.nothing[1], self.nothing[0], self.nothing[0])
                 done = self._note(done + 1, count, out)
 
     def _note(self, done: int, count: int, out: Rows) -> int:
@@ -91,17 +93,8 @@ class Runner:
             out[done // count - 1] = self.states[self.kept]
         return done
 
-    def _seldom(self, n: int, extremes: NDArray[np.uint32]) -> None:
-        """One step of every lane by the data-driven loop."""
-        for lane in range(self.lanes):
-            self._single(lane, n, 1, np.zeros((1, len(self.kept))), extremes)
-
-    def _single(self, lane: int, n: int, count: int, out: Rows, extremes: NDArray[np.uint32]) -> None:
-        S = np.zeros(self.rows)
-        S[: self.layout.rows] = self.states[:, lane]
-        S[self.layout["c"]] = S[self.layout["cn"]] = 1.0
-        rows = np.zeros(out.shape)
-        self.single(S, self.functions[lane], self.integers, n, count, rows, self.kept, extremes)
-        out[:] = rows
-        self.states[:, lane] = S[: self.layout.rows]
-
+    def _single(self, n: int, count: int, out: Rows, kept: NDArray[np.uint32], extremes: NDArray[np.uint32]) -> None:
+        """The data-driven loop on every lane."""
+        self.single(
+            self.scratch, self.functions, self.integers, self.S, self.layout.rows, self.lanes, n, count, out, kept, extremes
+        )

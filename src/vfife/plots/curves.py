@@ -98,7 +98,9 @@ def _panel(
     factor, unit = scale_of(float(np.abs(line if extreme is None else extreme).max()), quantity[1])
     if ideal is not None and reference is not None:
         at, values = _ideal_turn(reference, ideal[0], x, origin)
-        ax.plot(at, factor * values, color=VERMILION, lw=1.6, label="ideal joints", zorder=3)
+        seen = (at >= min(x) - 1e-6) & (at <= max(x) + 1e-6)
+        if seen.sum() > 1:  # a reference that turned elsewhere, as while it gathers speed, is none
+            ax.plot(at[seen], factor * values[seen], color=VERMILION, lw=1.6, label="ideal joints", zorder=3)
     if extreme is not None:
         label = "extremes between the samples"
         ax.fill_between(x[1:], factor * line[1:], factor * extreme[1:], color=SKY, alpha=0.5, lw=0.0, label=label)

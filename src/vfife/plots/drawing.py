@@ -42,9 +42,7 @@ def drawing(result: Result) -> Figure:
     for (name, path), colour in zip(outlines.items(), _colours(len(outlines)), strict=True):
         _body(ax, name, factor * path[0], colour)
     middle = np.mean([path[0].mean(axis=0) for path in outlines.values()], axis=0)
-    signs = _joints(
-        ax, result, {name: factor * path[0] for name, path in places.items()}, factor * middle, factor * size, factor
-    )
+    signs = _joints(ax, result, {name: factor * path[0] for name, path in places.items()}, factor * middle, factor * size, factor)
     handles, labels = ax.get_legend_handles_labels()
     figure.legend([*handles, *signs.values()], [*labels, *signs], loc="outside right center")
     ax.set_aspect("equal")
@@ -82,11 +80,7 @@ def outline(result: Result, name: str) -> Array:
     if len(pins) > 2:
         middle = at.mean(axis=0)
         order = np.argsort(np.arctan2(*(at - middle).T[::-1]), kind="stable")
-        pins = (
-            [pins[k] for k in (*order, order[0])]
-            if not _collinear(at)
-            else [pins[k] for k in np.argsort(at @ (at[1] - at[0]))]
-        )
+        pins = [pins[k] for k in (*order, order[0])] if not _collinear(at) else [pins[k] for k in np.argsort(at @ (at[1] - at[0]))]
     elif len(pins) == 1 and at.any() and "center" in body.pins:
         pins.append("center")
     paths = [pin_path(record, name, pin) for pin in pins or ["center"]]
@@ -133,9 +127,7 @@ def _ground(ax: Axes, result: Result, factor: float, size: float) -> None:
         ax.plot([x - 1.6 * half, x + 1.6 * half], [y - tall] * 2, color=INK, lw=1.2, zorder=2)
 
 
-def _joints(
-    ax: Axes, result: Result, places: dict[str, Array], middle: Array, size: float, factor: float
-) -> dict[str, Any]:
+def _joints(ax: Axes, result: Result, places: dict[str, Array], middle: Array, size: float, factor: float) -> dict[str, Any]:
     """Joints as rings, with a dot where there is clearance, and their names; returns what a legend shows of them."""
     mechanism = result.record.assembly.mechanism
     signs: dict[str, Any] = {}
@@ -155,9 +147,7 @@ def _joints(
             ax.text(at[0], at[1] - (GROUND_DEPTH + 0.03) * size, name, **look)
         else:
             away = (at - middle) / (np.linalg.norm(at - middle) or 1.0)
-            ax.annotate(
-                name, (at[0], at[1]), xytext=(16.0 * away[0], 16.0 * away[1]), textcoords="offset points", **look
-            )
+            ax.annotate(name, (at[0], at[1]), xytext=(16.0 * away[0], 16.0 * away[1]), textcoords="offset points", **look)
     return signs
 
 

@@ -58,6 +58,4 @@ def _panel(result: Result, ax: Axes, k: int, name: str) -> None:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     ax.set_aspect("equal")
-    ax.set(
-        xlim=(-reach, reach), ylim=(-reach, reach), xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}"
-    )
+    ax.set(xlim=(-reach, reach), ylim=(-reach, reach), xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")

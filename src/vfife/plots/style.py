@@ -47,9 +47,7 @@ STYLE: Any = {  # matplotlib types its settings by their names
 }
 
 
-def panels(
-    rows: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any
-) -> tuple[Figure, list[Axes]]:
+def panels(rows: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any) -> tuple[Figure, list[Axes]]:
     """A figure with a grid of axes (inches for each), and the axes; ``equal`` if their scales will be."""
     figure = Figure(figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained")
     FigureCanvasAgg(figure)

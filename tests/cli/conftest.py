@@ -1,0 +1,69 @@
+"""The command line in this process, and in one of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from vfife.cli import app
+
+ROOT = Path(__file__).resolve().parents[2]
+CASE_C = ROOT / "examples" / "four_bar_case_c.toml"
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "agg"}
+
+PENDULUM = """name = "pendulum"
+gravity = [0, -9.81]
+[run]
+duration = 0.05
+[ground]
+O = [0, 0]
+[body.rod]
+length = "1 m"
+mass = 2
+[joint.J]
+bearing = "ground.O"
+journal = "rod.start"
+"""
+
+
+@pytest.fixture
+def command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., Result]:
+    """Runs a command in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: CliRunner().invoke(app, [str(word) for word in words])
+
+
+@pytest.fixture
+def pendulum(tmp_path: Path) -> Path:
+    """A model that runs in no time."""
+    path = tmp_path / "pendulum.toml"
+    path.write_text(PENDULUM)
+    return path
+
+
+@pytest.fixture(scope="session")
+def case_c_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Run folder of one turn of case c."""
+    folder = tmp_path_factory.mktemp("runs") / "case c"
+    done = CliRunner().invoke(app, ["run", str(CASE_C), "--turns", "1", "-o", str(folder), "--quiet"])
+    assert done.exit_code == 0, done.stderr
+    return folder
+
+
+def start(*words: Any, cwd: Path) -> subprocess.Popen[str]:
+    """``python -m vfife`` in a process of its own."""
+    line = [sys.executable, "-m", "vfife", *map(str, words)]
+    return subprocess.Popen(line, cwd=cwd, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+@pytest.fixture
+def process(tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
+    """Starts a command in a process of its own, in an empty folder."""
+    return lambda *words: start(*words, cwd=tmp_path)

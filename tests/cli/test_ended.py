@@ -1,0 +1,53 @@
+"""`vfife info`, `plot` and `export` on a run that came to its end."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import xarray
+
+import vfife
+
+
+@pytest.mark.parametrize("form", ["folder", "file"])
+def test_info(command: Callable, case_c_run: Path, form: str) -> None:
+    done = command("info", case_c_run if form == "folder" else case_c_run / "run.sqlite")
+    assert done.exit_code == 0, done.stderr
+    for word in ("four-bar, case c", "complete", "lankarani-nikravesh", f"vfife {vfife.__version__}", "C.force.max"):
+        assert word in done.stdout
+
+
+def test_info_as_an_object(command: Callable, case_c_run: Path) -> None:
+    said = json.loads(command("info", case_c_run, "--json").stdout)
+    assert said["steps"] == said["steps_planned"] == vfife.Result.load(case_c_run).record.steps[-1]
+    assert said["outputs"] == 721
+    assert said["summary"]["measures"]["C.force.max"] > 0.0
+
+
+def test_plot(command: Callable, case_c_run: Path) -> None:
+    done = command("plot", case_c_run, "-o", "drawn")
+    assert done.exit_code == 0, done.stderr
+    named = [Path(line) for line in done.stdout.split("\n") if line]
+    assert len(named) >= 3
+    assert all(path.parent.name == "drawn" and path.stat().st_size > 5000 for path in named)
+
+
+def test_export(command: Callable, case_c_run: Path) -> None:
+    assert command("export", case_c_run, "out.nc").exit_code == 0
+    with xarray.open_dataset("out.nc", engine="h5netcdf") as data:
+        assert data.sizes["time"] == 721
+        assert all("units" in variable.attrs for variable in data.data_vars.values())
+    before = Path("out.nc").stat().st_mtime_ns
+    again = command("export", case_c_run, "out.nc")
+    assert again.exit_code == 2
+    assert "--force" in again.stderr
+    assert Path("out.nc").stat().st_mtime_ns == before
+    assert command("export", case_c_run, "out.nc", "--force").exit_code == 0
+    assert Path("out.nc").stat().st_mtime_ns > before
+
+
+def test_export_to_nowhere(command: Callable, case_c_run: Path, tmp_path: Path) -> None:
+    for target in (tmp_path, tmp_path / "no such folder" / "out.nc"):
+        assert command("export", case_c_run, target).exit_code == 2
+    assert list(tmp_path.iterdir()) == []

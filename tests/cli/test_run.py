@@ -1,0 +1,194 @@
+"""`vfife run`: one object on standard output, a run folder, and what an exit code says."""
+
+import json
+import math
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from conftest import CASE_C
+
+import vfife
+from vfife.kernels.runner import Runner
+
+KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures"}
+STABLE_NOT = ["joint.B.kind=ideal", "joint.C.kind=ideal", "joint.D.kind=ideal", "body.follower.model=elastic"]
+UNSTABLE = [word for text in [*STABLE_NOT, "body.follower.section={ square = 1e-3 }"] for word in ("--set", text)]
+
+
+def test_standard_output_is_one_object(process: Callable, tmp_path: Path) -> None:
+    """Progress, notes and warnings stay away from it."""
+    began = process("run", CASE_C, "--turns", "1.5", "--step", "1e-6", "--json")
+    out, err = began.communicate(timeout=300)
+    assert began.returncode == 0, err
+    said = json.loads(out)
+    assert set(said) == KEYS
+    assert (said["status"], said["step"], said["steps"]) == ("complete", 1e-6, 60000)
+    assert (tmp_path / said["run"] / "run.sqlite").is_file()
+    assert all(isinstance(value, float) and math.isfinite(value) for value in said["measures"].values())
+    assert said["energy_error"] < 1e-4
+    assert "100 %" in err
+    assert "steps/s" in err
+
+
+def test_measures_that_scripts_read(case_c_run: Path) -> None:
+    measures = json.loads((case_c_run / "summary.json").read_text())["measures"]
+    wanted = ["follower.angular_acceleration.max", "lip.C.force", "lip.follower.angular_acceleration"]
+    wanted += [f"C.{name}" for name in ("force.max", "penetration.max", "impacts", "share.continuous_contact")]
+    assert set(wanted) <= set(measures)
+
+
+def test_folder_holds_the_run(case_c_run: Path) -> None:
+    assert {path.name for path in case_c_run.iterdir()} == {"run.sqlite", "model.toml", "summary.json"}
+
+
+def test_model_as_run_runs_again(command: Callable, pendulum: Path) -> None:
+    """The model in the folder has what --set and the options say, and gives the same numbers."""
+    options = ["--set", "body.rod.mass=3 kg", "--duration", "20 ms", "--step", "1e-5", "--outputs", "50", "--json"]
+    first = json.loads(command("run", pendulum, *options).stdout)
+    model = Path(first["run"]) / "model.toml"
+    assert vfife.load(model).bodies["rod"].mass == 3.0
+    second = json.loads(command("run", model, "--json").stdout)
+    assert first["steps"] == 2000
+    for key in ("step", "steps", "measures", "energy_error"):
+        assert second[key] == first[key]
+
+
+def test_earlier_runs_are_kept_unless_named(command: Callable, pendulum: Path) -> None:
+    first, second = (json.loads(command("run", pendulum, "--json").stdout) for _ in range(2))
+    assert (first["run"], second["run"]) == (str(Path("runs/pendulum")), str(Path("runs/pendulum-2")))
+    assert "stays as it is" in second["notes"][0]
+    (Path(first["run"]) / "mine.txt").write_text("notes")
+    third = command("run", pendulum, "-o", first["run"], "--duration", "0.01", "--json")
+    assert "replaces" in json.loads(third.stdout)["notes"][0]
+    assert (Path(first["run"]) / "mine.txt").read_text() == "notes"
+    assert vfife.Result.load(first["run"]).time[-1] == pytest.approx(0.01)
+
+
+def test_foreign_folder_is_left_alone(command: Callable, pendulum: Path, tmp_path: Path) -> None:
+    done = command("run", pendulum, "-o", tmp_path)
+    assert done.exit_code == 2
+    assert "no run of vfife" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["pendulum.toml"]
+    assert command("run", pendulum, "-o", pendulum).exit_code == 2
+
+
+def test_faulty_input_leaves_an_earlier_run_alone(command: Callable, pendulum: Path) -> None:
+    assert command("run", pendulum, "-o", "kept", "--quiet").exit_code == 0
+    before = Path("kept/run.sqlite").read_bytes()
+    assert command("run", pendulum, "-o", "kept", "--set", "body.rod.mass=-1").exit_code == 2
+    assert Path("kept/run.sqlite").read_bytes() == before
+
+
+def test_summary_and_the_next_step(command: Callable, pendulum: Path) -> None:
+    done = command("run", pendulum)
+    for word in ("pendulum", "steps of", "ledger", "runs/pendulum", "vfife plot runs/pendulum"):
+        assert word in done.stdout
+    quiet = command("run", pendulum, "--quiet")
+    assert (quiet.stdout, quiet.stderr) == ("", "")
+
+
+def test_figures_on_request(command: Callable) -> None:
+    done = command("run", CASE_C, "--turns", "1", "--outputs", "90", "--figures", "-o", "drawn")
+    assert done.exit_code == 0, done.stderr
+    assert len(list(Path("drawn/figures").glob("*.png"))) >= 3
+
+
+def test_without_the_ideal_mechanism(command: Callable) -> None:
+    said = json.loads(command("run", CASE_C, "--turns", "1", "--step", "2e-6", "--no-reference", "--json").stdout)
+    assert not [name for name in said["measures"] if name.startswith("lip.")]
+
+
+def test_divergence_is_explained(command: Callable) -> None:
+    words = ["run", CASE_C, *UNSTABLE, "--step", "3e-4", "--turns", "50", "-o", "burst"]
+    refused = command(*words)
+    assert refused.exit_code == 2
+    assert "--force-step" in refused.stderr
+    done = command(*words, "--force-step", "--json")
+    assert done.exit_code == 3
+    assert json.loads(done.stdout)["status"] == "diverged"
+    said = re.search(r"in step ([\d,]+), at ([\d.e-]+) s, (.+) became infinite", done.stderr)
+    assert said
+    assert float(said[2]) == pytest.approx(3e-4 * int(said[1].replace(",", "")), rel=1e-3)
+    assert "larger than the stable" in done.stderr
+    assert "--step auto" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def interrupt_at(monkeypatch: pytest.MonkeyPatch, call: int) -> None:
+    """Ctrl-C as it arrives: when a call of the compiled loop is over, or while it is compiled."""
+    advance, calls = Runner.advance, []
+
+    def interrupted(self, count, outputs):
+        calls.append(count)
+        if len(calls) == call:
+            raise KeyboardInterrupt
+        return advance(self, count, outputs)
+
+    monkeypatch.setattr(Runner, "advance", interrupted)
+
+
+def test_interrupted_run_is_kept(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    interrupt_at(monkeypatch, 4)
+    done = command("run", pendulum, "--json")
+    said = json.loads(done.stdout)
+    assert (done.exit_code, said["status"]) == (130, "interrupted")
+    assert "are kept in runs/pendulum" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert vfife.Result.load(said["run"]).record.steps[-1] == said["steps"] > 0
+
+
+def test_interrupted_compilation_leaves_nothing(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    interrupt_at(monkeypatch, 1)
+    done = command("run", pendulum, "--json")
+    assert (done.exit_code, done.stdout) == (130, "")
+    assert "before the first step" in done.stderr
+    assert not list(Path("runs").iterdir())
+
+
+def test_interrupted_reference_starts_nothing(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    interrupt_at(monkeypatch, 3)
+    done = command("run", CASE_C, "--json")
+    assert (done.exit_code, done.stdout) == (130, "")
+    assert "Ctrl-C" in done.stderr
+    assert not Path("runs").exists()
+
+
+def long_run(process: Callable, folder: Path) -> "subprocess.Popen[str]":
+    """A run of an hour that has written some of its outputs."""
+    began = process("run", CASE_C, "--turns", "100000", "-o", folder, "--loop", "data-driven", "--json")
+    until = time.monotonic() + 120.0
+    while not (folder / "run.sqlite").is_file() or (folder / "run.sqlite").stat().st_size < 600_000:
+        assert began.poll() is None, began.communicate()[1]
+        assert time.monotonic() < until, "the run does not begin"
+        time.sleep(0.05)
+    return began
+
+
+def test_ctrl_c(process: Callable, tmp_path: Path) -> None:
+    began = long_run(process, tmp_path / "long")
+    began.send_signal(signal.SIGINT)
+    out, err = began.communicate(timeout=60)
+    assert began.returncode == 130
+    assert json.loads(out)["status"] == "interrupted"
+    assert "they are kept in" in err
+    assert "Traceback" not in err
+
+
+def test_killed_run_is_readable(process: Callable, command: Callable, tmp_path: Path) -> None:
+    began = long_run(process, tmp_path / "long")
+    began.kill()
+    began.communicate(timeout=60)
+    done = command("info", "long")
+    assert done.exit_code == 0, done.stderr
+    assert "unfinished" in done.stdout
+    said = json.loads(command("info", "long", "--json").stdout)
+    assert said["steps"] > 0
+    assert said["reference"]
+    exported = command("export", "long", "out.nc")
+    assert exported.exit_code == 0, exported.stderr
+    assert "unfinished" in exported.stderr
