@@ -23,12 +23,16 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     console.print(_facts(told))
     for text in run["notes"]:
         console.print(Text(text))
-    if told["joints"]:
-        console.print(_joint_table(told))
-    if any("impacts" in joint for joint in told["joints"].values()):
-        console.print(_contact_table(told))
-    if any(body["angular_acceleration.max"] for body in model["bodies"].values() if not body["driven"]):
-        console.print(_body_table(told))
+    turning = any(body["angular_acceleration.max"] for body in model["bodies"].values() if not body["driven"])
+    contact = any("impacts" in joint for joint in told["joints"].values())
+    for title, there, table in (
+        (f"Largest reactions ({_over(told)})", bool(told["joints"]), _joint_table),
+        ("Contact (whole run)", contact, _contact_table),
+        (f"Largest angular accelerations ({_over(told)})", turning, _body_table),
+    ):
+        if there:
+            console.print(Text(title, style="bold"))
+            console.print(table(told))
     for text in told["warnings"]:
         console.print(Text.assemble(("Warning: ", "bold yellow"), text))
 
@@ -102,8 +106,8 @@ def _law_lines(told: dict[str, Any]) -> Iterable[str]:
         yield f"{', '.join(joints)}: {text}"
 
 
-def _grid(title: str, *headings: str) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+def _grid(*headings: str) -> Table:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for k, heading in enumerate(headings):
         table.add_column(heading, justify="right" if k else "left")
     return table
@@ -114,7 +118,7 @@ def _joint_table(told: dict[str, Any]) -> Table:
     compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
     depths = any("penetration.max" in joint for joint in joints.values())
     headings = ["reaction", *(["ideal", "LIP(F)"] if compared else []), *(["penetration"] if depths else [])]
-    table = _grid(f"Largest reactions ({_over(told)})", "joint", *headings)
+    table = _grid("joint", *headings)
     for name, joint in joints.items():
         cells = [f"{joint['force.max']:,.1f} N"]
         if compared:
@@ -127,7 +131,7 @@ def _joint_table(told: dict[str, Any]) -> Table:
 
 def _contact_table(told: dict[str, Any]) -> Table:
     headings = ("free flight", "impact", "contact", "impacts", "grazing", "landed too deep", "deepest landing")
-    table = _grid("Contact (whole run)", "joint", *headings)
+    table = _grid("joint", *headings)
     for name, joint in told["joints"].items():
         if "impacts" in joint:
             shares = (f"{100.0 * joint[f'share.{mode}']:.3g} %" for mode in MODES)
@@ -140,7 +144,7 @@ def _body_table(told: dict[str, Any]) -> Table:
     bodies = {name: body for name, body in told["model"]["bodies"].items() if not body["driven"]}
     compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
     headings = ["acceleration", *(["ideal", "LIP(a)"] if compared else [])]
-    table = _grid(f"Largest angular accelerations ({_over(told)})", "body", *headings)
+    table = _grid("body", *headings)
     for name, body in bodies.items():
         if body["angular_acceleration.max"] is not None:
             cells = [_amount(body["angular_acceleration.max"], "rad/s²")]

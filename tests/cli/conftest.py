@@ -12,25 +12,10 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 
+from cli.models import CASE_C, PENDULUM, ROOT
 from vfife.cli import app
 
-ROOT = Path(__file__).resolve().parents[2]
-CASE_C = ROOT / "examples" / "four_bar_case_c.toml"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "agg"}
-
-PENDULUM = """name = "pendulum"
-gravity = [0, -9.81]
-[run]
-duration = 0.05
-[ground]
-O = [0, 0]
-[body.rod]
-length = "1 m"
-mass = 2
-[joint.J]
-bearing = "ground.O"
-journal = "rod.start"
-"""
 
 
 @pytest.fixture

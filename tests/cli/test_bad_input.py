@@ -4,7 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import CASE_C, PENDULUM
+
+from cli.models import CASE_C, PENDULUM
 
 # What is changed in the pendulum's file, and what the sentence has to name.
 FILES = {
@@ -16,7 +17,7 @@ FILES = {
     "negative mass": ("mass = 2", 'mass = "-2 kg"', ["[body.rod] mass", "-2 kg"]),
     "nan": ("mass = 2", "mass = nan", ["[body.rod] mass", "nan"]),
     "wrong unit": ('"1 m"', '"1 s"', ["[body.rod] length", "1 s", "mm"]),
-    "unknown unit": ('"1 m"', '"1 parsec"', ["[body.rod] length", "parsec"]),
+    "unknown unit": ('"1 m"', '"1 cubit_"', ["[body.rod] length", "cubit_"]),
     "missing key": ("mass = 2", "", ["[body.rod] mass"]),
     "no TOML": ("[run]", "[run", ["line 3", "TOML"]),
     "journal larger than its bearing": (

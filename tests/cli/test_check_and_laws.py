@@ -5,9 +5,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import CASE_C, ROOT
 
 import vfife
+from cli.models import CASE_C, ROOT
 
 
 def test_check_says_what_would_run(command: Callable) -> None:

@@ -10,9 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import CASE_C
 
 import vfife
+from cli.models import CASE_C
 from vfife.kernels.runner import Runner
 
 KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures"}

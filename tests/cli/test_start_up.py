@@ -22,7 +22,10 @@ finally:
 """
 
 
-@pytest.mark.parametrize("words", [["--help"], ["--version"], ["run", "--help"], ["laws"], ["laws", "pereira", "--json"], ["run", "none.toml"]])
+LIGHT = [["--help"], ["--version"], ["run", "--help"], ["laws"], ["laws", "pereira", "--json"], ["run", "none.toml"]]
+
+
+@pytest.mark.parametrize("words", LIGHT, ids=" ".join)
 def test_loads_nothing_heavy(words: list[str]) -> None:
     done = subprocess.run([sys.executable, "-c", LISTED.format(words=words)], env=ENVIRONMENT, capture_output=True, text=True)
     loaded = set(done.stderr.splitlines()[-1].split())

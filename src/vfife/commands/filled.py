@@ -54,7 +54,7 @@ def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
     from ..modelfile.lawtables import DEFAULTS
     from ..modelfile.tables import LAWS
 
-    name = given.get("law", DEFAULTS[kind])
+    name = given.get("law", DEFAULTS[kind].name)
     if "law" not in given:
         yield {"path": f"{path}.{kind}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
     for field in dataclasses.fields(LAWS[kind].registry[name]):

@@ -6,6 +6,7 @@ are written under another name and renamed; whatever is wrong with a cached file
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib.util
 import os
@@ -13,7 +14,7 @@ import platform
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ def key(text: str) -> str:
     import llvmlite
     import numba
 
-    parts = (text, numba.__version__, llvmlite.__version__, sys.version, platform.machine(), platform.platform())
+    parts = (text, numba.__version__, llvmlite.__version__, sys.version, platform.machine())
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:24]
 
 
@@ -55,6 +56,25 @@ def location(text: str) -> Path:
 def is_compiled(body: str, name: str) -> bool:
     """Whether the function ``name`` of a text is in the cache."""
     return any(location(HEADER + named(body, name)).parent.glob("__pycache__/*.nbi"))
+
+
+def remembered(parts: Iterable[bytes], make: Callable[[], str]) -> str:
+    """The text that ``make`` writes from sources ``parts``, kept in the cache: writing it takes a third of a second."""
+    name = hashlib.sha256(b"\0".join([*parts, sys.version.encode()])).hexdigest()[:24]
+    path = cache_folder() / f"text_{name}.py"
+    try:
+        text, _, seal = path.read_text().rpartition("# ")
+        if seal == hashlib.sha256(text.encode()).hexdigest():
+            return text
+    except OSError:
+        pass
+    text = make()
+    fresh = path.with_name(f"{path.name}.{os.getpid()}")
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        fresh.write_text(f"{text}# {hashlib.sha256(text.encode()).hexdigest()}")
+        fresh.replace(path)
+    return text
 
 
 def place(text: str) -> Path:

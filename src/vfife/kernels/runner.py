@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import Topology
-from .compile import compiled, interpreted
+from .compile import compiled, interpreted, remembered
 from .generate import straight_line
 from .graph import tables
 from .inline import written_out
@@ -28,8 +29,24 @@ def aligned(count: int) -> Rows:
 
 @lru_cache(maxsize=16)
 def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpret: bool) -> Callable[..., Any]:
-    body = data_driven(contact, friction)
-    return interpreted(body, "advance") if interpret else compiled(written_out(body, "advance"), "advance")
+    if interpret:
+        return interpreted(data_driven(contact, friction), "advance")
+
+    def make() -> str:
+        return written_out(data_driven(contact, friction), "advance")
+
+    sources = _sources(contact + friction)
+    return compiled(remembered(sources, make) if sources else make(), "advance")
+
+
+def _sources(laws: tuple[type, ...]) -> list[bytes]:
+    """All that the data-driven text of the package's own laws is made from; nothing for laws from elsewhere, which may call anything."""
+    package = Path(__file__).parents[1]
+    names = [f"{law.__module__}.{law.__qualname__}" for law in laws]
+    if not all(name.startswith("vfife.laws.") for name in names):
+        return []
+    files = sorted([*package.glob("kernels/*.py"), *package.glob("laws/**/*.py")])
+    return [*(name.encode() for name in names), *(file.read_bytes() for file in files)]
 
 
 @lru_cache(maxsize=16)
