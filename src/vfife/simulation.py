@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .assemble import assemble
 from .assembly import Assembly, Record
-from .drivers import Torque
+from .drivers import ConstantSpeed, Torque
 from .mechanism import Mechanism
 
 if TYPE_CHECKING:
@@ -139,11 +139,14 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
     return {name.removesuffix(".force.max"): value for name, value in reference.measures.items() if name.endswith(".force.max")}
 
 
-def reference_of(mechanism: Mechanism) -> Result | None:
-    """One turn of the ideal mechanism, where a driver makes it comparable turn by turn."""
-    if not mechanism.clearances or not any(not isinstance(d, Torque) for d in mechanism.drivers.values()):
+def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
+    moving = [driver for driver in mechanism.drivers.values() if not isinstance(driver, Torque)]
+    if not mechanism.clearances or not moving:
         return None
-    return simulate(mechanism.ideal(), turns=None if mechanism.settings.duration else 1.0, reference=False)
+    if all(isinstance(driver, ConstantSpeed) for driver in moving):
+        turns, duration = 1.0, None
+    return simulate(mechanism.ideal(), turns=turns, duration=duration, reference=False)
 
 
 def simulate(
@@ -166,17 +169,20 @@ def simulate(
     An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. Raises ValueError for a
     mechanism that cannot be assembled and StepError for too large a step.
     """
+    from .provenance import provenance
     from .result import Result
 
-    ideal = reference if not isinstance(reference, bool) else reference_of(mechanism) if reference else None
+    ideal = reference if not isinstance(reference, bool) else reference_of(mechanism, turns, duration) if reference else None
     expected = expected_forces(ideal)
-    options = dict(turns=turns, duration=duration, outputs=outputs, force_step=force_step)
+    options: dict[str, Any] = {"turns": turns, "duration": duration, "outputs": outputs, "force_step": force_step}
     assembly = assemble(mechanism, step, expected=expected, **options)
     record = run(assembly, loop=loop, progress=progress, file=file)
-    for _ in range(3):
-        if not assembly.choice.automatic or record.status != "complete" or not record.rows[-1:].size or not _too_deep(record):
-            break
+    tries = 3 if assembly.choice.automatic else 0
+    while tries and record.status == "complete" and _too_deep(record):
+        tries -= 1
         assembly = assemble(mechanism, 0.5 * assembly.choice.step, expected=expected, **options)
+        if file is not None:
+            file.begin(provenance(assembly, recorded_rows(assembly), choose_loop(assembly, loop)))
         record = run(assembly, loop=loop, progress=progress, file=file)
     return Result(record, ideal)
 

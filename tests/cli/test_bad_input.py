@@ -1,4 +1,4 @@
-"""Whatever is wrong with the input: exit code 2, a sentence with file, table and key, no traceback, nothing on standard output."""
+"""Whatever is wrong with the input: exit code 2, a sentence with file, table and key, no traceback, no standard output."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -108,12 +108,14 @@ def test_divergence_is_explained(command: Callable) -> None:
     refused = command(*words)
     assert refused.exit_code == 2
     assert "--force-step" in refused.stderr
-    done = command(*words, "--force-step", "--json")
+    done = command(*words, "--force-step", "--outputs", "10", "--json")
     assert done.exit_code == 3
     assert json.loads(done.stdout)["status"] == "diverged"
     said = re.search(r"in step ([\d,]+), at ([\d.e-]+) s, (.+) became infinite", done.stderr)
     assert said
-    assert float(said[2]) == pytest.approx(3e-4 * int(said[1].replace(",", "")), rel=1e-3)
+    assert float(said[2]) == pytest.approx(3e-4 * int(said[1]), rel=1e-3)
+    command(*words, "--force-step", "--outputs", "133", "--quiet")  # an output every step
+    assert int(said[1]) == vfife.Result.load("burst").record.steps[-1] + 1
     assert "larger than the stable" in done.stderr
     assert "--step auto" in done.stderr
     assert "Traceback" not in done.stderr

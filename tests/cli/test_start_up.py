@@ -33,7 +33,10 @@ def test_loads_nothing_heavy(words: list[str]) -> None:
     assert not loaded & HEAVY
 
 
-@pytest.mark.parametrize(("words", "limit"), [(["-c", "import vfife"], 0.3), (["-m", "vfife", "--help"], 0.5)], ids=["import", "help"])
+LIMITS = [(["-c", "import vfife"], 0.3), (["-m", "vfife", "--help"], 0.5)]  # s
+
+
+@pytest.mark.parametrize(("words", "limit"), LIMITS, ids=["import", "help"])
 def test_starts_quickly(words: list[str], limit: float) -> None:
     """The quickest of several starts: other work on the machine only adds time."""
     spent = []
