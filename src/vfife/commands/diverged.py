@@ -28,7 +28,7 @@ def first_infinite(record: Record) -> tuple[int, str]:
     state = assembly.state.copy()
     state[record.kept] = record.rows[-1]
     runner = Runner(assembly.topology, state[:, None], assembly.tables[None, :], "data-driven", record.kept)
-    runner.done = last
+    runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
         bad = ~np.isfinite(runner.advance(1, 1)[0, :, 0])
         if bad.any():
