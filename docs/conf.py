@@ -92,7 +92,7 @@ def write_module_pages(app) -> None:
     for stale in set(folder.glob("*.rst")) - set(pages):
         stale.unlink()
     for path, name in pages.items():
-        text = f"{name}\n{'=' * len(name)}\n\n.. automodule:: {name}\n   :members:\n   :show-inheritance:\n"
+        text = f"{name}\n{'=' * len(name)}\n\n.. automodule:: {name}\n   :members:\n   :ignore-module-all:\n   :show-inheritance:\n"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
 

@@ -187,9 +187,7 @@ def test_all_examples_are_there() -> None:
     assert names <= {path.stem for path in FILES}
 
 
-@pytest.mark.parametrize(
-    "path", [path for path in FILES if path.stem.startswith("four_bar")], ids=lambda path: path.stem
-)
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem.startswith("four_bar")], ids=lambda path: path.stem)
 def test_four_bars_are_that_of_table_1(path: Path) -> None:
     model = load(path)
     assert model.points == {"A": (0.0, 0.0), "D": (0.15, 0.0)}
@@ -219,9 +217,7 @@ def test_the_demo_is_the_first_inferred_set_and_says_so() -> None:
         assert isinstance(link, bodies.Link)
         assert (link.model, link.release) == ("two-particle", "both")
         assert link.section is not None
-        assert link.material.youngs_modulus * link.stiffness_factor * link.section.area == pytest.approx(
-            2.07e11, rel=1e-14
-        )
+        assert link.material.youngs_modulus * link.stiffness_factor * link.section.area == pytest.approx(2.07e11, rel=1e-14)
 
 
 def test_reference_cases_have_their_laws() -> None:
@@ -424,11 +420,7 @@ def test_every_number_of_the_nouns_has_its_key() -> None:
 )
 def test_defaults_of_file_and_nouns_are_the_same(noun: Any, table: Any) -> None:
     for name, field in table.model_fields.items():
-        if (
-            not field.is_required()
-            and hasattr(noun, name)
-            and name not in ("material", "contact", "friction", "model", "pins")
-        ):
+        if not field.is_required() and hasattr(noun, name) and name not in ("material", "contact", "friction", "model", "pins"):
             assert getattr(noun, name) == field.default, name
 
 

@@ -26,9 +26,7 @@ from vfife.modelfile import loads as read
 number = st.floats(-1e6, 1e6, allow_nan=False)
 positive = st.floats(1e-9, 1e9)
 point = st.tuples(number, number)
-name = st.text(min_size=1, max_size=8).filter(
-    lambda s: s.isprintable() and s == s.strip() and "." not in s and s != "ground"
-)
+name = st.text(min_size=1, max_size=8).filter(lambda s: s.isprintable() and s == s.strip() and "." not in s and s != "ground")
 material = st.builds(
     lambda modulus, ratio: Material(f"m{modulus!r}{ratio!r}".replace(".", "_"), modulus, ratio, 1000.0),
     positive,
@@ -62,9 +60,7 @@ def a_body(draw: st.DrawFn, called: str) -> bodies.Body:
         return bodies.PointMass(name=called, mass=draw(positive), inertia=draw(st.just(0.0) | positive), **values)
     if kind == "plate":
         points = draw(st.dictionaries(name.filter(lambda s: s != "center"), point, max_size=3))
-        return bodies.RigidBody(
-            name=called, mass=draw(positive), inertia=draw(positive), center=draw(point), points=points, **values
-        )
+        return bodies.RigidBody(name=called, mass=draw(positive), inertia=draw(positive), center=draw(point), points=points, **values)
     values |= {key: draw(strategy) for key, strategy in links[kind].items()}
     if kind != "rigid":
         values["release"] = draw(st.sampled_from(["none", "end"]))
@@ -167,9 +163,7 @@ def test_two_materials_of_one_name_cannot_be_dumped() -> None:
 
 def test_the_ideal_mechanism_can_be_dumped() -> None:
     """Its rigid links still have the number of elements that they had, which a rigid link has no use for."""
-    model = load(
-        DEMO, [("body.coupler.model", "elastic"), ("body.coupler.elements", 8), ("body.coupler.release", "none")]
-    )
+    model = load(DEMO, [("body.coupler.model", "elastic"), ("body.coupler.elements", 8), ("body.coupler.release", "none")])
     again = read(dump(model.ideal()))
     assert not again.clearances
     assert again.bodies["coupler"].model == "rigid"

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .assembly import Assembly, BodyMap, StepChoice
+from .assembly import Assembly, BodyMap
 from .bodies import Link
-from .drivers import Torque
+from .drivers import ConstantSpeed, Torque
 from .functions import Polynomials, angle_function, constant, spline
 from .joints import ClearanceRevolute
-from .drivers import ConstantSpeed
 from .kernels.arrays import Layout, Topology
 from .laws import ContactLaw, FrictionLaw
 from .lumping import lumped, rigid_properties, section_of
@@ -74,7 +73,9 @@ class Numbering:
         where = self.bodies[side[0]]
         if where.elements:
             if side[1] not in ("start", "end"):
-                raise ValueError(f"pin {side[0]}.{side[1]}: an {where.model} link has pins at its start and end only; make it rigid or split it")
+                raise ValueError(
+                    f"pin {side[0]}.{side[1]}: an {where.model} link has pins at its start and end only; make it rigid or split it"
+                )
             return (where.particles[0] if side[1] == "start" else where.particles[-1]), (0.0, 0.0)
         return where.particles[0], (point[0] - where.reference[0], point[1] - where.reference[1])
 

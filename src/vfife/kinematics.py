@@ -187,9 +187,7 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
     position = _motion(system, position, "position")
     jacobian = _rows(system, position, np.zeros_like(position))[1]
     (count, columns), pins = jacobian.shape, 2 * len(system.joints)
-    ranks = {
-        rows: int(np.linalg.matrix_rank(jacobian[:rows], RANK_TOLERANCE)) for rows in (*range(0, pins, 2), pins, count)
-    }
+    ranks = {rows: int(np.linalg.matrix_rank(jacobian[:rows], RANK_TOLERANCE)) for rows in (*range(0, pins, 2), pins, count)}
     dependent = tuple(pin.name for k, pin in enumerate(system.joints) if ranks[2 * k + 2] - ranks[2 * k] < 2)
     return Mobility(columns - ranks[pins], columns - ranks[count], pins - ranks[pins], dependent)
 

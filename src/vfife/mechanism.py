@@ -121,9 +121,7 @@ class Mechanism:
             self,
             name=f"{self.name}, ideal",
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
-            joints={
-                name: IdealRevolute(name=name, bearing=joint.bearing, journal=joint.journal) for name, joint in self.joints.items()
-            },
+            joints={name: IdealRevolute(name=name, bearing=joint.bearing, journal=joint.journal) for name, joint in self.joints.items()},
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
             start=Start(),
         )

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bodies import Body, Link, RigidBody
+from .drivers import Torque
 from .lumping import Lumps, lumped, section_of
 from .mechanism import Mechanism
 from .stability import turn_of
-from .drivers import Torque
 from .start import Motion, Seat, ideal_motion, kinematic_drivers, pivot_of
 
 Array = NDArray[np.float64]
@@ -196,9 +196,14 @@ def settle(
     return motion, closed, held
 
 
-def _inertial(held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]) -> dict[str, tuple[Array, Array, Array]]:
+def _inertial(
+    held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]
+) -> dict[str, tuple[Array, Array, Array]]:
     """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and accelerations of each link."""
-    return {name: (lumped(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].pins["center"]), extra[name]) for name, link in links.items()}
+    return {
+        name: (lumped(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].pins["center"]), extra[name])
+        for name, link in links.items()
+    }
 
 
 def placed(mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[str, Shape]) -> dict[str, Array]:
@@ -239,7 +244,9 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
     return Start(position, velocity, shapes)
 
 
-def _differences(path: list[tuple[dict[str, Array], Motion, Mechanism, dict[str, Shape]]], h: float, links: dict[str, Link]) -> tuple[dict[str, Array], dict[str, Array]]:
+def _differences(
+    path: list[tuple[dict[str, Array], Motion, Mechanism, dict[str, Shape]]], h: float, links: dict[str, Link]
+) -> tuple[dict[str, Array], dict[str, Array]]:
     """Velocities, and what the accelerations of the links' particles have beyond those of a rigid motion; fourth order in h."""
     before2, before, now, after, after2 = (entry[0] for entry in path)
     velocity = {name: (8.0 * (after[name] - before[name]) - (after2[name] - before2[name])) / (12.0 * h) for name in now}

@@ -76,9 +76,7 @@ class SectionTable(Table):
         None, description="second moment of area about the axis of bending"
     )
     square: Annotated[float, Measure("m^2", above=0.0)] | None = Field(None, description="area of a square")
-    rectangle: tuple[PositiveLength, PositiveLength] | None = Field(
-        None, description="width and height, bent across it"
-    )
+    rectangle: tuple[PositiveLength, PositiveLength] | None = Field(None, description="width and height, bent across it")
     round: PositiveLength | None = Field(None, description="diameter of a solid circle")
 
 
@@ -117,9 +115,7 @@ class LinkTable(BodyTable):
 class RigidTable(BodyTable):
     """[body.NAME] without a length: a rigid body with its own pins."""
 
-    model: Annotated[Literal["rigid"], Choice(("rigid",), ("elastic", "two-particle", "particle"))] = Field(
-        "rigid", description="rigid"
-    )
+    model: Annotated[Literal["rigid"], Choice(("rigid",), ("elastic", "two-particle", "particle"))] = Field("rigid", description="rigid")
     mass: Mass = Field(description="mass")
     inertia: Inertia = Field(description="moment of inertia about the centre of mass")
     center: Place = Field((0.0, 0.0), description="centre of mass in the body's frame")
@@ -152,9 +148,7 @@ class ClearanceTable(IdealTable):
     friction_moment: Annotated[FrictionMoment, Choice(("mid-overlap", "surface", "off"))] = Field(
         "mid-overlap", description="where friction acts: in the overlap, at both surfaces, or without moment"
     )
-    impact_speed_floor: Annotated[float, Measure("m/s", above=0.0)] = Field(
-        1e-3, description="least impact speed for damping"
-    )
+    impact_speed_floor: Annotated[float, Measure("m/s", above=0.0)] = Field(1e-3, description="least impact speed for damping")
     landing_depth: PositiveLength | None = Field(None, description="depth of a first contact; clearance/20 if left out")
     bearing_material: str | None = Field(None, description="material of the bearing; its body's if left out")
     journal_material: str | None = Field(None, description="material of the journal; its body's if left out")
@@ -207,9 +201,7 @@ def joint_kind(table: Any) -> str:
 
 
 AnyBody: TypeAlias = Annotated[
-    Annotated[LinkTable, Tag("<link>")]
-    | Annotated[RigidTable, Tag("<rigid>")]
-    | Annotated[ParticleTable, Tag("<particle>")],
+    Annotated[LinkTable, Tag("<link>")] | Annotated[RigidTable, Tag("<rigid>")] | Annotated[ParticleTable, Tag("<particle>")],
     Discriminator(body_kind),
 ]
 AnyJoint: TypeAlias = Annotated[

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .assemble import assemble
 from .assembly import Assembly, Record
+from .bounds import unsound
 from .drivers import ConstantSpeed, Torque
 from .mechanism import Mechanism
 
@@ -90,7 +91,7 @@ def run(
 ) -> Record:
     """Steps a mechanism from its start to the end of its choice of steps.
 
-    Ctrl-C ends it after the present chunk with status "interrupted", numbers that are no longer finite with "diverged"; what was computed
+    Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed
     before is kept.
     """
     from .kernels.runner import Runner
@@ -111,7 +112,8 @@ def run(
             rows = runner.advance(choice.outputs_every, some)[:, :, 0]
             spent = time.perf_counter() - began
             wall += spent
-            sound = int(np.argmin(np.isfinite(rows).all(axis=1))) if not np.isfinite(rows).all() else len(rows)
+            broken = unsound(assembly, kept, rows).any(axis=1)
+            sound = int(np.argmax(broken)) if broken.any() else len(rows)
             parts.append(rows[:sound])
             steps = (done + 1 + np.arange(sound)) * choice.outputs_every
             if file is not None:

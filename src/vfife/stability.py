@@ -36,7 +36,11 @@ def element_limits(layout: Layout, state: Array, topology: Topology) -> tuple[Ar
     inverse = state[layout["reference_inverse_length"]]
     axial = state[layout["element_axial_stiffness"]] * inverse
     release = np.array(topology.element_release)
-    bend = np.where(release == 0, state[layout["element_bending_stiffness"]] * inverse, np.where(release == 3, 0.0, 0.75 * state[layout["element_bending_stiffness"]] * inverse))
+    bend = np.where(
+        release == 0,
+        state[layout["element_bending_stiffness"]] * inverse,
+        np.where(release == 3, 0.0, 0.75 * state[layout["element_bending_stiffness"]] * inverse),
+    )
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
 
     def at_nodes(stiffness: Array) -> Array:
@@ -80,7 +84,9 @@ def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int)
     return total
 
 
-def contact_limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]) -> dict[str, float]:
+def contact_limits(
+    mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]
+) -> dict[str, float]:
     """Stable step (s) of each clearance joint at the tangent of its law under twice the force it is expected to carry."""
     limits = {}
     for index, (name, joint) in enumerate(mechanism.clearances.items()):
@@ -159,7 +165,9 @@ def choose_step(
     return StepChoice(size, stable, culprit, wanted == "auto", tuple(limits), turn, every, count)
 
 
-def _limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]) -> list[tuple[str, float]]:
+def _limits(
+    mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]
+) -> list[tuple[str, float]]:
     limits = [(f"contact of joint {name}", value) for name, value in contact_limits(mechanism, layout, state, topology, expected).items()]
     if topology.element_nodes:
         for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology), strict=True):
@@ -187,6 +195,8 @@ def _length(mechanism: Mechanism, turns: float | None, duration: float | None, t
 def _divisor(per_turn: int, outputs: int) -> int:
     """Steps between outputs: a divisor of the steps of a turn, so that a turn holds whole intervals, near what is asked for."""
     wanted = max(1, round(per_turn / outputs))
+    if wanted > 100_000:
+        return wanted
     near = sorted(range(max(1, wanted // 2), 2 * wanted + 1), key=lambda every: abs(every - wanted))
     return next((every for every in near if per_turn % every == 0), wanted)
 

@@ -223,7 +223,9 @@ def ideal_motion(
 ) -> Motion:
     """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch nearest the guess.
 
-    ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot reach.
+    ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations.
+    Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot
+    reach.
     """
     system = rigid_system(mechanism, time, seats=seats)
     guess = first_guess(mechanism) if guess is None else guess

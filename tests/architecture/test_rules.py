@@ -48,9 +48,7 @@ def test_there_is_something_to_check() -> None:
 def loaded_by(code: str) -> set[str]:
     """Top-level packages that a fresh interpreter has loaded after running the code: the last line of its output."""
     listing = "import sys; print('\\n' + ' '.join(sorted({name.partition('.')[0] for name in sys.modules})))"
-    done = subprocess.run(
-        [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, timeout=120, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, timeout=120, check=False)
     if done.returncode:
         pytest.fail(f"This failed in a fresh interpreter:\n{code}\n{done.stderr}", pytrace=False)
     return set(done.stdout.splitlines()[-1].split())
@@ -118,9 +116,7 @@ def test_kernels_import_only_numpy_numba_and_each_other() -> None:
 
 
 def test_no_input_is_checked_by_assert() -> None:
-    offenders = [
-        f"{name}:{node.lineno}" for name, tree, _ in FILES for node in ast.walk(tree) if isinstance(node, ast.Assert)
-    ]
+    offenders = [f"{name}:{node.lineno}" for name, tree, _ in FILES for node in ast.walk(tree) if isinstance(node, ast.Assert)]
     report("`assert` vanishes under -O and says nothing to a user; raise an exception with a sentence:", offenders)
 
 
@@ -145,9 +141,7 @@ def table_lines(tree: ast.Module) -> int:
     lines = 0
     for node in tree.body:
         value = getattr(node, "value", None)
-        if not isinstance(node, ast.Assign | ast.AnnAssign) or not isinstance(
-            value, ast.List | ast.Tuple | ast.Dict | ast.Set
-        ):
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or not isinstance(value, ast.List | ast.Tuple | ast.Dict | ast.Set):
             continue
         try:
             ast.literal_eval(value)

@@ -31,7 +31,16 @@ def angles() -> np.ndarray:
     rng = np.random.default_rng(7)
     eighths = rng.integers(-120000, 120001, 300) * (math.pi / 4)
     near = np.concatenate([eighths, np.nextafter(eighths, np.inf), np.nextafter(eighths, -np.inf), eighths + rng.normal(0, 1e-6, 300)])
-    every = np.concatenate([rng.uniform(-1e5, 1e5, 600), rng.uniform(-1e6, 1e6, 300), rng.uniform(-7, 7, 800), 10.0 ** rng.uniform(-12, 0, 100), near, [0.0, 1e5, -1e5]])
+    every = np.concatenate(
+        [
+            rng.uniform(-1e5, 1e5, 600),
+            rng.uniform(-1e6, 1e6, 300),
+            rng.uniform(-7, 7, 800),
+            10.0 ** rng.uniform(-12, 0, 100),
+            near,
+            [0.0, 1e5, -1e5],
+        ]
+    )
     return every
 
 

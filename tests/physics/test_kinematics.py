@@ -298,9 +298,7 @@ def test_a_caught_rod_keeps_its_angular_momentum_about_the_pin():
     position = np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0]])
     flying = np.array([[9.0, 9.0, 9.0], [5.0, 2.0, -1.5]])
     speed = (mass * 0.4 * 2.0 - mass * length**2 / 12.0 * 1.5) / (mass * length**2 / 3.0)
-    np.testing.assert_allclose(
-        velocities(system, position, flying), [[0.0, 0.0, 0.0], [0.0, 0.4 * speed, speed]], atol=1e-14
-    )
+    np.testing.assert_allclose(velocities(system, position, flying), [[0.0, 0.0, 0.0], [0.0, 0.4 * speed, speed]], atol=1e-14)
     np.testing.assert_array_equal(velocities(system, position), np.zeros((2, 3)))
 
 
@@ -321,9 +319,7 @@ def test_redundant_pins_share_the_load_without_self_stress():
     velocity, force = velocities(moving, position), weight(system)
     acceleration, reactions, torque = accelerations(moving, position, velocity, force)
     largest = np.abs(reactions).max()
-    np.testing.assert_allclose(
-        left_over(moving, position, acceleration, force, reactions, torque), 0.0, atol=1e-13 * largest
-    )
+    np.testing.assert_allclose(left_over(moving, position, acceleration, force, reactions, torque), 0.0, atol=1e-13 * largest)
     self_stress = np.repeat([0.2, -0.5, 0.3], 2)[:, None] * [np.cos(angle), np.sin(angle)]
     assert abs(np.sum(self_stress * reactions)) < 1e-13 * largest
 
@@ -346,9 +342,7 @@ def test_flat_parallelogram_gains_a_freedom_at_its_change_point():
 
 def test_a_loop_too_short_names_its_joints_and_the_missing_length():
     guess = np.array([[0.0, 0.0, 0.0], [0.0, 0.1, 1.2], [0.3, 0.3, 0.4], [0.9, 0.2, 1.9]])
-    with pytest.raises(
-        AssemblyError, match=r"A by 25 mm, B by 25 mm.*100 mm together.*A, B, C, D cannot reach"
-    ) as info:
+    with pytest.raises(AssemblyError, match=r"A by 25 mm, B by 25 mm.*100 mm together.*A, B, C, D cannot reach") as info:
         close(four_bar(1.0, 0.2, 0.3, 0.4), guess)
     assert info.value.joints == ("A", "B", "C", "D")
     assert sum(info.value.gaps) == pytest.approx(0.1, rel=1e-9)

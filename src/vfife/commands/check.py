@@ -137,8 +137,7 @@ def steps(found: Mapping[str, Any]) -> list[str]:
         f"Step {step['size']:.4g} s, {how} {step['set_by']}.",
         f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
-        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; "
-        f"an output every {found['steps_between_outputs']:,} steps.",
+        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
     ]
 
 

@@ -17,11 +17,12 @@ def diverged(record: Record) -> str:
     """The sentences about a run that diverged."""
     choice = record.assembly.choice
     step, name = first_infinite(record)
-    return f"in step {step:,}, at {step * choice.step:.6g} s, {name} became infinite. {cause(record)}"
+    return f"in step {step:,}, at {step * choice.step:.6g} s, {name}. {cause(record)}"
 
 
 def first_infinite(record: Record) -> tuple[int, str]:
-    """Step and name of the first number that is not finite, found by going on from the last sound output step by step."""
+    """Step of the first number beyond all bounds, and what it is, found by going on from the last sound output step by step."""
+    from ..bounds import unsound
     from ..kernels.runner import Runner
 
     assembly, last = record.assembly, int(record.steps[-1])
@@ -30,10 +31,12 @@ def first_infinite(record: Record) -> tuple[int, str]:
     runner = Runner(assembly.topology, state[:, None], assembly.tables[None, :], "data-driven", record.kept)
     runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
-        bad = ~np.isfinite(runner.advance(1, 1)[0, :, 0])
+        rows = runner.advance(1, 1)[:, :, 0]
+        bad = unsound(assembly, record.kept, rows)[0]
         if bad.any():
-            return step, named(assembly, record.kept[bad])
-    return last + assembly.choice.outputs_every, "a number of the state"
+            gone = "became infinite" if not np.isfinite(rows).all() else "left all bounds"
+            return step, f"{named(assembly, record.kept[bad])} {gone}"
+    return last + assembly.choice.outputs_every, "a number of the state left all bounds"
 
 
 def named(assembly: Assembly, rows: Any) -> str:
@@ -43,9 +46,7 @@ def named(assembly: Assembly, rows: Any) -> str:
     found = []
     for block in BLOCKS:
         where = range(*assembly.layout[block.name].indices(assembly.layout.rows))
-        found += [
-            (ORDER.index(block.entity), block, where.index(row)) for row in rows if block.entity in ORDER and row in where
-        ]
+        found += [(ORDER.index(block.entity), block, where.index(row)) for row in rows if block.entity in ORDER and row in where]
     if not found:
         return "a number of the state"
     _, block, index = min(found, key=lambda entry: entry[0])

@@ -96,9 +96,7 @@ def in_words(step: int | None) -> str:
     return "none" if step is None else f"step {step:,}"
 
 
-FiguresOption = Annotated[
-    Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")
-]
+FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")]
 
 
 def plot(run: RunArgument, folder: FiguresOption = None) -> None:

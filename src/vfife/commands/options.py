@@ -17,9 +17,7 @@ ModelArgument = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Model
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="Run folder, or the run file in it.", show_default=False)]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="PATH=VALUE", help='Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'
-    ),
+    typer.Option("--set", metavar="PATH=VALUE", help='Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON value on standard output, and nothing else.")]
 
@@ -55,9 +53,7 @@ def positive(option: str, text: str, unit: str) -> float:
     return value
 
 
-def with_options(
-    mechanism: Mechanism, step: str | None, turns: float | None, duration: str | None, outputs: int | None
-) -> Mechanism:
+def with_options(mechanism: Mechanism, step: str | None, turns: float | None, duration: str | None, outputs: int | None) -> Mechanism:
     """The mechanism with the settings of a run that were given as options, so that its model file tells what was run."""
     settings = mechanism.settings
     if turns is not None and duration is not None:

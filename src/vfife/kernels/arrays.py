@@ -222,7 +222,22 @@ JB = Fields((name, 1) for name in ("row", "first", "second", "element"))
 JF = Fields((name, 1) for name in ("row", "table"))
 JK = Fields((name, 1) for name in ("first", "second", "body", "first_arm", "second_arm", "same", "upper", "lower"))
 
-LISTS = ("free", "trig", "jointed", "pinned", "particle", "element", "clearance", "ideal", "couple", "row", "driven", "load", "body", "function")
+LISTS = (
+    "free",
+    "trig",
+    "jointed",
+    "pinned",
+    "particle",
+    "element",
+    "clearance",
+    "ideal",
+    "couple",
+    "row",
+    "driven",
+    "load",
+    "body",
+    "function",
+)
 H = Fields(
     (name, 1)
     for name in (
@@ -311,6 +326,4 @@ class Layout:
     def of(self, *roles: Role) -> list[int]:
         """All rows of the given roles, block by block."""
         chosen = [block for block in BLOCKS if block.role in roles]
-        return [
-            row + k for block in chosen for row in range(*self.slices[block.name].indices(self.rows)) for k in range(block.width)
-        ]
+        return [row + k for block in chosen for row in range(*self.slices[block.name].indices(self.rows)) for k in range(block.width)]

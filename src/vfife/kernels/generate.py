@@ -8,8 +8,8 @@ from typing import Any
 from .arrays import Layout, P, Topology
 from .drive import polynomial
 from .graph import tables
-from .source import Gathered, data_driven
 from .schedule import Line, woven
+from .source import Gathered, data_driven
 from .trace import Rows, Symbol, Tape, either, text, traced
 
 
@@ -58,9 +58,7 @@ def _preparation(topology: Topology, layout: Layout, lanes: int) -> list[str]:
         return []
     out = [f"for w in range({lanes}):", f"    dt = S[{layout.row('step') * lanes} + w]"]
     for f, start in enumerate(topology.function_start):
-        value, rate, second, after = (
-            layout.row(f"function_{name}", f) * lanes for name in ("value", "rate", "acceleration", "next")
-        )
+        value, rate, second, after = (layout.row(f"function_{name}", f) * lanes for name in ("value", "rate", "acceleration", "next"))
         table = f"w * (len(T) // {lanes}) + {start}"
         out.append(f"    S[{value} + w], S[{rate} + w], S[{second} + w] = polynomial(T, {table}, n * dt)")
         out.append(f"    S[{after} + w] = polynomial(T, {table}, (n + 1) * dt)[0]")

@@ -15,7 +15,6 @@ from .step import chord_acceleration, coefficients, driven_reaction, larger
 contact_law = friction_law = None  # written by source.py for the laws at hand
 
 
-
 def functions(S, T, I, shift, time, after):
     """Functions of time at t_n, and their value at t_(n+1)."""
     for m in range(I[H.function_count]):
@@ -81,9 +80,7 @@ def elements(S, I, renew):
         e = I[r + JE.row]
         i = I[r + JE.first]
         j = I[r + JE.second]
-        length, inverse, c, s = chord(
-            S[j + P.x] - S[i + P.x], S[j + P.y] - S[i + P.y]
-        )
+        length, inverse, c, s = chord(S[j + P.x] - S[i + P.x], S[j + P.y] - S[i + P.y])
         ila = S[e + E.reference_inverse_length]
         na = S[e + E.axial_force] if own else S[e + E.reference_axial_force]
         n = axial(length, S[e + E.reference_length], ila, na, S[e + E.axial_stiffness])

@@ -78,6 +78,8 @@ class Runner:
         self.scratch = np.zeros(self.rows)
         self.spare = np.zeros(self.layout.rows * self.lanes)
         self.nothing = np.zeros(0, dtype=np.uint32), np.zeros((1, 0, self.lanes))
+        if self.wide is not None:  # compiles, so that the run is not timed with it
+            self.wide(self.S, self.functions, 0, 1, 0, np.zeros((0, len(kept), self.lanes)), kept, self.extremes, self.spare)
 
     @property
     def states(self) -> Rows:
@@ -112,6 +114,4 @@ class Runner:
 
     def _single(self, n: int, count: int, out: Rows, kept: NDArray[np.uint32], extremes: NDArray[np.uint32]) -> None:
         """The data-driven loop on every lane."""
-        self.single(
-            self.scratch, self.functions, self.integers, self.S, self.layout.rows, self.lanes, n, count, out, kept, extremes
-        )
+        self.single(self.scratch, self.functions, self.integers, self.S, self.layout.rows, self.lanes, n, count, out, kept, extremes)

@@ -1,5 +1,6 @@
 """Small pieces of a step that every loop shares: coefficients of the central difference, work, what drivers and links do."""
 
+
 def coefficients(start, dt, damping):
     """Coefficients of one central difference step with mass-proportional damping z = damping dt / 2.
 

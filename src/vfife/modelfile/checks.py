@@ -103,9 +103,7 @@ class Checks:
                 self.add(("joint", name, "journal"), "bearing and journal are on the same body", remedy)
             other = sides.setdefault(frozenset((bearing, journal)), name)
             if other != name:
-                self.add(
-                    ("joint", name, ""), f"joint {other} connects the same two pins already", "remove one of the two"
-                )
+                self.add(("joint", name, ""), f"joint {other} connects the same two pins already", "remove one of the two")
         self.material(("joint", name), joint, "bearing_material")
         self.material(("joint", name), joint, "journal_material")
         self.clearance(name, joint)
@@ -161,9 +159,7 @@ class Checks:
             return
         if not isinstance(values, list) or len(values) != len(times):
             count = len(values) if isinstance(values, list) else 1
-            self.add(
-                (*path, key), f"{count} for {len(times)} times", "give each time its value", f"{len(times)} values"
-            )
+            self.add((*path, key), f"{count} for {len(times)} times", "give each time its value", f"{len(times)} values")
         if len(times) < 2:
             self.add((*path, "times"), "a table over time needs at least two times", "add more, or leave it out")
         seconds = [amount({"t": time}, "t", "s") for time in times]

@@ -15,9 +15,7 @@ from ..readers import Measure, refuse
 from .faults import Fault, Path, place, suggestion
 from .tables import LAWS, Raw, law_fields
 
-DEFAULTS: dict[str, Any] = {
-    field.name: field.default_factory for field in dataclasses.fields(ClearanceRevolute) if field.name in LAWS
-}
+DEFAULTS: dict[str, Any] = {field.name: field.default_factory for field in dataclasses.fields(ClearanceRevolute) if field.name in LAWS}
 # A unit such as N/m^n is known only once the law has its exponent: such a parameter is a bare number in SI units.
 SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
 

@@ -67,9 +67,7 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
 def syntax_fault(text: str, error: Exception) -> Fault:
     """Line and column of a fault in the TOML itself, with the line."""
     if isinstance(error, RecursionError):
-        return Fault(
-            "file", "lists or tables are nested too deeply", "", "", "a model needs no more than lists of numbers"
-        )
+        return Fault("file", "lists or tables are nested too deeply", "", "", "a model needs no more than lists of numbers")
     said, _, place_said = str(error).partition(" (at ")
     what, where = f"this is no TOML: {said}", place_said.rstrip(")") or "file"
     if where == "end of document":
@@ -123,9 +121,7 @@ def unknown_key(raw: Raw, path: Path, value: Any, where: str) -> Fault:
     if key in known:
         length = "with" if "length" in holder else "without"
         what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
-        return Fault(
-            where, what, shown(value), "", "remove it, or give the body the model and the length that go with it"
-        )
+        return Fault(where, what, shown(value), "", "remove it, or give the body the model and the length that go with it")
     what = "unknown table" if isinstance(value, dict) else "unknown key"
     return Fault(where, what, shown(value), "", suggestion(key, known, "remove it"))
 

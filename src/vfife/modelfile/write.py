@@ -64,9 +64,7 @@ def tables(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
 def changed(noun: Any, default: Any, leave: tuple[str, ...] = ()) -> dict[str, Any]:
     """Fields that differ from those of ``default``, under the keys of the file."""
     pairs = ((field.name, getattr(noun, field.name)) for field in dataclasses.fields(noun) if field.name not in leave)
-    return {
-        KEYS.get(name, name): value for name, value in pairs if value is not None and value != getattr(default, name)
-    }
+    return {KEYS.get(name, name): value for name, value in pairs if value is not None and value != getattr(default, name)}
 
 
 def materials(mechanism: Mechanism) -> list[Material]:
