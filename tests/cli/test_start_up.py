@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -33,20 +32,6 @@ def test_loads_nothing_heavy(words: list[str]) -> None:
     assert not loaded & HEAVY
 
 
-LIMITS = [(["-c", "import vfife"], 0.3), (["-m", "vfife", "--help"], 0.5)]  # s
-
-
-@pytest.mark.parametrize(("words", "limit"), LIMITS, ids=["import", "help"])
-def test_starts_quickly(words: list[str], limit: float) -> None:
-    """The quickest of several starts: other work on the machine only adds time."""
-    spent = []
-    for _ in range(8):
-        began = time.perf_counter()
-        subprocess.run([sys.executable, *words], env=ENVIRONMENT, capture_output=True, check=True)
-        spent.append(time.perf_counter() - began)
-        if spent[-1] < limit:
-            return
-    raise AssertionError(f"{min(spent):.2f} s at best; `python -X importtime` tells who takes it")
 
 
 def test_both_ways_in_say_the_version() -> None:
