@@ -55,9 +55,7 @@ def test_everyday_units_are_exact(text: str, unit: str, expected: float) -> None
 
 def test_everyday_units_need_no_pint() -> None:
     code = (
-        "import sys\nfrom vfife.quantities import number\n"
-        f"for text, unit, _ in {EVERYDAY!r}: number(text, unit)\n"
-        "sys.exit('pint' in sys.modules)"
+        f"import sys\nfrom vfife.quantities import number\nfor text, unit, _ in {EVERYDAY!r}: number(text, unit)\nsys.exit('pint' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], timeout=60, check=False).returncode == 0
 

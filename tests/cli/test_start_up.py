@@ -32,8 +32,6 @@ def test_loads_nothing_heavy(words: list[str]) -> None:
     assert not loaded & HEAVY
 
 
-
-
 def test_both_ways_in_say_the_version() -> None:
     import vfife
 

@@ -21,9 +21,7 @@ LANES = 4
 
 def rigid_bars(lane: int) -> Mechanism:
     """Case c: three clearance joints that share bodies, friction with its moments."""
-    return four_bar(
-        "BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]}
-    )
+    return four_bar("BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]})
 
 
 def two_particle_bars(lane: int) -> Mechanism:
@@ -64,9 +62,7 @@ def swing(lane: int) -> Mechanism:
     )
     m.drivers["arm"] = Ramp(body="arm", speed=40.0 + lane, duration=0.004)
     m.drivers["lower"] = Torque(body="lower", torque=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
-    m.loads["pull"] = PointForce(
-        name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5)
-    )
+    m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
     return with_settings(m, damping=2.0)
 
 

@@ -98,6 +98,18 @@ def test_energy_is_lost_in_damping_alone():
     assert record.block("clearance_friction_work")[-1, 0] == 0.0
 
 
+def test_the_ledger_holds_during_the_contact():
+    """Kinetic, elastic and lost energy add up at every step of the impact, not only after it."""
+    record, step = run(1e-7), 1e-7
+    depth, speed = record.block("clearance_penetration")[:, 0], particle(record, "journal")["u"]
+    inside = np.flatnonzero(depth > 0)[1:-1]
+    elastic = 0.4 * STIFFNESS * depth[inside] ** 2.5
+    kinetic = 0.5 * ((speed[inside] + speed[inside - 1]) / 2) ** 2  # at step n; the ledger reaches to n + 1/2
+    lost = record.block("clearance_damping_work")[inside, 0] - 0.5 * step * record.block("clearance_damping_power")[inside, 0]
+    assert elastic.max() > 0.4 and lost.max() > 0.05
+    assert kinetic + elastic + lost == pytest.approx(np.full(len(inside), 0.5), abs=1e-5)
+
+
 def slanting(moment: str) -> np.ndarray:
     """A turning journal thrown against the wall, the laws as printed, integrated by SciPy to the end of the contact: u, v, w."""
     chi, radius = 0.75 * (1 - RESTITUTION**2), 0.01 - CLEARANCE

@@ -284,9 +284,7 @@ def test_reactions_balance_every_body_and_the_drive_supplies_the_power():
     velocity = velocities(system, position)
     force = weight(system)
     acceleration, reactions, torque = accelerations(system, position, velocity, force)
-    np.testing.assert_allclose(
-        left_over(system, position, acceleration, force, reactions, torque), 0.0, atol=1e-12 * np.abs(reactions).max()
-    )
+    np.testing.assert_allclose(left_over(system, position, acceleration, force, reactions, torque), 0.0, atol=1e-12 * np.abs(reactions).max())
     inertial = np.column_stack([system.mass, system.mass, system.inertia]) * acceleration
     power = np.sum((inertial - force) * velocity)
     assert torque[0] * 9.0 == pytest.approx(power, rel=1e-12)

@@ -46,9 +46,7 @@ def free_chain(
     m = Mechanism("chain")
     m.link("a", length=0.3, mass=2.0, angle=0.2 + turn, velocity=way(3.0, 1.0, 4.0), position=shift, **links)
     m.link("b", length=0.25, mass=1.5, angle=1.0 + turn, velocity=way(2.0, -1.0, -60.0), **links)
-    m.rigid_body(
-        "c", mass=0.8, inertia=4e-3, center=(0.1, 0.02), points={"eye": (0.0, 0.0)}, angle=-0.4 + turn, velocity=way(2.0, -3.0, 60.0)
-    )
+    m.rigid_body("c", mass=0.8, inertia=4e-3, center=(0.1, 0.02), points={"eye": (0.0, 0.0)}, angle=-0.4 + turn, velocity=way(2.0, -3.0, 60.0))
     ends = [("a.end", "b.start"), ("b.end", "c.eye")]
     ideal, clear = (pair[::-1] if exchanged else pair for pair in ends)
     m.revolute("P", *ideal)
@@ -99,8 +97,7 @@ def test_energy_of_a_free_mechanism():
 def test_nothing_depends_on_where_the_origin_is_or_where_x_points():
     """The same chain elsewhere and turned by 0.7 rad: the same onsets, forces and turning, up to what rounding does to nine impacts."""
     here, there = (
-        go(free_chain("rigid", shift=shift, turn=turn), 1e-6, duration=0.006, outputs=60)
-        for shift, turn in (((0, 0), 0.0), ((2.0, -1.0), 0.7))
+        go(free_chain("rigid", shift=shift, turn=turn), 1e-6, duration=0.006, outputs=60) for shift, turn in (((0, 0), 0.0), ((2.0, -1.0), 0.7))
     )
     assert onsets(here) == onsets(there) and onsets(here)[0] >= 2
     for name in ("clearance_normal_force", "clearance_friction_force", "particle_w", "clearance_penetration"):
@@ -115,9 +112,7 @@ def test_nothing_depends_on_where_the_origin_is_or_where_x_points():
 @pytest.mark.parametrize("model", ["rigid", "elastic"])
 def test_bearing_and_journal_exchanged_in_a_free_chain(model, friction):
     """The same motion to rounding. (With friction moments the two differ in truth: the surfaces meet at another place.)"""
-    records = [
-        go(free_chain(model, exchanged=swap, friction=friction, moment="off"), 2e-6, duration=0.006, outputs=60) for swap in (False, True)
-    ]
+    records = [go(free_chain(model, exchanged=swap, friction=friction, moment="off"), 2e-6, duration=0.006, outputs=60) for swap in (False, True)]
     same_motion(*records, 1e-9)
     assert onsets(records[0])[0] >= 2
 
@@ -155,14 +150,10 @@ def swinging() -> Mechanism:
     m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), points={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
     m.revolute("O", "ground.O", "arm.start")
     m.revolute("P", "arm.end", "upper.start")
-    m.clearance(
-        "Q", "upper.end", "lower.eye", clearance=3e-4, bearing_radius=0.01, contact=Pereira(0.8), friction=Ambrosio(0.2, 1e-3, 1e-2)
-    )
+    m.clearance("Q", "upper.end", "lower.eye", clearance=3e-4, bearing_radius=0.01, contact=Pereira(0.8), friction=Ambrosio(0.2, 1e-3, 1e-2))
     m.drivers["arm"] = Ramp(body="arm", speed=40.0, duration=0.004)
     m.drivers["lower"] = Torque(body="lower", torque=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
-    m.loads["pull"] = PointForce(
-        name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5)
-    )
+    m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
     return with_settings(m, damping=2.0)
 
 
@@ -185,9 +176,7 @@ def mirror_faults(one, other) -> set[str]:
     return {
         block
         for block in one.assembly.layout.slices
-        if not block.startswith("function_")
-        and recorded(one, block)
-        and (bits(one.block(block)) != bits(sign(block) * other.block(block))).any()
+        if not block.startswith("function_") and recorded(one, block) and (bits(one.block(block)) != bits(sign(block) * other.block(block))).any()
     }
 
 
@@ -242,7 +231,5 @@ def test_a_reversed_driver_retraces_the_way():
         assert np.cos(theirs["theta"]) == pytest.approx(np.cos(ours["theta"][::-1]), rel=0, abs=1e-11)
     assert np.ptp(particle(forth, "follower")["theta"]) == pytest.approx(2 * math.pi, abs=1e-9)  # a drag link turns fully
     for joint in "ABCD":
-        assert largest_force(back, joint, within(back, 0, TURN)) == pytest.approx(
-            largest_force(forth, joint, within(forth, 0, TURN)), rel=1e-4
-        )
+        assert largest_force(back, joint, within(back, 0, TURN)) == pytest.approx(largest_force(forth, joint, within(forth, 0, TURN)), rel=1e-4)
     assert joint_gap(back, "C") < 1e-12 and times(back)[-1] == pytest.approx(TURN)

@@ -38,7 +38,8 @@ def derive(topology: Topology) -> Graph:
     uses = Counter(body for pair in [*clearances, *ideals] for body in set(pair) if body in free)
     pinned = tuple(sorted({body for pair in ideals for body in pair if body in free}))
     constrained = tuple(any(body in pinned for body in pair) for pair in clearances)
-    shared = tuple(any(uses[body] > 1 for body in pair) for pair in clearances)
+    armed = set(topology.trig)  # on an arm, friction turns the body against the normal force: it counts as shared too
+    shared = tuple(any(uses[body] > 1 or body in armed & free for body in pair) for pair in clearances)
     touched = {body for pair in clearances for body in pair if body in free}
     jointed = tuple(sorted(touched | (set(pinned) if any(constrained) else set())))
     couples = []
@@ -54,7 +55,6 @@ def derive(topology: Topology) -> Graph:
     for r, low in enumerate(first):
         start.append(size - low)
         size += r - low + 1
-    armed = set(topology.trig)
     again = any(constrained) or any(body in armed for pair in ideals for body in pair)
     return Graph(jointed, pinned, shared, constrained, tuple(couples), first, tuple(start), size, again)
 
