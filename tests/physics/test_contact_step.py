@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from support import go, onsets, particle, pin
 
+from support import go, onsets, particle, pin
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 from vfife.mechanism import Mechanism
 
