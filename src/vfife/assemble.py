@@ -73,9 +73,7 @@ class Numbering:
         where = self.bodies[side[0]]
         if where.elements:
             if side[1] not in ("start", "end"):
-                raise ValueError(
-                    f"pin {side[0]}.{side[1]}: an {where.model} link has pins at its start and end only; make it rigid or split it"
-                )
+                raise ValueError(f"pin {side[0]}.{side[1]}: an {where.model} link has pins at its start and end only; make it rigid or split it")
             return (where.particles[0] if side[1] == "start" else where.particles[-1]), (0.0, 0.0)
         return where.particles[0], (point[0] - where.reference[0], point[1] - where.reference[1])
 

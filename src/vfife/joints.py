@@ -58,6 +58,4 @@ class ClearanceRevolute(Joint):
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
-        return Pair(
-            self.bearing_radius, self.clearance, self.axial_length, self.bearing_material or bearing, self.journal_material or journal
-        )
+        return Pair(self.bearing_radius, self.clearance, self.axial_length, self.bearing_material or bearing, self.journal_material or journal)

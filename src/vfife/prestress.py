@@ -196,9 +196,7 @@ def settle(
     return motion, closed, held
 
 
-def _inertial(
-    held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]
-) -> dict[str, tuple[Array, Array, Array]]:
+def _inertial(held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]) -> dict[str, tuple[Array, Array, Array]]:
     """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and accelerations of each link."""
     return {
         name: (lumped(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].pins["center"]), extra[name])

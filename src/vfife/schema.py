@@ -72,9 +72,7 @@ class SectionTable(Table):
     """Cross section of a link: area and second_moment, or one of the shapes."""
 
     area: Annotated[float, Measure("m^2", above=0.0)] | None = Field(None, description="area")
-    second_moment: Annotated[float, Measure("m^4", above=0.0)] | None = Field(
-        None, description="second moment of area about the axis of bending"
-    )
+    second_moment: Annotated[float, Measure("m^4", above=0.0)] | None = Field(None, description="second moment of area about the axis of bending")
     square: Annotated[float, Measure("m^2", above=0.0)] | None = Field(None, description="area of a square")
     rectangle: tuple[PositiveLength, PositiveLength] | None = Field(None, description="width and height, bent across it")
     round: PositiveLength | None = Field(None, description="diameter of a solid circle")
@@ -204,9 +202,7 @@ AnyBody: TypeAlias = Annotated[
     Annotated[LinkTable, Tag("<link>")] | Annotated[RigidTable, Tag("<rigid>")] | Annotated[ParticleTable, Tag("<particle>")],
     Discriminator(body_kind),
 ]
-AnyJoint: TypeAlias = Annotated[
-    Annotated[IdealTable, Tag("<ideal>")] | Annotated[ClearanceTable, Tag("<clearance>")], Discriminator(joint_kind)
-]
+AnyJoint: TypeAlias = Annotated[Annotated[IdealTable, Tag("<ideal>")] | Annotated[ClearanceTable, Tag("<clearance>")], Discriminator(joint_kind)]
 
 
 class ModelFile(Table):

@@ -86,9 +86,7 @@ def recorded_rows(assembly: Assembly) -> NDArray[np.uint32]:
     return np.array(assembly.layout.of("state", "extreme"), dtype=np.uint32)
 
 
-def run(
-    assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None
-) -> Record:
+def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None) -> Record:
     """Steps a mechanism from its start to the end of its choice of steps.
 
     Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed

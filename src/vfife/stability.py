@@ -84,9 +84,7 @@ def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int)
     return total
 
 
-def contact_limits(
-    mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]
-) -> dict[str, float]:
+def contact_limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]) -> dict[str, float]:
     """Stable step (s) of each clearance joint at the tangent of its law under twice the force it is expected to carry."""
     limits = {}
     for index, (name, joint) in enumerate(mechanism.clearances.items()):

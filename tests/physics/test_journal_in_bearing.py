@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from support import go, journal_in_bearing, onsets, order, particle, times
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
@@ -80,6 +81,39 @@ def test_the_impact_speed_is_located_inside_the_step():
         record = run(step)
         slowness = record.block("clearance_slowness")[:, 0]
         assert slowness[slowness > 0] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_an_onset_slower_than_the_floor_is_counted_and_held_at_it():
+    """0.2 mm/s against a floor of 1 mm/s: damping is that of an impact at the floor, weaker than at the true speed."""
+    m = journal_in_bearing(2e-4, contact=LankaraniNikravesh(RESTITUTION, STIFFNESS), friction=Frictionless(), clearance=1e-6)
+    record = go(m, 5e-7, duration=7e-3, outputs=700)
+    assert onsets(record) == [1] and record.block("clearance_grazing")[-1].tolist() == [1.0]
+    slowness = record.block("clearance_slowness")[:, 0]
+    assert slowness[slowness > 0] == pytest.approx(1e3, rel=1e-12)
+    chi = 0.75 * (1 - RESTITUTION**2) * 2e-4 / 1e-3
+    expected = brentq(lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)), 0.1, 1.0)  # the oracle for the weaker damping
+    assert -particle(record, "journal")["u"][-1] / 2e-4 == pytest.approx(expected, rel=1e-4)
+    assert run(1e-7).block("clearance_grazing")[-1].tolist() == [0.0]
+
+
+@pytest.mark.parametrize(("landing", "counted"), [(6e-6, 1.0), (2e-5, 0.0)])
+def test_a_first_landing_deeper_than_allowed_is_counted(landing, counted):
+    """1 m/s in steps of 13 us: the first step in contact lies 7 um deep, whatever the depth allowed."""
+    m = journal_in_bearing(contact=LankaraniNikravesh(RESTITUTION, STIFFNESS), friction=Frictionless(), clearance=CLEARANCE, landing_depth=landing)
+    record = go(m, 1.3e-5, duration=39 * 1.3e-5, outputs=39)
+    assert onsets(record) == [1]
+    assert record.block("clearance_deep")[-1, 0] == counted
+    assert record.block("clearance_deepest")[-1, 0] == pytest.approx(39 * 1.3e-5 - CLEARANCE, rel=1e-9)
+
+
+def test_modes_are_counted():
+    """Eq. 19: a step with penetration after one without is an impact, one after another is continuous contact."""
+    record = run(4e-7)
+    touching = record.block("clearance_penetration")[:, 0] > 0
+    impacts = np.concatenate([[0], np.cumsum(touching[1:] & ~touching[:-1])])
+    assert (record.block("clearance_onsets")[:, 0] == impacts).all()
+    assert (record.block("clearance_contact_steps")[:, 0] == np.cumsum(touching) - impacts).all()
+    assert impacts[-1] == 1 and touching.sum() > 300
 
 
 def test_contact_converges_with_the_second_order():

@@ -111,8 +111,6 @@ class FrictionLaw(Law):
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     @staticmethod
-    def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]
-    ) -> tuple[float, float]:
+    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
         """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force."""
         raise NotImplementedError

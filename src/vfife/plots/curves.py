@@ -60,9 +60,7 @@ def _acceleration(result: Result, name: str) -> Series | None:
     return sample, np.copysign(result.channels["body_angular_acceleration_max"].values[:, k], sample)
 
 
-def _figure(
-    result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, kind: str = ""
-) -> Figure | None:
+def _figure(result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, kind: str = "") -> Figure | None:
     if not names:
         return None
     columns = 2 if len(names) > 1 else 1

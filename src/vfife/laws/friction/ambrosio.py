@@ -29,9 +29,7 @@ class Ambrosio(FrictionLaw):
         return self.coefficient, self.v0, self.v1 - self.v0
 
     @staticmethod
-    def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]
-    ) -> tuple[float, float]:
+    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
         """Friction force (N), solved with the velocity it causes.
 
         On the ramp |v| = free - m limit c_d and c_d = (|v| - v_0)/(v_1 - v_0) give c_d = (free - v_0)/(v_1 - v_0 + m limit); beyond either end

@@ -1,0 +1,180 @@
+"""Clearance joints at a step: where journal and bearing stand, whether a contact begins, and the force that answers (paper Eq. 18-33).
+
+Damping and friction are stiff: both act on the velocity at t_n, which a central difference does not know yet, so each joint solves for its
+force in closed form. Joints that share a body are visited in turn, from the last step's forces.
+"""
+
+from .arrays import JC, C, H, P, Y
+from .ideal import hold, respond
+from .pin import arm, eccentricity, normal_force, onset_speed, seldom
+from .step import larger
+
+contact_law = friction_law = None  # written by source.py for the laws at hand
+
+
+def velocities(S, I, p, h):
+    """Velocities at t_n of the particles in clearance joints under the forces so far."""
+    for q in range(I[H.jointed_count]):
+        i = I[I[H.jointed] + q]
+        im = S[i + P.inverse_mass]
+        S[i + P.vu] = p * (S[i + P.u] + h * (im * S[i + P.fx]))
+        S[i + P.vv] = p * (S[i + P.v] + h * (im * S[i + P.fy]))
+        S[i + P.vw] = p * (S[i + P.w] + h * (S[i + P.inverse_inertia] * S[i + P.mz]))
+
+
+def press(S, j, b, k, normal, friction):
+    """Adds a normal and a friction force of joint j to the forces on its two particles."""
+    nx = S[j + C.nx]
+    ny = S[j + C.ny]
+    px = -normal * nx - friction * ny
+    py = friction * nx - normal * ny
+    S[k + P.fx] += px
+    S[k + P.fy] += py
+    S[k + P.mz] += friction * S[j + C.jt] - normal * S[j + C.jn]
+    S[b + P.fx] -= px
+    S[b + P.fy] -= py
+    S[b + P.mz] -= friction * S[j + C.bt] - normal * S[j + C.bn]
+
+
+def expected(S, i, p, h):
+    """Velocity at t_n of a particle under the last step's acceleration."""
+    turning = S[i + P.inverse_inertia] > 0.0
+    w = p * (S[i + P.w] + h * S[i + P.aw]) if turning else S[i + P.w]
+    return p * (S[i + P.u] + h * S[i + P.ax]), p * (S[i + P.v] + h * S[i + P.ay]), w
+
+
+def land(S, j, b, k, depth, start, p, h):
+    """A contact begins: its speed is located inside the step and held until the two part."""
+    dt = S[Y.step]
+    bu, bv, bw = expected(S, b, p, h)
+    ku, kv, kw = expected(S, k, p, h)
+    rate = S[j + C.nx] * (ku - bu) + S[j + C.ny] * (kv - bv) + S[j + C.jn] * kw - S[j + C.bn] * bw
+    located = rate if start else onset_speed(depth, S[j + C.penetration], rate, dt)
+    slow = located < S[j + C.floor]
+    S[j + C.slowness] = 1.0 / (S[j + C.floor] if slow else located)
+    S[j + C.onsets] += 1.0
+    S[j + C.grazing] += 1.0 if slow else 0.0
+    S[j + C.deep] += 1.0 if depth > S[j + C.landing] else 0.0
+    S[j + C.deepest] = larger(S[j + C.deepest], depth)
+    S[j + C.contact_steps] -= 1.0
+
+
+def meet(S, I, start, p, h):
+    """Geometry, onset and law of every clearance joint; the last step's forces of joints that share a body."""
+    for m in range(I[H.clearance_count]):
+        r = I[H.clearance] + JC.SIZE * m
+        j = I[r + JC.row]
+        b = I[r + JC.bearing]
+        k = I[r + JC.journal]
+        bx, by = arm(S[b + P.c], S[b + P.s], S[j + C.bearing_x], S[j + C.bearing_y])
+        kx, ky = arm(S[k + P.c], S[k + P.s], S[j + C.journal_x], S[j + C.journal_y])
+        ex = (S[k + P.x] + kx) - (S[b + P.x] + bx)
+        ey = (S[k + P.y] + ky) - (S[b + P.y] + by)
+        depth, nx, ny = eccentricity(ex, ey, S[j + C.size])
+        overlap = S[j + C.arm_overlap] * depth
+        S[j + C.nx] = nx
+        S[j + C.ny] = ny
+        S[j + C.jn] = kx * ny - ky * nx
+        S[j + C.bn] = bx * ny - by * nx
+        S[j + C.jt] = kx * nx + ky * ny + (S[j + C.arm_journal] - overlap)
+        S[j + C.bt] = bx * nx + by * ny + (S[j + C.arm_bearing] + overlap)
+        touching = depth > 0.0
+        if seldom(touching and S[j + C.slowness] <= 0.0):
+            land(S, j, b, k, depth, start, p, h)
+        slowness = S[j + C.slowness] if touching else 0.0
+        S[j + C.penetration] = depth
+        S[j + C.slowness] = slowness
+        S[j + C.contact_steps] += 1.0 if touching else 0.0
+        S[j + C.elastic], S[j + C.damping_coefficient] = contact_law(I[r + JC.contact], depth if touching else 0.0, slowness, S, j + C.contact)
+        S[j + C.normal] = 0.0
+        S[j + C.friction] = 0.0
+        if I[r + JC.shared] != 0:
+            S[j + C.normal] = S[j + C.normal_force] if touching else 0.0
+            S[j + C.friction] = S[j + C.friction_force] if touching else 0.0
+            press(S, j, b, k, S[j + C.normal], S[j + C.friction])
+
+
+def mobilities(S, I, j, b, k, constrained):
+    """Inverse masses of joint j along n and t and their coupling (1/kg), of the two bodies alone or with what is pinned to them."""
+    jn = S[j + C.jn]
+    jt = S[j + C.jt]
+    bn = S[j + C.bn]
+    bt = S[j + C.bt]
+    if constrained != 0:
+        gn, gt, gm = respond(S, I, j, b, k)
+    else:
+        both = S[k + P.inverse_mass] + S[b + P.inverse_mass]
+        ik = S[k + P.inverse_inertia]
+        ib = S[b + P.inverse_inertia]
+        gn = both + jn * jn * ik + bn * bn * ib
+        gt = both + jt * jt * ik + bt * bt * ib
+        gm = jn * jt * ik + bn * bt * ib
+    return gn, gt, gm
+
+
+def answer(S, I, span, h):
+    """Normal and friction force of every clearance joint at t_n, each solved in closed form, in turn where joints share a body."""
+    for m in range(I[H.clearance_count]):
+        r = I[H.clearance] + JC.SIZE * m
+        j = I[r + JC.row]
+        b = I[r + JC.bearing]
+        k = I[r + JC.journal]
+        nx = S[j + C.nx]
+        ny = S[j + C.ny]
+        gn, gt, gm = mobilities(S, I, j, b, k, I[r + JC.constrained])
+        gn = h * gn
+        gt = h * gt
+        gm = h * gm
+        ru = S[k + P.vu] - S[b + P.vu]
+        rv = S[k + P.vv] - S[b + P.vv]
+        rate = nx * ru + ny * rv + S[j + C.jn] * S[k + P.vw] - S[j + C.bn] * S[b + P.vw]
+        slip = nx * rv - ny * ru + S[j + C.jt] * S[k + P.vw] - S[j + C.bt] * S[b + P.vw]
+        normal, rate = normal_force(S[j + C.elastic], S[j + C.damping_coefficient], rate + gn * S[j + C.normal], gn)
+        more = normal - S[j + C.normal]
+        loose = slip - gm * more - gt * S[j + C.friction]
+        friction, memory = friction_law(
+            I[r + JC.friction],
+            normal,
+            loose,
+            gt,
+            S[j + C.memory],
+            S[Y.step],
+            S,
+            j + C.friction_slots,
+        )
+        slip = loose + gt * friction
+        press(S, j, b, k, more, friction - S[j + C.friction])
+        if I[r + JC.constrained] != 0:
+            hold(S, I, h, more, friction - S[j + C.friction])
+        elif I[r + JC.shared] != 0:
+            shove(S, j, b, k, h, more, friction - S[j + C.friction])
+        S[j + C.normal_force] = normal
+        S[j + C.friction_force] = friction
+        S[j + C.memory] = memory
+        lost = (normal - S[j + C.elastic]) * rate
+        rubbed = -friction * slip
+        S[j + C.damping_power] = lost
+        S[j + C.friction_power] = rubbed
+        S[j + C.damping_work] += span * lost
+        S[j + C.friction_work] += span * rubbed
+        square = normal * normal + friction * friction
+        at = j + C.force_squared_max
+        S[at] = larger(S[at], square)
+        at = j + C.penetration_max
+        S[at] = larger(S[at], S[j + C.penetration])
+
+
+def shove(S, j, b, k, h, normal, friction):
+    """Velocities at t_n of the two bodies of joint j under a change of its force."""
+    nx = S[j + C.nx]
+    ny = S[j + C.ny]
+    px = -normal * nx - friction * ny
+    py = friction * nx - normal * ny
+    hk = h * S[k + P.inverse_mass]
+    hb = h * S[b + P.inverse_mass]
+    S[k + P.vu] += hk * px
+    S[k + P.vv] += hk * py
+    S[k + P.vw] += h * S[k + P.inverse_inertia] * (friction * S[j + C.jt] - normal * S[j + C.jn])
+    S[b + P.vu] -= hb * px
+    S[b + P.vv] -= hb * py
+    S[b + P.vw] -= h * S[b + P.inverse_inertia] * (friction * S[j + C.bt] - normal * S[j + C.bn])
