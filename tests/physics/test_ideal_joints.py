@@ -189,23 +189,30 @@ def test_a_pin_with_four_links_falls_as_one():
 # ------------------------------------------------------------------------------------------------------- no ringing at the start
 
 
-def ringing(mechanism: Mechanism, step: float, joint: int = 1) -> float:
-    """Largest deviation of a joint force from its smooth course over the first eighth of a turn, as a share of the largest force."""
+FORCES = ("ideal_fx", "ideal_fy")
+INSIDE = ("element_axial_force", "element_moment_1", "element_moment_2")
+
+
+def ringing(mechanism: Mechanism, step: float, blocks=FORCES) -> float:
+    """Largest deviation of any joint's or element's force from its smooth course over the first eighth of a turn, as a share of the largest."""
     record = go(mechanism, step, duration=TURN / 8, outputs=10000)
-    worst, size = 0.0, 0.0
-    for axis in ("ideal_fx", "ideal_fy"):
-        force = record.block(axis)[:, joint]
-        worst = max(worst, np.abs(force - savgol_filter(force, 401, 5)).max())
-        size = max(size, np.abs(force).max())
-    return worst / size
+
+    def share(block: str) -> float:
+        force = record.block(block)
+        return np.abs(force - savgol_filter(force, 401, 5, axis=0)).max() / np.abs(force).max()
+
+    return max(share(block) for block in blocks)
 
 
-@pytest.mark.parametrize("elements", [1, 2, 4])
+@pytest.mark.parametrize(("elements", "blocks", "least"), [(1, FORCES, 5e-3), (2, FORCES + INSIDE, 1.2e-3), (4, FORCES + INSIDE, 1.2e-3)])
 @pytest.mark.parametrize("step", [1e-6, 2.5e-7])
-def test_a_consistent_start_does_not_ring(elements, step):
-    """Elastic steel links at 50 pi rad/s: nothing above 1 % of the largest force from the first step on, at any step size."""
+def test_a_consistent_start_does_not_ring(elements, blocks, least, step):
+    """Elastic steel links at 50 pi rad/s: asked for is 1 % of the largest joint force; reached is a tenth of that, moments included.
+
+    Left out: one element's moments, those of its ends' small rotary inertia alone, which ring by 4 % of themselves.
+    """
     m = four_bar("", "elastic", elements=elements, section=SQUARE, speed=CRANK_SPEED)
-    assert ringing(m, step) < 0.01
+    assert ringing(m, step, blocks) < least
 
 
 def test_a_rough_start_rings():

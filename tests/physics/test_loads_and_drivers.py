@@ -140,19 +140,20 @@ def test_a_torque_against_gravity():
 
 
 def test_constant_speed_holds_an_unbalanced_link():
-    """Angle w t; torque m g l/2 cos; ground force m (a - g) with a = -w^2 r, at every output."""
-    m = turning_link(angle=0.3, gravity=(0.0, -9.81))
+    """Angle w t; torque -m r x g; ground force m (a - g) with a = -w^2 r, at every output."""
+    gx, gy = 3.0, -9.81
+    m = turning_link(angle=0.3, gravity=(gx, gy))
     m.drive("rod", speed=20.0)
     record = go(m, 1e-4, duration=0.4, outputs=40)
     t = times(record)
     theta = 0.3 + 20 * t
     assert particle(record, "rod")["theta"] == pytest.approx(theta, abs=1e-13)
-    assert record.block("driven_torque")[:, 0] == pytest.approx(2.0 * 9.81 * 0.3 * np.cos(theta), abs=1e-10)
-    assert record.block("driven_fx")[:, 0] == pytest.approx(-2.0 * 400 * 0.3 * np.cos(theta), abs=1e-9)
-    assert record.block("driven_fy")[:, 0] == pytest.approx(-2.0 * 400 * 0.3 * np.sin(theta) + 2.0 * 9.81, abs=1e-9)
+    assert record.block("driven_torque")[:, 0] == pytest.approx(2.0 * 0.3 * (np.sin(theta) * gx - np.cos(theta) * gy), abs=1e-10)
+    assert record.block("driven_fx")[:, 0] == pytest.approx(-2.0 * (400 * 0.3 * np.cos(theta) + gx), abs=1e-9)
+    assert record.block("driven_fy")[:, 0] == pytest.approx(-2.0 * (400 * 0.3 * np.sin(theta) + gy), abs=1e-9)
     assert pin(record, "rod", "end") == pytest.approx(np.stack([0.2 + 0.6 * np.cos(theta), -0.1 + 0.6 * np.sin(theta)], axis=1), abs=1e-12)
     window = within(record, 0.0, 0.4)
-    assert largest_force(record, "A", window) == pytest.approx(2.0 * (400 * 0.3 + 9.81), rel=1e-4)
+    assert largest_force(record, "A", window) == pytest.approx(2.0 * (400 * 0.3 + math.hypot(gx, gy)), rel=1e-4)
 
 
 def test_ramp():
