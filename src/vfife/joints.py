@@ -1,4 +1,4 @@
-"""Joints: the ideal revolute and the revolute with clearance. Each has a bearing side and a journal side, written ``body.pin``."""
+"""Joints: revolute, slider, weld and contacts, ideal or with clearance. Each has a bearing side and a journal side, written ``body.pin``."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Literal
 from .laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
 
 FrictionMoment = Literal["mid-overlap", "surface", "off"]
+Point = tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,17 +32,43 @@ class IdealRevolute(Joint):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ClearanceRevolute(Joint):
-    """Bearing and journal collide: free flight, impact and continuous contact (Eq. 18-25).
+class Slider(Joint):
+    """The journal's pin moves along a straight guide through the bearing's pin.
 
-    ``clearance`` c = R_B - R_J, ``bearing_radius`` R_B and ``axial_length`` in m. ``friction_moment``: friction acts at the surfaces, with arms
-    R_J - delta/2 and R_B + delta/2 (``mid-overlap``), R_J and R_B (``surface``), or at the particles alone (``off``, as the paper seems to do; the
-    sliding velocity then leaves the turning of the surfaces out). ``impact_speed_floor`` (m/s) bounds the impact speed from below; a first contact
-    that lands deeper than ``landing_depth`` (m, default c/20) is counted, and shortens an automatic step.
+    ``direction`` is that of the guide, in the frame of the bearing's body. The two bodies keep their relative angle (that of the closed start)
+    unless ``turning``: then the journal is a pin in a slot.
     """
 
-    clearance: float
-    bearing_radius: float
+    direction: Point = (1.0, 0.0)
+    turning: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weld(Joint):
+    """Two pins in one place, and the relative angle of their bodies kept as it is in the closed start."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gear:
+    """Gears or a belt between two bodies: ``second`` turns by ``ratio`` times the angle by which ``first`` turns.
+
+    The ratio is negative for external gears (- teeth of the first over teeth of the second) and positive for belts and internal gears.
+    """
+
+    name: str
+    first: str
+    second: str
+    ratio: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact(Joint):
+    """What all contacts with play share: surfaces, laws, and when a first contact counts as deep.
+
+    ``impact_speed_floor`` (m/s) bounds the impact speed from below; a first contact that lands deeper than ``landing_depth`` (m) is counted, and
+    shortens an automatic step.
+    """
+
     axial_length: float = 0.02
     contact: ContactLaw = field(default_factory=LankaraniNikravesh)
     friction: FrictionLaw = field(default_factory=Ambrosio)
@@ -51,6 +78,19 @@ class ClearanceRevolute(Joint):
     bearing_material: Material | None = None
     journal_material: Material | None = None
 
+
+@dataclass(frozen=True, kw_only=True)
+class ClearanceRevolute(Contact):
+    """Bearing and journal collide: free flight, impact and continuous contact (Eq. 18-25).
+
+    ``clearance`` c = R_B - R_J, ``bearing_radius`` R_B and ``axial_length`` in m. ``friction_moment``: friction acts at the surfaces, with arms
+    R_J - delta/2 and R_B + delta/2 (``mid-overlap``), R_J and R_B (``surface``), or at the particles alone (``off``, as the paper seems to do; the
+    sliding velocity then leaves the turning of the surfaces out). ``landing_depth`` is c/20 unless given.
+    """
+
+    clearance: float
+    bearing_radius: float
+
     @property
     def landing(self) -> float:
         """Depth (m) at which a first contact may land."""
@@ -59,3 +99,43 @@ class ClearanceRevolute(Joint):
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
         return Pair(self.bearing_radius, self.clearance, self.axial_length, self.bearing_material or bearing, self.journal_material or journal)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClearanceSlider(Contact):
+    """A block with play in a straight guide: its four corners meet the two walls.
+
+    The guide's middle line runs through the bearing's pin along ``direction`` (in the frame of the bearing's body); the journal's pin is the
+    middle of the block. ``clearance`` (m) is the gap on each side of the centred block, ``length`` and ``height`` (m) are those of the block
+    along and across the guide, whose walls are ``height + 2 clearance`` apart. ``corner_radius`` (m) rounds the corners for the contact law.
+    The block lies along the guide at the start; ``landing_depth`` is c/20 unless given.
+    """
+
+    clearance: float
+    length: float
+    height: float
+    direction: Point = (1.0, 0.0)
+    corner_radius: float = 1e-3
+
+    @property
+    def landing(self) -> float:
+        """Depth (m) at which a first contact may land."""
+        return self.landing_depth if self.landing_depth is not None else self.clearance / 20.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExternalContact(Contact):
+    """A round pin of ``journal_radius`` (m) beside a straight line or another round of ``bearing_radius`` (m).
+
+    Without ``bearing_radius`` the bearing is a line through its pin along ``direction`` (in the frame of its body), its material on the right;
+    the journal stays on the left. ``landing_depth`` is journal_radius/1000 unless given.
+    """
+
+    journal_radius: float
+    bearing_radius: float | None = None
+    direction: Point = (1.0, 0.0)
+
+    @property
+    def landing(self) -> float:
+        """Depth (m) at which a first contact may land."""
+        return self.landing_depth if self.landing_depth is not None else self.journal_radius / 1000.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class PointForce:
-    """Force (N) fixed in space and moment (N m) at ``at`` = ``body.pin``.
+    """Force (N) and moment (N m) at ``at`` = ``body.pin``; fixed in space, or turning with the body where it is to ``follow``.
 
     With ``times`` (s) and ``factors`` both are multiplied by a function of time, the factors joined by a cubic spline.
     """
@@ -16,5 +16,6 @@ class PointForce:
     at: str
     force: tuple[float, float] = (0.0, 0.0)
     moment: float = 0.0
+    follow: bool = False
     times: tuple[float, ...] | None = None
     factors: tuple[float, ...] | None = None

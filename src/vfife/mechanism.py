@@ -6,15 +6,17 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeVar
 
-from .bodies import Body, Link, PointMass, RigidBody
+from .bodies import Body, Frame, Link, PointMass, RigidBody
 from .drivers import ConstantSpeed, Driver
-from .joints import ClearanceRevolute, IdealRevolute, Joint
+from .joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
 from .loads import PointForce
+from .springs import AnySpring, Bushing, Spring, Stop, TorsionalSpring
 
 StartMode = Literal["consistent", "rough"]
 Journals = Literal["centred", "seated"]
 AnyBody = TypeVar("AnyBody", bound=Body)
 AnyJoint = TypeVar("AnyJoint", bound=Joint)
+OneSpring = TypeVar("OneSpring", Spring, TorsionalSpring, Stop, Bushing)
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,11 @@ class Start:
 
 @dataclass(frozen=True)
 class Settings:
-    """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank)."""
+    """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
+
+    A static ``analysis`` finds equilibrium under each of the ``load_factors``, which take the place of time in loads and drivers: unbalanced force
+    at most ``residual`` of the largest force, and kinetic energy at most ``kinetic_energy`` of the largest met, in so many ``iterations``.
+    """
 
     turns: float | None = None
     duration: float | None = None
@@ -40,6 +46,11 @@ class Settings:
     outputs: int = 720
     damping: float = 0.0
     path_unit: int = 1
+    analysis: Literal["dynamic", "static"] = "dynamic"
+    load_factors: tuple[float, ...] = (1.0,)
+    residual: float = 1e-6
+    kinetic_energy: float = 1e-10
+    iterations: int = 1_000_000
 
 
 @dataclass
@@ -60,6 +71,8 @@ class Mechanism:
     joints: dict[str, Joint] = field(default_factory=dict)
     drivers: dict[str, Driver] = field(default_factory=dict)
     loads: dict[str, PointForce] = field(default_factory=dict)
+    gears: dict[str, Gear] = field(default_factory=dict)
+    springs: dict[str, AnySpring] = field(default_factory=dict)
     start: Start = field(default_factory=Start)
     settings: Settings = field(default_factory=Settings)
     source: str | None = field(default=None, compare=False)
@@ -82,6 +95,10 @@ class Mechanism:
         """Adds a particle; see :class:`~vfife.bodies.PointMass`."""
         return self._add_body(PointMass(name=name, mass=mass, **options))
 
+    def frame(self, name: str, **options: Any) -> Frame:
+        """Adds a frame of welded elastic members; see :class:`~vfife.bodies.Frame`."""
+        return self._add_body(Frame(name=name, **options))
+
     def revolute(self, name: str, bearing: str, journal: str) -> IdealRevolute:
         """Adds an ideal revolute joint between two pins, each ``body.pin`` or ``ground.point``."""
         return self._add_joint(IdealRevolute(name=name, bearing=bearing, journal=journal))
@@ -89,6 +106,45 @@ class Mechanism:
     def clearance(self, name: str, bearing: str, journal: str, **options: Any) -> ClearanceRevolute:
         """Adds a revolute joint with clearance; options as in :class:`~vfife.joints.ClearanceRevolute`."""
         return self._add_joint(ClearanceRevolute(name=name, bearing=bearing, journal=journal, **options))
+
+    def slider(self, name: str, bearing: str, journal: str, **options: Any) -> Slider:
+        """Adds an ideal slider: the journal's pin moves along a guide through the bearing's; see :class:`~vfife.joints.Slider`."""
+        return self._add_joint(Slider(name=name, bearing=bearing, journal=journal, **options))
+
+    def clearance_slider(self, name: str, bearing: str, journal: str, **options: Any) -> ClearanceSlider:
+        """Adds a block with play in a guide; see :class:`~vfife.joints.ClearanceSlider`."""
+        return self._add_joint(ClearanceSlider(name=name, bearing=bearing, journal=journal, **options))
+
+    def weld(self, name: str, bearing: str, journal: str) -> Weld:
+        """Joins two bodies rigidly at a pin of each; with the ground it is a clamp."""
+        return self._add_joint(Weld(name=name, bearing=bearing, journal=journal))
+
+    def external_contact(self, name: str, bearing: str, journal: str, **options: Any) -> ExternalContact:
+        """Adds a contact between a round pin and a line or another round; see :class:`~vfife.joints.ExternalContact`."""
+        return self._add_joint(ExternalContact(name=name, bearing=bearing, journal=journal, **options))
+
+    def gear(self, name: str, first: str, second: str, *, ratio: float) -> Gear:
+        """Couples the angles of two bodies; see :class:`~vfife.joints.Gear`."""
+        if name in self.gears:
+            raise ValueError(f"there is a gear called {name!r} already")
+        self.gears[name] = Gear(name=name, first=first, second=second, ratio=ratio)
+        return self.gears[name]
+
+    def spring(self, name: str, first: str, second: str, **options: Any) -> Spring:
+        """Adds a spring and damper between two pins; see :class:`~vfife.springs.Spring`."""
+        return self._add_spring(Spring(name=name, first=first, second=second, **options))
+
+    def torsional_spring(self, name: str, first: str, second: str, **options: Any) -> TorsionalSpring:
+        """Adds a torsional spring and damper between two bodies; see :class:`~vfife.springs.TorsionalSpring`."""
+        return self._add_spring(TorsionalSpring(name=name, first=first, second=second, **options))
+
+    def stop(self, name: str, first: str, second: str, **options: Any) -> Stop:
+        """Adds a rotational stop between two bodies; see :class:`~vfife.springs.Stop`."""
+        return self._add_spring(Stop(name=name, first=first, second=second, **options))
+
+    def bushing(self, name: str, first: str, second: str, **options: Any) -> Bushing:
+        """Adds an elastic bearing between two pins; see :class:`~vfife.springs.Bushing`."""
+        return self._add_spring(Bushing(name=name, first=first, second=second, **options))
 
     def drive(self, body: str, *, speed: float) -> ConstantSpeed:
         """Turns a body at constant speed (rad/s) about its ideal joint to the ground; other drivers go to :attr:`drivers`."""
@@ -108,10 +164,21 @@ class Mechanism:
         self.joints[joint.name] = joint
         return joint
 
+    def _add_spring(self, spring: OneSpring) -> OneSpring:
+        if spring.name in self.springs:
+            raise ValueError(f"there is a spring called {spring.name!r} already")
+        self.springs[spring.name] = spring
+        return spring
+
     @property
     def clearances(self) -> dict[str, ClearanceRevolute]:
-        """The joints with clearance."""
+        """The revolute joints with clearance."""
         return {name: joint for name, joint in self.joints.items() if isinstance(joint, ClearanceRevolute)}
+
+    @property
+    def contacts(self) -> dict[str, Contact]:
+        """All joints with play: revolutes and sliders with clearance, external contacts."""
+        return {name: joint for name, joint in self.joints.items() if isinstance(joint, Contact)}
 
     def ideal(self) -> Mechanism:
         """The reference that clearance runs are compared with: every joint ideal, every link rigid with its lumped masses."""
@@ -121,7 +188,16 @@ class Mechanism:
             self,
             name=f"{self.name}, ideal",
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
-            joints={name: IdealRevolute(name=name, bearing=joint.bearing, journal=joint.journal) for name, joint in self.joints.items()},
+            joints={name: idealised(joint) for name, joint in self.joints.items() if not isinstance(joint, ExternalContact)},
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
             start=Start(),
         )
+
+
+def idealised(joint: Joint) -> Joint:
+    """The joint without play."""
+    if isinstance(joint, ClearanceRevolute):
+        return IdealRevolute(name=joint.name, bearing=joint.bearing, journal=joint.journal)
+    if isinstance(joint, ClearanceSlider):
+        return Slider(name=joint.name, bearing=joint.bearing, journal=joint.journal, direction=joint.direction)
+    return joint
