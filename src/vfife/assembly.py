@@ -17,7 +17,8 @@ class BodyMap:
     """Where a body is found: its particles (indices), elements (indices), its entry among ``body_*`` blocks and, if driven, ``driven_*``.
 
     ``reference`` is the point of the body's frame (m) at which its one particle sits if it is rigid: the centre of mass, or the pivot if it is
-    driven. ``mass`` (kg), ``inertia`` about the centre of mass (kg m^2) and ``center`` (m) are those of the whole body as it is calculated.
+    driven. ``nodes`` are the particles that carry its pins. ``mass`` (kg), ``inertia`` about the centre of mass (kg m^2) and ``center`` (m)
+    are those of the whole body as it is calculated.
     """
 
     name: str
@@ -31,6 +32,7 @@ class BodyMap:
     inertia: float = 0.0
     center: tuple[float, float] = (0.0, 0.0)
     pins: dict[str, tuple[float, float]] = field(default_factory=dict)
+    nodes: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,10 @@ class StepChoice:
 class Assembly:
     """Model and state of one mechanism.
 
-    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``clearances``, ``ideals`` and ``pivots`` are joint names in
-    the order of the rows of ``clearance_*``, ``ideal_*`` and ``driven_*`` (a pivot is the ideal joint to the ground of a driven body).
+    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``clearances``, ``ideals``, ``springs`` and ``pivots`` are names
+    in the order of the rows of ``clearance_*``, ``ideal_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
+    body; gears and drivers without a pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
+    ``contact_joints`` names the joint of each contact.
     """
 
     mechanism: Mechanism
@@ -70,6 +74,8 @@ class Assembly:
     ideals: tuple[str, ...]
     pivots: tuple[str, ...]
     choice: StepChoice
+    springs: tuple[str, ...] = ()
+    contact_joints: tuple[str, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
 
@@ -92,9 +98,8 @@ class Record:
     def block(self, name: str) -> NDArray[np.float64]:
         """Recorded values of a block, shape (outputs, entities)."""
         layout = self.assembly.layout
-        where = {int(row): k for k, row in enumerate(self.kept)}
-        rows = range(*layout[name].indices(layout.rows))
-        return self.rows[:, [where[row] for row in rows]]
+        order = np.argsort(self.kept, kind="stable")
+        return self.rows[:, order[np.searchsorted(self.kept, layout[name], sorter=order)]]
 
     def parameter(self, name: str) -> NDArray[np.float64]:
         """Values of a parameter block, shape (entities,)."""

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
+from .joints import ClearanceRevolute, ClearanceSlider, Contact
 
 STRETCH = 5.0  # of an element's first length, or its inverse
 
@@ -19,12 +20,19 @@ def unsound(assembly: Assembly, kept: NDArray[np.uint32], rows: NDArray[np.float
     with np.errstate(invalid="ignore"):
         bad = ~np.isfinite(rows)
         column = {int(row): k for k, row in enumerate(kept)}
-        for joint, noun in enumerate(assembly.mechanism.clearances.values()):
-            k = column[assembly.layout.row("clearance_penetration", joint)]
-            bad[:, k] |= rows[:, k] > noun.bearing_radius
+        for index, name in enumerate(assembly.contact_joints):
+            k = column[assembly.layout.row("clearance_penetration", index)]
+            bad[:, k] |= rows[:, k] > reach(assembly.mechanism.contacts[name])
         if assembly.topology.element_nodes:
-            lengths = range(*assembly.layout["reference_length"].indices(assembly.layout.rows))
-            columns = [column[row] for row in lengths]
-            ratio = rows[:, columns] / assembly.state[list(lengths)]
+            lengths = assembly.layout["reference_length"]
+            columns = [column[int(row)] for row in lengths]
+            ratio = rows[:, columns] / assembly.state[lengths]
             bad[:, columns] |= (ratio > STRETCH) | (ratio < 1.0 / STRETCH)
     return bad
+
+
+def reach(joint: Contact) -> float:
+    """Depth (m) that no contact has: the size of the bearing, the block or the round."""
+    if isinstance(joint, ClearanceRevolute):
+        return joint.bearing_radius
+    return joint.height if isinstance(joint, ClearanceSlider) else joint.journal_radius  # type: ignore[attr-defined]

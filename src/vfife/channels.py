@@ -43,6 +43,11 @@ RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("grazing", "clearance_grazing"),
     ),
     "element": tuple((name,) * 2 for name in ("element_axial_force", "element_moment_1", "element_moment_2")),
+    "spring": (
+        ("spring_force_x", "spring_fx"),
+        ("spring_force_y", "spring_fy"),
+        ("spring_moment", "spring_moment"),
+    ),
     "driver": (("driver_torque", "driven_torque"), ("driver_torque_max", "driven_torque_max")),
 }
 
@@ -53,6 +58,8 @@ ENERGIES: Mapping[str, tuple[str, str]] = {
     "contact_loss": ("contact_loss", "energy lost in normal damping of the contacts"),
     "friction_loss": ("friction_loss", "energy lost in friction"),
     "damping_loss": ("damping_loss", "energy lost in mass-proportional damping"),
+    "spring_energy": ("spring", "elastic energy of springs, stops and bushings"),
+    "spring_loss": ("spring_loss", "energy lost in their dampers"),
     "external_work": ("external", "work of weight and loads"),
     "driver_work": ("driver", "work of the drivers"),
 }
@@ -65,6 +72,7 @@ def entities(record: Record) -> dict[str, list[str]]:
         "joint": list(forces.joint_rows(record)),
         "clearance": list(assembly.clearances),
         "body": list(assembly.bodies),
+        "spring": list(assembly.springs),
         "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],
         "element": motion.element_names(record),
         "particle": motion.particle_names(record),
@@ -124,6 +132,7 @@ def _joints(record: Record) -> dict[str, Channel]:
         "joint_force": Channel(np.hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"),
         "joint_force_x": Channel(force[..., 0], "joint", "N", "force on the journal"),
         "joint_force_y": Channel(force[..., 1], "joint", "N", "force on the journal"),
+        "joint_moment": Channel(forces.joint_moment(record), "joint", "N m", "moment on the journal's body"),
         "joint_force_max": Channel(forces.joint_force_max(record), "joint", "N", "largest joint force since the last output"),
     }
 
@@ -146,6 +155,7 @@ MADE: Mapping[str, Callable[[Record], dict[str, Channel]]] = {
     "body": _bodies,
     "joint": _joints,
     "clearance": _clearances,
+    "spring": _nothing,
     "driver": _nothing,
     "particle": _particles,
     "element": _nothing,

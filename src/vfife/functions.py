@@ -62,6 +62,9 @@ def angle_function(driver: Driver, start: float) -> Polynomials:
     raise TypeError(f"{type(driver).__name__} prescribes no angle")
 
 
+motion_function = angle_function
+
+
 def largest_speed(driver: Driver) -> float:
     """Largest angular speed (rad/s) that a driver asks for."""
     if isinstance(driver, (ConstantSpeed, Ramp)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -78,6 +79,15 @@ class Contact(Joint):
     bearing_material: Material | None = None
     journal_material: Material | None = None
 
+    @property
+    def landing(self) -> float:
+        """Depth (m) at which a first contact may land."""
+        raise NotImplementedError
+
+    def pair(self, bearing: Material, journal: Material) -> Pair:
+        """The two surfaces, with the bodies' materials where the joint names none."""
+        raise NotImplementedError
+
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceRevolute(Contact):
@@ -122,6 +132,11 @@ class ClearanceSlider(Contact):
         """Depth (m) at which a first contact may land."""
         return self.landing_depth if self.landing_depth is not None else self.clearance / 20.0
 
+    def pair(self, bearing: Material, journal: Material) -> Pair:
+        """A rounded corner on a straight wall."""
+        materials = (self.bearing_material or bearing, self.journal_material or journal)
+        return Pair(math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.corner_radius)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ExternalContact(Contact):
@@ -139,3 +154,9 @@ class ExternalContact(Contact):
     def landing(self) -> float:
         """Depth (m) at which a first contact may land."""
         return self.landing_depth if self.landing_depth is not None else self.journal_radius / 1000.0
+
+    def pair(self, bearing: Material, journal: Material) -> Pair:
+        """A round on a line or beside another round."""
+        materials = (self.bearing_material or bearing, self.journal_material or journal)
+        radius = math.inf if self.bearing_radius is None else self.bearing_radius
+        return Pair(radius, 0.0, self.axial_length, *materials, opposite_radius=self.journal_radius)

@@ -1,4 +1,4 @@
-"""Mass of bodies: exact for rigid ones, lumped at particles for elastic links (Eq. 2 of the VFIFE paper, corrected)."""
+"""Mass of bodies: exact for rigid ones, lumped at particles for elastic ones (Eq. 2 of the VFIFE paper, corrected)."""
 
 from __future__ import annotations
 
@@ -8,33 +8,134 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .bodies import Body, Link, Point, PointMass, RigidBody, Section
+from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section
+
+Array = NDArray[np.float64]
+RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 
 
-@dataclass(frozen=True)
-class Lumps:
-    """Particles of a link: position along it (m), mass (kg) and rotary inertia (kg m^2), each of shape (k + 1,)."""
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """An elastic body as particles and frame elements, in its own frame.
 
-    position: NDArray[np.float64]
-    mass: NDArray[np.float64]
-    inertia: NDArray[np.float64]
+    ``position`` (n, 2) m, ``mass`` (n,) kg, ``inertia`` (n,) kg m^2 and ``pins`` (index by name) of its particles; ``nodes`` (k, 2), ``release``,
+    ``axial`` = E A (N) and ``bending`` = E I (N m^2) of its elements, shape (k,).
+    """
+
+    position: Array
+    mass: Array
+    inertia: Array
+    pins: dict[str, int]
+    nodes: NDArray[np.intp]
+    release: tuple[int, ...]
+    axial: Array
+    bending: Array
 
 
-def lumped(link: Link) -> Lumps:
+def is_elastic(body: Body) -> bool:
+    """Whether a body is made of particles and elements."""
+    return isinstance(body, Frame) or (isinstance(body, Link) and body.element_count > 0)
+
+
+def mesh(body: Body) -> Mesh:
+    """Particles and elements of a link or frame."""
+    if isinstance(body, Frame):
+        return _frame(body)
+    if isinstance(body, Link):
+        return _link(body)
+    raise TypeError(f"{type(body).__name__} {body.name!r} has no elements")
+
+
+def _link(link: Link) -> Mesh:
     """Eq. 2: half of each element's mass at its ends, I = sum of half masses times the section's radius of gyration squared.
 
     The print has I = sum 1/2 m_i r^2 with r "of the cross section at the node"; r^2 = I_section/A. Attached masses are added at the ends.
     """
-    k = link.element_count
-    share = np.full(k, link.own_mass / k)
-    mass = np.zeros(k + 1)
-    mass[:-1] += 0.5 * share
-    mass[1:] += 0.5 * share
-    section = section_of(link)
+    section, position = section_of(link), _along(link)
+    k = len(position) - 1
+    nodes = np.column_stack([np.arange(k), np.arange(1, k + 1)])
+    length = np.linalg.norm(np.diff(position, axis=0), axis=1)
+    mass = _halves(link.own_mass * (length / length.sum() if link.via else np.full(k, 1.0 / k)), nodes, k + 1)
     inertia = mass * (section.second_moment / section.area)
     mass[0] += link.start_mass
     mass[-1] += link.end_mass
-    return Lumps(np.linspace(0.0, link.length, k + 1), mass, inertia)
+    inertia[0] += link.start_inertia
+    inertia[-1] += link.end_inertia
+    release = [0] * k
+    release[0] |= RELEASES[link.release] & 1
+    release[-1] |= RELEASES[link.release] & 2
+    modulus = link.material.youngs_modulus * link.stiffness_factor
+    ones = np.ones(k)
+    return Mesh(
+        position, mass, inertia, {"start": 0, "end": k}, nodes, tuple(release),
+        modulus * section.area * ones, modulus * section.second_moment * ones,
+    )  # fmt: skip
+
+
+def _along(link: Link) -> Array:
+    """Particles of a link (k + 1, 2): equal elements on a straight one, spread over the pieces of a polyline by their length."""
+    k = link.element_count
+    if not link.via:
+        return np.column_stack([np.linspace(0.0, link.length, k + 1), np.zeros(k + 1)])
+    corners = np.array(link.corners)
+    length = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    if k < len(length):
+        raise ValueError(f"link {link.name!r} has {len(length)} pieces and {k} elements: give it an element for each piece at least")
+    share = np.ones(len(length), dtype=int)
+    while share.sum() < k:
+        share[np.argmax(length / share)] += 1
+    pieces = [a + np.outer(np.arange(1, n + 1) / n, b - a) for a, b, n in zip(corners, corners[1:], share, strict=False)]
+    return np.vstack([corners[:1], *pieces])
+
+
+def _halves(mass: Array, nodes: NDArray[np.intp], count: int) -> Array:
+    """Half of each element's mass at its two particles, summed element by element."""
+    total = np.zeros(count)
+    np.add.at(total, nodes[:, 0], 0.5 * mass)
+    np.add.at(total, nodes[:, 1], 0.5 * mass)
+    return total
+
+
+def _frame(frame: Frame) -> Mesh:
+    """Particles in the order in which the members come to them, so that neighbours are near each other in memory."""
+    index: dict[str, int] = {}
+    position: list[Point] = []
+    nodes: list[tuple[int, int]] = []
+    rows: list[tuple[float, float, float, float]] = []
+    for member in frame.members:
+        section = member.section or frame.section
+        if section is None:
+            raise ValueError(f"frame {frame.name!r}: member {member.start}-{member.end} needs a section, or the frame one for all")
+        material = member.material or frame.material
+        a, b = frame.nodes[member.start], frame.nodes[member.end]
+        k = member.elements
+        size = float(np.hypot(b[0] - a[0], b[1] - a[1]))
+        mass = material.density * section.area * size if member.mass is None else member.mass
+        row = (
+            mass / k,
+            section.second_moment / section.area,
+            material.youngs_modulus * section.area,
+            material.youngs_modulus * section.second_moment,
+        )
+        chain = []
+        for j in range(k + 1):
+            name = member.start if j == 0 else member.end if j == k else None
+            if name is None or name not in index:
+                position.append((a[0] + (b[0] - a[0]) * j / k, a[1] + (b[1] - a[1]) * j / k) if 0 < j < k else frame.nodes[str(name)])
+                if name is not None:
+                    index[name] = len(position) - 1
+            chain.append(len(position) - 1 if name is None else index[name])
+        nodes += zip(chain, chain[1:], strict=False)
+        rows += [row] * k
+    loose = [name for name in frame.nodes if name not in index]
+    if loose:
+        raise ValueError(f"frame {frame.name!r}: no member holds node {', '.join(loose)}; join it to the others or remove it")
+    pairs, table = np.array(nodes, dtype=np.intp).reshape(-1, 2), np.array(rows).reshape(-1, 4)
+    mass = _halves(table[:, 0], pairs, len(position))
+    inertia = _halves(table[:, 0] * table[:, 1], pairs, len(position))
+    for name, extra in frame.masses.items():
+        mass[index[name]] += extra
+    return Mesh(np.array(position), mass, inertia, index, pairs, (0,) * len(pairs), table[:, 2], table[:, 3])
 
 
 def section_of(link: Link) -> Section:
@@ -50,28 +151,48 @@ def rigid_properties(body: Body) -> tuple[float, Point, float]:
         return body.mass, (0.0, 0.0), body.inertia
     if isinstance(body, RigidBody):
         return body.mass, body.center, body.inertia
+    if is_elastic(body):
+        parts = mesh(body)
+        turning = parts.inertia if not (isinstance(body, Link) and body.release == "both") else 0.0 * parts.inertia
+        return _together(parts.position, parts.mass, turning)
     if not isinstance(body, Link):
         raise TypeError(f"{type(body).__name__} is no body")
-    if body.element_count:
-        lumps = lumped(body)
-        return _together(lumps.position, lumps.mass, lumps.inertia if body.release != "both" else 0.0 * lumps.inertia)
+    if body.via and (body.inertia is None or body.center_at is None):
+        return _rigid_polyline(body)
     center = 0.5 * body.length if body.center_at is None else body.center_at
     inertia = body.own_mass * body.length**2 / 12.0 if body.inertia is None else body.inertia
-    ends = np.array([center, 0.0, body.length])
-    return _together(ends, np.array([body.own_mass, body.start_mass, body.end_mass]), np.array([inertia, 0.0, 0.0]))
+    at = np.array([(center, 0.0), (0.0, 0.0), (body.length, 0.0)])
+    return _together(at, np.array([body.own_mass, body.start_mass, body.end_mass]), np.array([inertia, body.start_inertia, body.end_inertia]))
 
 
-def _together(at: NDArray[np.float64], mass: NDArray[np.float64], inertia: NDArray[np.float64]) -> tuple[float, Point, float]:
+def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
+    """A bent rigid link: each piece a uniform rod of its share of the mass."""
+    corners = np.array(link.corners)
+    length = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    mass = link.own_mass * length / length.sum()
+    at = np.vstack([0.5 * (corners[1:] + corners[:-1]), corners[[0, -1]]])
+    return _together(
+        at, np.array([*mass, link.start_mass, link.end_mass]), np.array([*mass * length**2 / 12.0, link.start_inertia, link.end_inertia])
+    )
+
+
+def _together(at: Array, mass: Array, inertia: Array) -> tuple[float, Point, float]:
     total = float(mass.sum())
-    center = float(mass @ at) / total
-    return total, (center, 0.0), float(inertia.sum() + mass @ (at - center) ** 2)
+    center = mass @ at / total
+    return total, (float(center[0]), float(center[1])), float(inertia.sum() + mass @ ((at - center) ** 2).sum(axis=1))
 
 
 def rigidified(body: Body) -> Body:
     """The body as a rigid one with the same (lumped) mass, centre and inertia."""
-    if isinstance(body, Link) and body.element_count:
-        mass, center, inertia = rigid_properties(body)
+    if not is_elastic(body):
+        return body
+    mass, center, inertia = rigid_properties(body)
+    if isinstance(body, Link) and not body.via:
         return dataclasses.replace(
-            body, link_model="rigid", mass=mass, inertia=inertia, center_at=center[0], start_mass=0.0, end_mass=0.0, release="none"
-        )
-    return body
+            body, link_model="rigid", mass=mass, inertia=inertia, center_at=center[0], start_mass=0.0, end_mass=0.0,
+            start_inertia=0.0, end_inertia=0.0, release="none",
+        )  # fmt: skip
+    return RigidBody(
+        name=body.name, angle=body.angle, position=body.position, velocity=body.velocity, material=body.material,
+        mass=mass, inertia=inertia, center=center, points={name: at for name, at in body.pins.items() if name != "center"},
+    )  # fmt: skip

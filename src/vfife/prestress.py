@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .bodies import Body, Link, RigidBody
 from .drivers import Torque
-from .lumping import Lumps, lumped, section_of
+from .lumping import Mesh, mesh, section_of
 from .mechanism import Mechanism
 from .stability import turn_of
 from .start import Motion, Seat, ideal_motion, kinematic_drivers, pivot_of
@@ -47,19 +47,19 @@ class Start:
 
 
 def elastic_links(mechanism: Mechanism) -> dict[str, Link]:
-    """Links that deform."""
-    return {name: body for name, body in mechanism.bodies.items() if isinstance(body, Link) and body.element_count}
+    """Straight links that deform; bent ones and frames start as they are."""
+    return {name: body for name, body in mechanism.bodies.items() if isinstance(body, Link) and body.element_count and not body.via}
 
 
 def wanted(mechanism: Mechanism) -> bool:
     """Whether the start is to be prestressed: elastic links, a consistent start, and joints that press from the beginning."""
-    pressed = not mechanism.clearances or mechanism.start.journals == "seated"
+    pressed = not mechanism.contacts or mechanism.start.journals == "seated"
     return bool(elastic_links(mechanism)) and mechanism.start.mode == "consistent" and pressed
 
 
 def as_rigid(link: Link, shape: Shape) -> RigidBody:
     """The deformed link, held in its shape: same particles, pins at its ends."""
-    lumps = lumped(link)
+    lumps = mesh(link)
     mass = float(lumps.mass.sum())
     center = lumps.mass @ shape.local[:, :2] / mass
     inertia = float(lumps.mass @ ((shape.local[:, :2] - center) ** 2).sum(axis=1) + _turning(link, lumps).sum())
@@ -70,7 +70,7 @@ def as_rigid(link: Link, shape: Shape) -> RigidBody:
     )  # fmt: skip
 
 
-def _turning(link: Link, lumps: Lumps) -> Array:
+def _turning(link: Link, lumps: Mesh) -> Array:
     """Rotary inertia that turns with the link: none where the ends are released from it."""
     turning = lumps.inertia.copy()
     if link.release in ("start", "both"):
@@ -117,7 +117,7 @@ def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Arra
 
 def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array) -> Shape:
     """Element forces in equilibrium with the motion, ``extra`` (k + 1, 3) acceleration added, and the shape that they make."""
-    lumps, section = lumped(link), section_of(link)
+    lumps, section = mesh(link), section_of(link)
     position, _, acceleration = particle_motion(motion, held, shape)
     acceleration = acceleration + extra
     ends = end_forces(mechanism, motion, link.name)
@@ -172,7 +172,7 @@ def straight(link: Link) -> Shape:
     """The link without forces."""
     k = link.element_count
     zeros = np.zeros(k)
-    return Shape(np.column_stack([lumped(link).position, np.zeros(k + 1), np.zeros(k + 1)]), zeros, zeros, zeros)
+    return Shape(np.column_stack([mesh(link).position, np.zeros(k + 1)]), zeros, zeros, zeros)
 
 
 def settle(
@@ -199,8 +199,7 @@ def settle(
 def _inertial(held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]) -> dict[str, tuple[Array, Array, Array]]:
     """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and accelerations of each link."""
     return {
-        name: (lumped(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].pins["center"]), extra[name])
-        for name, link in links.items()
+        name: (mesh(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].pins["center"]), extra[name]) for name, link in links.items()
     }
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly, Record, StepChoice
+from .kernels.arrays import BY_NAME
 from .mechanism import Mechanism
 from .runfile import RunFile, RunFileError
 
@@ -37,7 +38,7 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[
     """
     from .modelfile import dump
 
-    joints = assembly.mechanism.clearances.values()
+    joints = assembly.mechanism.contacts.values()
     laws = {f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)}
     return {
         "model": dump(assembly.mechanism),
@@ -52,13 +53,14 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[
 
 
 def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
-    """The kept rows as runs of a block: its name, the first entity and how many follow one another."""
+    """The kept rows as runs of a block: its name, the first of its rows and how many follow one another."""
     layout = assembly.layout
-    names = list(layout.slices)
+    names = list(BY_NAME)
     block, entity = np.zeros(layout.rows, dtype=int), np.zeros(layout.rows, dtype=int)
-    for k, where in enumerate(layout.slices.values()):
+    for k, name in enumerate(names):
+        where = layout.rows_of(name)
         block[where] = k
-        entity[where] = np.arange(len(block[where]))
+        entity[where] = np.arange(len(where))
     b, e = block[kept], entity[kept]
     starts = np.flatnonzero(np.r_[True, (np.diff(b) != 0) | (np.diff(e) != 1)]) if len(kept) else np.zeros(0, dtype=int)
     counts = np.diff(np.r_[starts, len(kept)])
@@ -104,7 +106,7 @@ def _assembled(meta: Mapping[str, Any], choice: StepChoice, where: str) -> Assem
 def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], where: str) -> NDArray[np.uint32]:
     """Rows of S of runs of a block, as :func:`named_rows` gives them."""
     layout = assembly.layout
-    rows = {name: range(layout.rows)[at] for name, at in layout.slices.items()}
+    rows = {name: layout.rows_of(name) for name in BY_NAME}
     unknown = sorted({name for name, (first, count) in runs if first + count > len(rows.get(name, ()))})
     if unknown:
         raise RunFileError(

@@ -54,7 +54,7 @@ class Progress:
 def entities(assembly: Assembly) -> int:
     """Elements and joints: what a step's work grows with."""
     t = assembly.topology
-    return len(t.element_nodes) + len(t.clearance_bearing) + len(t.ideal_bearing)
+    return len(t.element_nodes) + len(t.clearance_bearing) + len(t.ideal_bearing) + len(t.spring_first)
 
 
 def compilation(assembly: Assembly) -> float:
@@ -142,7 +142,7 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
 def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
     moving = [driver for driver in mechanism.drivers.values() if not isinstance(driver, Torque)]
-    if not mechanism.clearances or not moving:
+    if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
         return None
     if all(isinstance(driver, ConstantSpeed) for driver in moving):
         turns, duration = 1.0, None

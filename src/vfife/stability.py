@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from .assembly import StepChoice
 from .functions import largest_speed
 from .kernels.arrays import Layout, Topology
 from .mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from .assemble import Touch
 
 Array = NDArray[np.float64]
 
@@ -84,17 +87,36 @@ def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int)
     return total
 
 
-def contact_limits(mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]) -> dict[str, float]:
-    """Stable step (s) of each clearance joint at the tangent of its law under twice the force it is expected to carry."""
+def contact_limits(touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]) -> dict[str, float]:
+    """Stable step (s) of each contact at the tangent of its law under twice the force it is expected to carry."""
     limits = {}
-    for index, (name, joint) in enumerate(mechanism.clearances.items()):
+    for index, touch in enumerate(touches):
+        joint = touch.joint
         row = layout.row("clearance_contact", index)
         slots = tuple(float(v) for v in state[row : row + len(joint.contact.slots)])
         mobility = joint_mobility(layout, state, topology, index)
-        force = 2.0 * expected.get(name, 0.0) or _impact_force(joint, slots, state, layout, mobility)
+        force = 2.0 * expected.get(joint.name, 0.0) or _impact_force(joint, slots, state, layout, mobility)
         stiffness = tangent(joint.contact, slots, force)[1]
-        limits[name] = 2.0 / math.sqrt(stiffness * mobility) if mobility > 0.0 else math.inf
+        limits[touch.name] = 2.0 / math.sqrt(stiffness * mobility) if mobility > 0.0 else math.inf
     return limits
+
+
+def spring_limits(layout: Layout, state: Array, topology: Topology) -> list[tuple[str, float]]:
+    """Stable step (s) of each spring: its stiffness on the inverse masses of its two bodies, arms included."""
+    found = []
+    for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
+        row = layout.row("spring_stiffness", index)
+        straight, turning = float(state[row : row + 2].max()), float(state[row + 2])
+        total, spin = 0.0, 0.0
+        for side, body in (("first", first), ("second", second)):
+            arm = state[layout.row(f"spring_{side}_x", index)] ** 2 + state[layout.row(f"spring_{side}_y", index)] ** 2
+            inverse = state[layout.row("particle_inverse_inertia", body)]
+            total += state[layout.row("particle_inverse_mass", body)] + arm * inverse
+            spin += inverse
+        square = straight * total + turning * spin
+        if square > 0.0:
+            found.append((f"spring {index + 1}", 2.0 / math.sqrt(square)))
+    return found
 
 
 def _impact_force(joint: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float) -> float:
@@ -119,7 +141,7 @@ def choose_step(
     layout: Layout,
     state: Array,
     topology: Topology,
-    clearances: tuple[str, ...],
+    touches: Sequence[Touch],
     step: float | str | None,
     expected: Mapping[str, float] | None,
     owners: Sequence[str] = (),
@@ -134,7 +156,7 @@ def choose_step(
     "auto" takes 0.9 of the stable step, at most 1/80 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
     StepError for a larger one than stable unless ``force_step``.
     """
-    limits = _limits(mechanism, layout, state, topology, expected or {}, owners)
+    limits = _limits(touches, layout, state, topology, expected or {}, owners)
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     turn = turn_of(mechanism)
     settings = mechanism.settings
@@ -143,7 +165,7 @@ def choose_step(
     per = outputs or settings.outputs
     if wanted == "auto":
         largest = SAFETY * stable
-        for name, value in contact_limits(mechanism, layout, state, topology, expected or {}).items():
+        for name, value in contact_limits(touches, layout, state, topology, expected or {}).items():
             accurate = 0.5 * math.pi * value / CONTACT_STEPS
             largest, culprit = min((largest, culprit), (accurate, f"joint {name}, {CONTACT_STEPS} steps in half a period of its contact"))
         default = (turn or _time_scale(mechanism, layout, state, length)) / TURN_STEPS
@@ -164,9 +186,10 @@ def choose_step(
 
 
 def _limits(
-    mechanism: Mechanism, layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]
+    touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]
 ) -> list[tuple[str, float]]:
-    limits = [(f"contact of joint {name}", value) for name, value in contact_limits(mechanism, layout, state, topology, expected).items()]
+    limits = [(f"contact of joint {name}", value) for name, value in contact_limits(touches, layout, state, topology, expected).items()]
+    limits += spring_limits(layout, state, topology)
     if topology.element_nodes:
         for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology), strict=True):
             worst = int(np.argmin(steps))

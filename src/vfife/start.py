@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .bodies import Body, Point
 from .drivers import AngleTable, ConstantSpeed, Driver, Ramp, Torque
 from .functions import angle_function
-from .joints import ClearanceRevolute, Joint
+from .joints import ClearanceRevolute, Contact, Joint
 from .kinematics import AssemblyError, Drive, Mobility, Pin, RigidSystem, accelerations, close, mobility, velocities
 from .laws import Material, Pair
 from .lumping import rigid_properties
@@ -48,6 +48,11 @@ def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     return {body: driver for body, driver in mechanism.drivers.items() if isinstance(driver, (ConstantSpeed, Ramp, AngleTable))}
 
 
+def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
+    """Prescribed motions other than those about a pivot on the ground."""
+    return {}
+
+
 def pivot_of(mechanism: Mechanism, body: str) -> Joint:
     """The ideal joint to the ground about which a driven body turns."""
     found = [
@@ -71,7 +76,7 @@ def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
     return points[pin]
 
 
-def surfaces(mechanism: Mechanism, joint: ClearanceRevolute) -> Pair:
+def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
     """The pair of surfaces of a joint, with the materials of its bodies."""
     materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
     return joint.pair(*materials)

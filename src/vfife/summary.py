@@ -116,7 +116,7 @@ def _laws(result: Result) -> dict[str, dict[str, Any]]:
 
     mechanism = result.record.assembly.mechanism
     found = {}
-    for name, joint in mechanism.clearances.items():
+    for name, joint in mechanism.contacts.items():
         pair = surfaces(mechanism, joint)
         found[name] = {
             kind: {"law": law.name, "formula": law.formula, "source": law.source, "derived": law.derived(pair)}
@@ -139,7 +139,7 @@ def warnings(result: Result) -> Iterable[str]:
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s ({choice.culprit}): "
             'take a smaller step, or "auto".'
         )
-    for name, joint in record.assembly.mechanism.clearances.items():
+    for name, joint in record.assembly.mechanism.contacts.items():
         deep, count = int(measures.get(f"{name}.deep", 0)), int(measures.get(f"{name}.impacts", 0))
         if deep:
             yield (

@@ -84,7 +84,7 @@ def test_a_run_keeps_to_the_papers_equations(damping):
     """The loop itself, element and all, beside Eq. 5 with the same incremental axial force; the start Eq. 4 included."""
     dt, count, speed = 2e-6, 2000, 0.8
     a = assemble(bar(damping), dt, duration=count * dt, outputs=count, force_step=True)
-    a.state[a.layout["particle_u"]][1:] = -speed, speed
+    a.state[a.layout["particle_u"][1:]] = -speed, speed
     record = run(a, loop="data-driven")
     ea = 207e9 * AREA
     seen = {"length": LENGTH, "force": 0.0}
@@ -106,7 +106,7 @@ def test_the_oscillator_swings_at_the_shifted_frequency():
     """Central difference swings at sin(w' dt/2) = w dt/2: closed form of its own error."""
     dt, speed = 5e-6, 0.05
     a = assemble(bar(0.0), dt, duration=4000 * dt, outputs=4000, force_step=True)
-    a.state[a.layout["particle_u"]][1:] = -speed, speed
+    a.state[a.layout["particle_u"][1:]] = -speed, speed
     record = run(a, loop="data-driven")
     stretch = particle(record, "bar", 1)["x"] - particle(record, "bar", 0)["x"] - LENGTH
     w = math.sqrt(2 * 207e9 * AREA / LENGTH / (MASS / 2))

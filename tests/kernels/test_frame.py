@@ -37,10 +37,10 @@ class Element:
     def force(self, first, second) -> np.ndarray:
         """Forces and moments (6) of the element on its particles, put to (x, y, theta) each; one step more."""
         for axis, values in zip(("x", "y", "theta"), zip(first, second, strict=True), strict=True):
-            self.S[self.layout[f"particle_{axis}"]][1:] = values
+            self.S[self.layout[f"particle_{axis}"][1:]] = values
         for name in ("fx", "fy", "mz"):
             self.S[self.layout[name]] = 0.0
-        loop.elements(self.S, self.I, self.taken % self.path_unit == 0)
+        loop.elements(self.S, self.I, 0, 1, self.taken % self.path_unit == 0)
         self.taken += 1
         return np.array([self.S[self.layout[name]][node] for node in (1, 2) for name in ("fx", "fy", "mz")])
 

@@ -10,6 +10,7 @@ import pytest
 from support import SQUARE, bits, four_bar, lanes, with_settings
 from vfife.assemble import assemble
 from vfife.drivers import Ramp, Torque
+from vfife.kernels.arrays import BLOCKS
 from vfife.kernels.compile import interpreted
 from vfife.kernels.generate import straight_line
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
@@ -85,7 +86,7 @@ def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]
     start = runner.advance(1, 1)
     rows = runner.advance(every, interpreted if loop == "interpreted" else outputs)
     layout = assemblies[0].layout
-    names = {row: name for name, where in layout.slices.items() for row in range(*where.indices(layout.rows))}
+    names = {row: name for name, where in ((block.name, layout[block.name]) for block in BLOCKS) for row in where.tolist()}
     return np.concatenate([start, rows]), tuple(names.get(int(row), "wide") for row in runner.kept)
 
 
@@ -170,7 +171,7 @@ def test_extremes_are_those_of_the_steps_since_the_last_output(loop):
     column = {int(row): k for k, row in enumerate(lanes([a], loop).kept)}
 
     def of(rows: np.ndarray, name: str) -> np.ndarray:
-        return rows[:, [column[row] for row in range(*a.layout[name].indices(a.layout.rows))]]
+        return rows[:, [column[row] for row in a.layout[name].tolist()]]
 
     force = of(every, "clearance_normal_force") ** 2 + of(every, "clearance_friction_force") ** 2
     largest = {

@@ -13,8 +13,8 @@ from ..laws import ContactLaw
 from .motion import AXES, is_free, velocities
 
 Array = NDArray[np.float64]
-STORED = ("kinetic", "strain", "contact")
-LOST = ("contact_loss", "friction_loss", "damping_loss")
+STORED = ("kinetic", "strain", "contact", "spring")
+LOST = ("contact_loss", "friction_loss", "damping_loss", "spring_loss")
 SUPPLIED = ("external", "driver")
 
 
@@ -55,9 +55,11 @@ def ledger(record: Record) -> Ledger:
             "kinetic": kinetic(record),
             "strain": strain(record),
             "contact": contact(record),
+            "spring": record.block("spring_energy").sum(axis=1),
             "contact_loss": _work(record, "clearance_damping"),
             "friction_loss": _work(record, "clearance_friction"),
             "damping_loss": _work(record, "damping"),
+            "spring_loss": _work(record, "spring_damping"),
             "external": _work(record, "external") + constant_loads(record),
             "driver": _work(record, "driven"),
         }
@@ -115,8 +117,8 @@ def contact(record: Record) -> Array:
     if not assembly.clearances:
         return total
     depth = np.maximum(record.block("clearance_penetration"), 0.0)
-    for index, name in enumerate(assembly.clearances):
-        law = assembly.mechanism.clearances[name].contact
+    for index, name in enumerate(assembly.contact_joints):
+        law = assembly.mechanism.contacts[name].contact
         row = assembly.layout.row("clearance_contact", index)
         slots = tuple(float(value) for value in assembly.state[row : row + len(law.slots)])
         total += elastic_energy(law, depth[:, index], slots)

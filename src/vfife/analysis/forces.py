@@ -6,65 +6,93 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Record
-from .motion import pin_path
+from ..kernels.arrays import LINE, ROUND
+from .motion import seen
 
 Array = NDArray[np.float64]
 FREE_FLIGHT, IMPACT, CONTINUOUS_CONTACT = 0, 1, 2
 MODES = ("free_flight", "impact", "continuous_contact")  # their names, in this order
-BLOCK = {"clearances": "clearance", "ideals": "ideal", "pivots": "driven"}
 
 
-def joint_rows(record: Record) -> dict[str, tuple[str, int]]:
-    """Kind of row (``clearance``, ``ideal``, ``driven``) of each joint and its place there, joints in the mechanism's
-    order.
+def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
+    """Kind of row (``clearance``, ``ideal``, ``driven``) of each joint and its places there, in the mechanism's order; gears and drivers last.
+
+    A block in a guide with play has four contacts.
     """
-    found = {}
-    for kind, block in BLOCK.items():
-        for index, name in enumerate(getattr(record.assembly, kind)):
-            found[name] = (block, index)
-    return {name: found[name] for name in record.assembly.mechanism.joints if name in found}
+    assembly = record.assembly
+    found: dict[str, tuple[str, list[int]]] = {}
+    for kind, block in (("contact_joints", "clearance"), ("ideals", "ideal"), ("pivots", "driven")):
+        for index, name in enumerate(getattr(assembly, kind)):
+            found.setdefault(name, (block, []))[1].append(index)
+    return {name: found[name] for name in (*assembly.mechanism.joints, *found) if name in found}
 
 
 def eccentricity(record: Record) -> Array:
-    """Journal centre seen from the bearing centre, global axes (m), shape (outputs, clearances, 2): Eq. 20."""
-    paths = []
-    for name in record.assembly.clearances:
-        bearing, journal = (pin_path(record, *side) for side in record.assembly.mechanism.joints[name].sides)
-        paths.append(journal - bearing)
-    return np.stack(paths, axis=1) if paths else np.zeros((len(record.steps), 0, 2))
+    """Journal centre seen from the bearing's pin, global axes (m), shape (outputs, contacts, 2): Eq. 20."""
+    if not record.assembly.clearances:
+        return np.zeros((len(record.steps), 0, 2))
+    return np.asarray(seen(record, "clearance", "journal") - seen(record, "clearance", "bearing"), dtype=float)
+
+
+def normals(record: Record) -> Array:
+    """Unit vector of each contact against which its normal force acts on the journal, shape (outputs, contacts, 2): Eq. 24.
+
+    From the bearing's centre to the journal's; outside, from the journal's to the bearing's; on a line, into its material.
+    """
+    topology = record.assembly.topology
+    away = eccentricity(record)
+    n = away / np.maximum(np.linalg.norm(away, axis=2, keepdims=True), 1e-300)
+    kind = np.array(topology.clearance_kind, dtype=int)
+    n[:, kind == ROUND] *= -1.0
+    lines = np.flatnonzero(kind == LINE)
+    if len(lines):
+        angle = record.block("particle_theta")[:, [topology.clearance_bearing[k] for k in lines]]
+        x, y = (record.parameter(f"clearance_line_{axis}")[lines] for axis in "xy")
+        n[:, lines] = np.stack([np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y], axis=2)
+    return np.asarray(n, dtype=float)
 
 
 def joint_force(record: Record) -> Array:
     """Force of each joint on its journal, global axes (N), shape (outputs, joints, 2).
 
     A joint with clearance gives -F_N n + F_T t, n from the bearing's centre to the journal's and t = n turned
-    anticlockwise.
+    anticlockwise; the contacts of a block in a guide are summed.
     """
     rows = joint_rows(record)
     force = np.zeros((len(record.steps), len(rows), 2))
-    contact = _contact_force(record) if record.assembly.clearances else None
-    for k, (name, (block, index)) in enumerate(rows.items()):
+    contact = contact_force(record) if record.assembly.clearances else None
+    for k, (name, (block, indices)) in enumerate(rows.items()):
         if block == "clearance" and contact is not None:
-            force[:, k] = contact[:, index]
+            force[:, k] = contact[:, indices].sum(axis=1)
             continue
-        force[:, k, 0], force[:, k, 1] = record.block(f"{block}_fx")[:, index], record.block(f"{block}_fy")[:, index]
+        force[:, k, 0], force[:, k, 1] = (record.block(f"{block}_f{axis}")[:, indices[0]] for axis in "xy")
         if block == "driven" and record.assembly.mechanism.joints[name].sides[0][0] != "ground":
             force[:, k] *= -1.0  # the row holds the force on the driven body, which is the bearing here
     return force
 
 
-def _contact_force(record: Record) -> Array:
-    away = eccentricity(record)
-    n = away / np.maximum(np.linalg.norm(away, axis=2, keepdims=True), 1e-300)
+def contact_force(record: Record) -> Array:
+    """Force of each contact on the journal (N), shape (outputs, contacts, 2)."""
+    n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
     normal, friction = record.block("clearance_normal_force"), record.block("clearance_friction_force")
     return np.asarray(friction[..., None] * t - normal[..., None] * n, dtype=float)
 
 
-def joint_force_max(record: Record) -> Array:
-    """Largest force of each joint in the interval up to an output (N), shape (outputs, joints)."""
+def joint_moment(record: Record) -> Array:
+    """Moment of each ideal joint on its journal's body (N m), 0 where it has none, shape (outputs, joints)."""
     rows = joint_rows(record)
-    squares = [record.block(f"{block}_force_squared_max")[:, index] for block, index in rows.values()]
+    moment = np.zeros((len(record.steps), len(rows)))
+    for k, (block, indices) in enumerate(rows.values()):
+        if block == "ideal":
+            moment[:, k] = record.block("ideal_moment")[:, indices[0]]
+    return moment
+
+
+def joint_force_max(record: Record) -> Array:
+    """Largest force of each joint in the interval up to an output (N), shape (outputs, joints); of a block in a guide that of one corner."""
+    rows = joint_rows(record)
+    squares = [record.block(f"{block}_force_squared_max")[:, indices].max(axis=1) for block, indices in rows.values()]
     return np.sqrt(np.stack(squares, axis=1)) if squares else np.zeros((len(record.steps), 0))
 
 

@@ -101,12 +101,21 @@ def pin_path(record: Record, body: str, pin: str) -> Array:
         return np.tile(np.asarray(assembly.mechanism.points[pin], dtype=float), (len(record.steps), 1))
     where = assembly.bodies[body]
     if where.elements:
-        node = where.particles[0] if pin == "start" else where.particles[-1]
+        node = where.nodes[pin]
         return np.stack([record.block("particle_x")[:, node], record.block("particle_y")[:, node]], axis=1)
     rx, ry = np.subtract(where.pins[pin], where.reference)
     x, y, angle = (record.block(f"particle_{axis}")[:, where.particles[0]] for axis in ("x", "y", "theta"))
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([x + c * rx - s * ry, y + s * rx + c * ry], axis=1)
+
+
+def seen(record: Record, kind: str, side: str) -> Array:
+    """Where the pins on one ``side`` of all joints or springs of a ``kind`` are (m), shape (outputs, joints, 2)."""
+    particles = list(getattr(record.assembly.topology, f"{kind}_{side}"))
+    x, y, angle = (record.block(f"particle_{axis}")[:, particles] for axis in ("x", "y", "theta"))
+    px, py = (record.parameter(f"{kind}_{side}_{axis}") for axis in "xy")
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([x + c * px - s * py, y + s * px + c * py], axis=2)
 
 
 def particle_names(record: Record) -> list[str]:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from ..assembly import Assembly, Record
 
 # Forces come first: where a step makes several quantities infinite, they are what did it.
-ORDER = ("clearance", "element", "ideal", "driven", "function", "system", "body", "particle")
+ORDER = ("clearance", "element", "spring", "ideal", "driven", "function", "system", "body", "particle")
 
 
 def diverged(record: Record) -> str:
@@ -45,8 +45,8 @@ def named(assembly: Assembly, rows: Any) -> str:
 
     found = []
     for block in BLOCKS:
-        where = range(*assembly.layout[block.name].indices(assembly.layout.rows))
-        found += [(ORDER.index(block.entity), block, where.index(row)) for row in rows if block.entity in ORDER and row in where]
+        where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
+        found += [(ORDER.index(block.entity), block, where[int(row)]) for row in rows if block.entity in ORDER and int(row) in where]
     if not found:
         return "a number of the state"
     _, block, index = min(found, key=lambda entry: entry[0])
@@ -59,11 +59,12 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
     names = {
         "clearance": assembly.clearances,
         "ideal": assembly.ideals,
+        "spring": assembly.springs,
         "driven": assembly.pivots,
         "body": tuple(assembly.bodies),
     }
     if entity in names:
-        return f"{'body' if entity == 'body' else 'joint'} {names[entity][index]}"
+        return f"{entity if entity in ('body', 'spring') else 'joint'} {names[entity][index]}"
     for name, where in assembly.bodies.items():
         parts = {"element": where.elements, "particle": where.particles}.get(entity, ())
         if index in parts:

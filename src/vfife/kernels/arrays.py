@@ -1,9 +1,10 @@
 """The contract between the rooms: every number a step reads or writes, with its entity, unit and meaning.
 
 All of it lies in one array ``S`` of shape ``(rows, lanes)``. Each entity (a particle, an element, a joint ...) has a record of rows, one for each
-of its blocks: state, extremes since the last output, parameters, scratch. One array is what lets the compiler see that two rows never overlap,
-so that four simulations share a vector register; records keep what belongs together in one cache line. A checkpoint is this array and the
-step number, a run's record is a choice of its rows at each output step.
+of its blocks: state, memory (what only the next step needs), extremes since the last output, parameters, scratch. One array is what lets the
+compiler see that two rows never overlap, so that four simulations share a vector register; records keep what belongs together in one cache
+line. A particle that no joint, load or driver touches is *plain* and has a shorter record. A checkpoint is this array and the step number, a
+run's record is its state and extremes at each output step.
 
 The topology reaches the data-driven loop as one array ``I`` of unsigned integers: a header, then lists of records.
 """
@@ -12,9 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from functools import cached_property
+from typing import Any, Literal
 
-Role = Literal["state", "extreme", "parameter", "scratch"]
+import numpy as np
+from numpy.typing import NDArray
+
+Role = Literal["state", "memory", "extreme", "parameter", "scratch"]
 
 CONTACT_SLOTS = 8
 FRICTION_SLOTS = 8
@@ -70,12 +75,14 @@ BLOCKS: tuple[Block, ...] = (
         element_axial_force | N | axial force, tension positive, at step n
         element_moment_1 | N m | internal moment at the first node at step n
         element_moment_2 | N m | internal moment at the second node at step n
-        reference_length | m | length at the start of the path unit
+        reference_length | m | length at the start of the path unit"""),
+    *_blocks("memory", "element", """
         reference_inverse_length | 1/m | its inverse
         reference_cosine | 1 | direction at the start of the path unit
         reference_sine | 1 | direction at the start of the path unit
         reference_theta_1 | rad | rotation of the first node at the start of the path unit
-        reference_theta_2 | rad | rotation of the second node at the start of the path unit
+        reference_theta_2 | rad | rotation of the second node at the start of the path unit"""),
+    *_blocks("memory", "unit", """
         reference_axial_force | N | axial force at the start of the path unit
         reference_moment_1 | N m | moment at the first node at the start of the path unit
         reference_moment_2 | N m | moment at the second node at the start of the path unit"""),
@@ -96,7 +103,19 @@ BLOCKS: tuple[Block, ...] = (
         clearance_contact_steps | 1 | steps in continuous contact"""),
     *_blocks("state", "ideal", """
         ideal_fx | N | force on the journal at step n
-        ideal_fy | N | force on the journal at step n"""),
+        ideal_fy | N | force on the journal at step n
+        ideal_moment | N m | moment on the journal's body at step n"""),
+    *_blocks("memory", "row", """
+        row_force | N or N m | reaction along one constraint at step n"""),
+    *_blocks("state", "spring", """
+        spring_fx | N | force on the second body at step n
+        spring_fy | N | force on the second body at step n
+        spring_moment | N m | moment on the second body's pin at step n
+        spring_energy | J | elastic energy at step n
+        spring_damping_power | W | power lost in damping at step n
+        spring_damping_work | J | energy lost in damping up to step n + 1/2"""),
+    *_blocks("memory", "spring", """
+        spring_resistance | N or N m | forces along its axes at step n | 3"""),
     *_blocks("state", "driven", """
         driven_torque | N m | torque of the driver at step n
         driven_fx | N | force of the ground on the driven body at step n
@@ -125,6 +144,8 @@ BLOCKS: tuple[Block, ...] = (
         driven_torque_max | N m | largest absolute torque since the last output"""),
     *_blocks("extreme", "body", """
         body_alpha_max | rad/s^2 | largest absolute angular acceleration since the last output"""),
+    *_blocks("extreme", "spring", """
+        spring_force_squared_max | N^2 | largest squared force since the last output"""),
     *_blocks("parameter", "particle", """
         particle_inverse_mass | 1/kg | 0 where the motion is prescribed
         particle_inverse_inertia | 1/(kg m^2) | 0 where the rotation is prescribed
@@ -139,7 +160,9 @@ BLOCKS: tuple[Block, ...] = (
         clearance_bearing_y | m | bearing centre in its body's frame
         clearance_journal_x | m | journal centre in its body's frame
         clearance_journal_y | m | journal centre in its body's frame
-        clearance_size | m | c = R_B - R_J
+        clearance_line_x | 1 | on a line: direction into its material, in the bearing's frame
+        clearance_line_y | 1 | on a line: direction into its material, in the bearing's frame
+        clearance_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing, R_B + R_J outside, -R_J on a line
         clearance_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
         clearance_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
         clearance_arm_overlap | 1 | share of the penetration by which the arms change
@@ -151,7 +174,20 @@ BLOCKS: tuple[Block, ...] = (
         ideal_bearing_x | m | pin in the bearing body's frame
         ideal_bearing_y | m | pin in the bearing body's frame
         ideal_journal_x | m | pin in the journal body's frame
-        ideal_journal_y | m | pin in the journal body's frame"""),
+        ideal_journal_y | m | pin in the journal body's frame
+        ideal_direction_x | 1 | direction of a guide, in the bearing body's frame
+        ideal_direction_y | 1 | direction of a guide, in the bearing body's frame
+        ideal_offset | rad or m | angle, or travel, between the bodies at the start
+        ideal_ratio | 1 | turns of the journal's body for one of the bearing's"""),
+    *_blocks("parameter", "spring", """
+        spring_first_x | m | pin in the first body's frame
+        spring_first_y | m | pin in the first body's frame
+        spring_second_x | m | pin in the second body's frame
+        spring_second_y | m | pin in the second body's frame
+        spring_stiffness | N/m or N m/rad | along its axes | 3
+        spring_damping | N s/m or N m s/rad | along its axes | 3
+        spring_free | m or rad | free length, free angle, or lower limit of a stop
+        spring_high | rad | upper limit of a stop"""),
     *_blocks("parameter", "driven", """
         driven_angle | rad | angle at t = 0 of a driver of constant speed
         driven_speed | rad/s | its speed
@@ -172,7 +208,8 @@ BLOCKS: tuple[Block, ...] = (
     *_blocks("scratch", "particle", """
         fx | N | force so far at step n
         fy | N | force so far at step n
-        mz | N m | moment so far at step n
+        mz | N m | moment so far at step n"""),
+    *_blocks("scratch", "bound", """
         c | 1 | cosine of the rotation at step n
         s | 1 | sine of the rotation at step n
         vu | m/s | velocity at step n
@@ -180,13 +217,14 @@ BLOCKS: tuple[Block, ...] = (
         vw | rad/s | angular velocity at step n
         xn | m | position at step n + 1
         yn | m | position at step n + 1
+        tn | rad | rotation at step n + 1
         cn | 1 | cosine of the rotation at step n + 1
         sn | 1 | sine of the rotation at step n + 1
         rn | 1/kg | velocities per unit of a joint's normal force | 3
         rt | 1/kg | velocities per unit of a joint's friction force | 3"""),
     *_blocks("scratch", "clearance", """
-        nx | 1 | direction from bearing to journal centre
-        ny | 1 | direction from bearing to journal centre
+        nx | 1 | direction from bearing to journal centre, or into the line's material
+        ny | 1 | direction from bearing to journal centre, or into the line's material
         jn | m | lever of the normal force on the journal's body
         jt | m | lever of the friction force on the journal's body
         bn | m | lever of the normal force on the bearing's body
@@ -195,44 +233,58 @@ BLOCKS: tuple[Block, ...] = (
         damping_coefficient | N s/m | damping coefficient
         normal | N | normal force to start from
         friction | N | friction force to start from"""),
-    *_blocks("scratch", "ideal", """
-        bx | m | arm of the pin on the bearing's body
-        by | m | arm of the pin on the bearing's body
-        kx | m | arm of the pin on the journal's body
-        ky | m | arm of the pin on the journal's body"""),
+    *_blocks("scratch", "row", """
+        row_nx | 1 | direction of the constraint, 0 for an angle
+        row_ny | 1 | direction of the constraint, 0 for an angle
+        row_jb | m | lever on the bearing's body
+        row_jk | m | lever on the journal's body"""),
 )  # fmt: skip
 
 BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
-ENTITIES = ("system", "particle", "element", "clearance", "ideal", "driven", "load", "body", "function")
+ENTITIES = ("system", "particle", "element", "unit", "clearance", "ideal", "row", "spring", "driven", "load", "body", "function")
 
 
-def _fields(entity: str) -> Fields:
-    return Fields((block.field, block.width) for block in BLOCKS if block.entity == entity)
+def _fields(*entities: str) -> Fields:
+    return Fields((block.field, block.width) for entity in entities for block in BLOCKS if block.entity == entity)
 
 
-Y, P, E, C, R, D, L, B, F = (_fields(entity) for entity in ENTITIES)  # rows of each entity's record
+# Rows of each entity's record; P is that of a bound particle, whose first PLAIN rows are those of a plain one.
+Y, P, E, U, C, R, Q, G, D, L, B, F = (_fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES)
+RECORDS = dict(zip(ENTITIES, (Y, P, E, U, C, R, Q, G, D, L, B, F), strict=True))
+PLAIN = _fields("particle").SIZE
+
+# Kinds of ideal joints (rows 2, 2, 1, 3, 1, 1, 1), of contacts, springs and arguments of functions.
+REVOLUTE, SLIDER, SLOT, WELD, GEAR, ANGLE, TRAVEL = range(7)
+IDEAL_ROWS = (2, 2, 1, 3, 1, 1, 1)
+BEARING, ROUND, LINE = range(3)
+LINEAR, TORSIONAL, STOP, BUSHING = range(4)
+TIME, TURNED, SPEED = range(3)
 
 # Records of the integer array: rows of S and kinds.
-JE = Fields((name, 1) for name in ("row", "first", "second", "release"))
-JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction"))
-JR = Fields((name, 1) for name in ("row", "bearing", "journal"))
+JE = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
+JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "kind"))
+JR = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function"))
+JQ = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
+JG = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 JD = Fields((name, 1) for name in ("row", "body", "function"))
-JL = Fields((name, 1) for name in ("row", "body", "function"))
+JL = Fields((name, 1) for name in ("row", "body", "function", "follow"))
 JB = Fields((name, 1) for name in ("row", "first", "second", "element"))
-JF = Fields((name, 1) for name in ("row", "table"))
-JK = Fields((name, 1) for name in ("first", "second", "body", "first_arm", "second_arm", "same", "upper", "lower"))
+JF = Fields((name, 1) for name in ("row", "table", "argument", "first", "second"))
+JK = Fields((name, 1) for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at"))
+JT = Fields((name, 1) for name in ("drift", "drift_end", "element", "element_end", "kick", "kick_end"))
 
 LISTS = (
-    "free",
+    "bound",
     "trig",
     "jointed",
     "pinned",
-    "particle",
+    "tile",
     "element",
     "clearance",
     "ideal",
-    "couple",
     "row",
+    "couple",
+    "spring",
     "driven",
     "load",
     "body",
@@ -243,7 +295,7 @@ H = Fields(
     for name in (
         *LISTS,
         *(f"{name}_count" for name in LISTS),
-        *("profile", "profile_count", "inverse", "y", "gn", "gt", "path_unit", "damped", "close_again"),
+        *("plain", "profile", "profile_count", "inverse", "y", "gn", "gt", "path_unit", "damped", "worked", "close_again"),
     )
 )
 
@@ -262,29 +314,62 @@ class Topology:
     element_release: tuple[int, ...] = ()
     clearance_bearing: tuple[int, ...] = ()
     clearance_journal: tuple[int, ...] = ()
+    clearance_kind: tuple[int, ...] = ()
     clearance_contact: tuple[int, ...] = ()
     clearance_friction: tuple[int, ...] = ()
     ideal_bearing: tuple[int, ...] = ()
     ideal_journal: tuple[int, ...] = ()
+    ideal_kind: tuple[int, ...] = ()
+    ideal_function: tuple[int, ...] = ()
+    spring_first: tuple[int, ...] = ()
+    spring_second: tuple[int, ...] = ()
+    spring_kind: tuple[int, ...] = ()
     driven: tuple[int, ...] = ()
     driven_function: tuple[int, ...] = ()
     load_particle: tuple[int, ...] = ()
     load_function: tuple[int, ...] = ()
+    load_follow: tuple[bool, ...] = ()
     body_nodes: tuple[tuple[int, int], ...] = ()
     function_start: tuple[int, ...] = ()
+    function_argument: tuple[tuple[int, int, int], ...] = ()
     path_unit: int = 1
     damped: bool = False
     weightless: bool = False
     contact_laws: tuple[type, ...] = ()
     friction_laws: tuple[type, ...] = ()
 
+    @property
+    def kinds(self) -> tuple[int, ...]:
+        """Kinds of the ideal joints, revolutes unless said."""
+        return self.ideal_kind or (REVOLUTE,) * len(self.ideal_bearing)
+
+    @property
+    def row_starts(self) -> tuple[int, ...]:
+        """First constraint row of each ideal joint, and the number of rows."""
+        starts = [0]
+        for kind in self.kinds:
+            starts.append(starts[-1] + IDEAL_ROWS[kind])
+        return tuple(starts)
+
+    @cached_property
+    def bound(self) -> tuple[int, ...]:
+        """Particles that a joint, spring, load, driver or function touches, or that turn an arm; the ground."""
+        touched = {0, *self.trig, *self.clearance_bearing, *self.clearance_journal, *self.ideal_bearing, *self.ideal_journal, *self.driven}
+        touched |= {*self.spring_first, *self.spring_second, *self.load_particle}
+        touched |= {body for _, first, second in self.function_argument for body in (first, second)}
+        free = set(self.free)
+        return tuple(sorted(touched | {p for p in range(self.particles) if p not in free}))
+
     def counts(self) -> dict[str, int]:
-        """Number of rows per entity."""
+        """Number of records per entity."""
         return {
             "particle": self.particles,
             "element": len(self.element_nodes),
+            "unit": len(self.element_nodes) if self.path_unit > 1 else 0,
             "clearance": len(self.clearance_bearing),
             "ideal": len(self.ideal_bearing),
+            "row": self.row_starts[-1],
+            "spring": len(self.spring_first),
             "driven": len(self.driven),
             "load": len(self.load_particle),
             "body": len(self.body_nodes),
@@ -294,36 +379,51 @@ class Topology:
 
 
 class Layout:
-    """Where each block lies: ``layout["particle_x"]`` is a strided slice of rows, ``layout.row("particle_x", 3)`` one row."""
+    """Where each block lies: ``layout["particle_x"]`` are its rows, in order; ``layout.row("particle_x", 3)`` one of them."""
 
     def __init__(self, topology: Topology) -> None:
         counts = topology.counts()
-        self.base: dict[str, int] = {}
-        self.slices: dict[str, slice] = {}
+        self.records: dict[str, NDArray[np.intp]] = {}
         self.rows = 0
-        for entity, fields in zip(ENTITIES, (Y, P, E, C, R, D, L, B, F), strict=True):
-            self.base[entity] = self.rows
-            self.rows += counts[entity] * fields.SIZE
-        sizes = dict(zip(ENTITIES, (Y, P, E, C, R, D, L, B, F), strict=True))
-        for block in BLOCKS:
-            fields = sizes[block.entity]
-            start = self.base[block.entity] + getattr(fields, block.field)
-            self.slices[block.name] = slice(start, start + counts[block.entity] * fields.SIZE, fields.SIZE)
+        for entity in ENTITIES:
+            sizes = np.full(counts[entity], RECORDS[entity].SIZE, dtype=np.intp)
+            if entity == "particle":
+                sizes[:] = PLAIN
+                sizes[list(topology.bound)] = P.SIZE
+                order = np.argsort(sizes == PLAIN, kind="stable")  # bound ones first, so that plain ones follow each other
+                starts = np.empty_like(sizes)
+                starts[order] = self.rows + np.cumsum(sizes[order]) - sizes[order]
+                self.plain = self.rows + len(topology.bound) * P.SIZE
+                self.records["bound"] = starts[list(topology.bound)]
+            else:
+                starts = self.rows + np.arange(counts[entity], dtype=np.intp) * RECORDS[entity].SIZE
+            self.records[entity] = starts
+            self.rows += int(sizes.sum())
+        self.known: dict[str, NDArray[np.intp]] = {}
 
-    def __getitem__(self, name: str) -> slice:
-        return self.slices[name]
+    def __getitem__(self, name: str) -> NDArray[np.intp]:
+        if name not in self.known:
+            block = BY_NAME[name]
+            fields: Any = P if block.entity == "bound" else RECORDS[block.entity]
+            self.known[name] = self.records[block.entity] + getattr(fields, block.field)
+        return self.known[name]
+
+    def rows_of(self, name: str) -> NDArray[np.intp]:
+        """All rows of a block, entity by entity, also where it is wider than one row."""
+        return np.asarray((self[name][:, None] + np.arange(BY_NAME[name].width)).reshape(-1), dtype=np.intp)
 
     def row(self, name: str, index: int = 0) -> int:
-        """Row of entity ``index`` in block ``name``; of its first row where the block is wider."""
-        where = self.slices[name]
-        return int(where.start + index * where.step)
+        """Row of entity ``index`` in block ``name``; of its first row where the block is wider. Of bound blocks the index is the particle's."""
+        block = BY_NAME[name]
+        if block.entity == "bound":
+            return int(self.records["particle"][index]) + int(getattr(P, block.field))
+        return int(self[name][index])
 
-    def of_entity(self, entity: str) -> range:
-        """All rows of an entity."""
-        later = [base for base in self.base.values() if base > self.base[entity]]
-        return range(self.base[entity], min(later, default=self.rows))
+    def record(self, entity: str, index: int) -> int:
+        """First row of the record of an entity."""
+        return int(self.records[entity][index])
 
     def of(self, *roles: Role) -> list[int]:
         """All rows of the given roles, block by block."""
         chosen = [block for block in BLOCKS if block.role in roles]
-        return [row + k for block in chosen for row in range(*self.slices[block.name].indices(self.rows)) for k in range(block.width)]
+        return [row for block in chosen for row in self.rows_of(block.name).tolist()]

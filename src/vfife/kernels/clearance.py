@@ -1,10 +1,12 @@
-"""Clearance joints at a step: where journal and bearing stand, whether a contact begins, and the force that answers (paper Eq. 18-33).
+"""Contacts at a step: where journal and bearing stand, whether a contact begins, and the force that answers (paper Eq. 18-33).
+
+A journal meets the bearing around it, a round beside it, or a straight line (the wall of a guide, met by the corners of a block).
 
 Damping and friction are stiff: both act on the velocity at t_n, which a central difference does not know yet, so each joint solves for its
 force in closed form. Joints that share a body are visited in turn, from the last step's forces.
 """
 
-from .arrays import JC, C, H, P, Y
+from .arrays import JC, LINE, ROUND, C, H, P, Y
 from .ideal import hold, respond
 from .pin import arm, eccentricity, normal_force, onset_speed, seldom
 from .step import larger
@@ -70,12 +72,23 @@ def meet(S, I, start, p, h):
         kx, ky = arm(S[k + P.c], S[k + P.s], S[j + C.journal_x], S[j + C.journal_y])
         ex = (S[k + P.x] + kx) - (S[b + P.x] + bx)
         ey = (S[k + P.y] + ky) - (S[b + P.y] + by)
-        depth, nx, ny = eccentricity(ex, ey, S[j + C.size])
+        kind = I[r + JC.kind]
+        along = 0.0
+        if kind == LINE:
+            nx, ny = arm(S[b + P.c], S[b + P.s], S[j + C.line_x], S[j + C.line_y])
+            depth = (nx * ex + ny * ey) - S[j + C.size]
+            along = nx * ey - ny * ex
+        else:
+            depth, nx, ny = eccentricity(ex, ey, S[j + C.size])
+            if kind == ROUND:
+                depth = -depth
+                nx = -nx
+                ny = -ny
         overlap = S[j + C.arm_overlap] * depth
         S[j + C.nx] = nx
         S[j + C.ny] = ny
         S[j + C.jn] = kx * ny - ky * nx
-        S[j + C.bn] = bx * ny - by * nx
+        S[j + C.bn] = bx * ny - by * nx - along
         S[j + C.jt] = kx * nx + ky * ny + (S[j + C.arm_journal] - overlap)
         S[j + C.bt] = bx * nx + by * ny + (S[j + C.arm_bearing] + overlap)
         touching = depth > 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from .arrays import Layout, P, Topology
+from .arrays import REVOLUTE, SLOT, SPEED, TIME, TURNED, Layout, P, Topology
 from .drive import polynomial
 from .graph import tables
 from .schedule import Line, woven
@@ -16,24 +16,42 @@ from .trace import Rows, Symbol, Tape, either, text, traced
 def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     """Rows whose value follows from the topology: what never moves, and what a body without arms does not feel."""
     known: dict[int, float] = {}
-    free, driven, armed = set(topology.free), set(topology.driven), set(topology.trig)
+    free, driven, armed, bound = set(topology.free), set(topology.driven), set(topology.trig), set(topology.bound)
     for i in range(topology.particles):
-        base = layout.row("particle_x", i)
-        known |= {base + getattr(P, name): 0.0 for name in ("vu", "vv", "vw", "s", "sn")}
-        known |= {base + getattr(P, name): 1.0 for name in ("c", "cn")}
+        base = layout.record("particle", i)
+        if i in bound:
+            known |= {base + getattr(P, name): 0.0 for name in ("vu", "vv", "vw", "s", "sn")}
+            known |= {base + getattr(P, name): 1.0 for name in ("c", "cn")}
         if topology.weightless:
             known |= {base + getattr(P, name): 0.0 for name in ("load_x", "load_y", "load_m")}
         if i not in free:
             known |= {base + getattr(P, name): 0.0 for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")}
         if i not in free | driven:
-            known |= {base + getattr(P, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
+            known |= {base + getattr(P, name): 0.0 for name in ("x", "y", "theta", "w", "aw", "xn", "yn", "tn")}
     if topology.weightless:
         known |= {layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"}
-    for kind, sides in (("clearance", ("bearing", "journal")), ("ideal", ("bearing", "journal"))):
-        for side in sides:
-            for joint, body in enumerate(getattr(topology, f"{kind}_{side}")):
-                if body not in armed and body != 0:
-                    known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
+    known |= _on_particles(topology, layout, armed)
+    return known
+
+
+def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[int, float]:
+    """Arms of joints and springs that are zero because the particle itself is the pin; offsets of joints that have none."""
+    known: dict[int, float] = {}
+    pairs = (
+        ("clearance", "bearing"),
+        ("clearance", "journal"),
+        ("ideal", "bearing"),
+        ("ideal", "journal"),
+        ("spring", "first"),
+        ("spring", "second"),
+    )
+    for kind, side in pairs:
+        for joint, body in enumerate(getattr(topology, f"{kind}_{side}")):
+            if body not in armed and body != 0:
+                known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
+    for joint, kind_of_joint in enumerate(topology.kinds):
+        if kind_of_joint in (REVOLUTE, SLOT):
+            known[layout.row("ideal_offset", joint)] = 0.0
     return known
 
 
@@ -42,7 +60,7 @@ def trace(topology: Topology) -> tuple[list[Line], dict[int, str], str]:
     integers, layout, _ = tables(topology)
     tape = Tape()
     space = traced(data_driven(topology.contact_laws, topology.friction_laws), tape)
-    rows = Rows(tape, known_rows(topology, layout), set(layout.of("state", "extreme")))
+    rows = Rows(tape, known_rows(topology, layout), set(layout.of("state", "memory", "extreme")))
     space["step"](rows, [int(value) for value in integers], Symbol(tape, "n"), False)
     stores = rows.stores()
     rare: Any = False
@@ -53,16 +71,30 @@ def trace(topology: Topology) -> tuple[list[Line], dict[int, str], str]:
 
 
 def _preparation(topology: Topology, layout: Layout, lanes: int) -> list[str]:
-    """Functions of time, evaluated before the lanes: a search in a table is no straight line."""
+    """Functions, evaluated before the lanes: a search in a table is no straight line."""
     if not topology.function_start:
         return []
     out = [f"for w in range({lanes}):", f"    dt = S[{layout.row('step') * lanes} + w]"]
     for f, start in enumerate(topology.function_start):
         value, rate, second, after = (layout.row(f"function_{name}", f) * lanes for name in ("value", "rate", "acceleration", "next"))
         table = f"w * (len(T) // {lanes}) + {start}"
-        out.append(f"    S[{value} + w], S[{rate} + w], S[{second} + w] = polynomial(T, {table}, n * dt)")
-        out.append(f"    S[{after} + w] = polynomial(T, {table}, (n + 1) * dt)[0]")
+        kind, x = _argument(topology, layout, lanes, f)
+        out.append(f"    S[{value} + w], S[{rate} + w], S[{second} + w] = polynomial(T, {table}, {x})")
+        following = f"polynomial(T, {table}, (n + 1) * dt)[0]" if kind == TIME else f"S[{value} + w]"
+        out.append(f"    S[{after} + w] = {following}")
     return out
+
+
+def _argument(topology: Topology, layout: Layout, lanes: int, f: int) -> tuple[int, str]:
+    """Kind and text of what a function depends on, as ``loop.functions`` has it."""
+    kind, *bodies = topology.function_argument[f] if topology.function_argument else (TIME, 0, 0)
+    if kind == TIME:
+        return kind, "n * dt"
+    first, second, factor = {TURNED: ("theta", "w", "dt"), SPEED: ("w", "aw", "0.5 * dt")}[kind]
+    ends = [
+        f"(S[{layout.row(f'particle_{first}', p) * lanes} + w] + {factor} * S[{layout.row(f'particle_{second}', p) * lanes} + w])" for p in bodies
+    ]
+    return kind, f"{ends[1]} - {ends[0]}"
 
 
 @lru_cache(maxsize=32)

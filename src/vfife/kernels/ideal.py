@@ -1,24 +1,56 @@
-"""Ideal revolute joints (paper Eq. 14-17, generalised): reactions that keep bearing and journal in one place.
+"""Ideal joints (paper Eq. 14-17, generalised): reactions that keep what is joined joined, one row for each constraint.
 
-For two particles alone the block of a joint is (1/m_B + 1/m_J) and its solution is Eq. 16 with external forces. Equal accelerations alone
+For two particles alone the block of a revolute is (1/m_B + 1/m_J) and its solution is Eq. 16 with external forces. Equal accelerations alone
 let positions drift, so the reaction at t_n is the one that closes the joint at t_(n+1) (SHAKE: Ryckaert, Ciccotti and Berendsen 1977). Where
-rigid bodies carry several pins the blocks couple; they are factored along the profile of the joint graph, never as a matrix of the mechanism.
+bodies carry several joints the rows couple; they are factored along the profile of the joint graph, never as a matrix of the mechanism.
+
+A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b. Revolutes have a row for x and one for y, a slider
+one across its guide and one for the angle, a weld all three, gears and prescribed angles one for the angle with n = 0.
 """
 
-from .arrays import JD, JK, JR, C, D, F, H, P, R
+from .arrays import ANGLE, GEAR, JD, JK, JQ, JR, REVOLUTE, SLIDER, TRAVEL, WELD, C, D, F, H, P, Q, R
 from .elementary import sincos, small_turn
-from .pin import arm, coupling
+from .pin import arm
+
+
+def row(S, q, nx, ny, jb, jk):
+    """Direction and levers of a constraint."""
+    S[q + Q.nx] = nx
+    S[q + Q.ny] = ny
+    S[q + Q.jb] = jb
+    S[q + Q.jk] = jk
 
 
 def levers(S, I):
-    """Arms of all ideal joints at t_n."""
+    """Directions and levers of all constraints at t_n."""
     for m in range(I[H.ideal_count]):
         r = I[H.ideal] + JR.SIZE * m
         i = I[r + JR.row]
         b = I[r + JR.bearing]
         k = I[r + JR.journal]
-        S[i + R.bx], S[i + R.by] = arm(S[b + P.c], S[b + P.s], S[i + R.bearing_x], S[i + R.bearing_y])
-        S[i + R.kx], S[i + R.ky] = arm(S[k + P.c], S[k + P.s], S[i + R.journal_x], S[i + R.journal_y])
+        q = I[r + JR.first]
+        kind = I[r + JR.kind]
+        if kind == GEAR:
+            row(S, q, 0.0, 0.0, S[i + R.ratio], 1.0)
+        elif kind == ANGLE:
+            row(S, q, 0.0, 0.0, 1.0, 1.0)
+        else:
+            bx, by = arm(S[b + P.c], S[b + P.s], S[i + R.bearing_x], S[i + R.bearing_y])
+            kx, ky = arm(S[k + P.c], S[k + P.s], S[i + R.journal_x], S[i + R.journal_y])
+            if kind == REVOLUTE or kind == WELD:
+                row(S, q, 1.0, 0.0, -by, -ky)
+                row(S, q + Q.SIZE, 0.0, 1.0, bx, kx)
+                if kind == WELD:
+                    row(S, q + 2 * Q.SIZE, 0.0, 0.0, 1.0, 1.0)
+            else:
+                dx, dy = arm(S[b + P.c], S[b + P.s], S[i + R.direction_x], S[i + R.direction_y])
+                nx = dx if kind == TRAVEL else -dy
+                ny = dy if kind == TRAVEL else dx
+                rx = (S[k + P.x] + kx) - S[b + P.x]
+                ry = (S[k + P.y] + ky) - S[b + P.y]
+                row(S, q, nx, ny, rx * ny - ry * nx, kx * ny - ky * nx)
+                if kind == SLIDER:
+                    row(S, q + Q.SIZE, 0.0, 0.0, 1.0, 1.0)
 
 
 def ahead(S, I, after):
@@ -31,45 +63,38 @@ def ahead(S, I, after):
         angle = S[k + D.angle] + S[k + D.speed] * after if f == 0 else S[f + F.next]
         S[i + P.xn] = S[i + P.x]
         S[i + P.yn] = S[i + P.y]
+        S[i + P.tn] = angle
         S[i + P.sn], S[i + P.cn] = sincos(angle)
 
 
 def fill(S, I):
-    """Lower half of the joints' block matrix G M^-1 G^T, summed over the bodies that two joints share."""
+    """Lower half of the matrix G M^-1 G^T, summed over the bodies that two constraints share."""
     for q in range(I[H.profile_count]):
         S[I[H.profile] + q] = 0.0
     for m in range(I[H.couple_count]):
         r = I[H.couple] + JK.SIZE * m
-        first = I[r + JK.first]
-        second = I[r + JK.second]
+        a = I[r + JK.first]
+        c = I[r + JK.second]
         body = I[r + JK.body]
-        xx, xy, yx, yy = coupling(
-            S[body + P.inverse_mass],
-            S[body + P.inverse_inertia],
-            S[I[r + JK.first_arm]],
-            S[I[r + JK.first_arm] + 1],
-            S[I[r + JK.second_arm]],
-            S[I[r + JK.second_arm] + 1],
-        )
-        sign = 1.0 if I[r + JK.same] != 0 else -1.0
-        upper = I[r + JK.upper]
-        lower = I[r + JK.lower]
-        S[upper] += sign * xx
-        if first != second:
-            S[upper + 1] += sign * xy
-        S[lower] += sign * yx
-        S[lower + 1] += sign * yy
+        along = S[a + Q.nx] * S[c + Q.nx] + S[a + Q.ny] * S[c + Q.ny]
+        turning = S[I[r + JK.first_lever]] * S[I[r + JK.second_lever]]
+        value = S[body + P.inverse_mass] * along + S[body + P.inverse_inertia] * turning
+        at = I[r + JK.at]
+        if I[r + JK.same] != 0:
+            S[at] += value
+        else:
+            S[at] -= value
 
 
 def factor(S, I):
-    """L D L^T of the block matrix along its profile, in place; a pivot lost to rounding (a redundant joint) is left out."""
+    """L D L^T of the matrix along its profile, in place; a pivot lost to rounding (a redundant joint) is left out."""
     inverse = I[H.inverse]
     for r in range(I[H.row_count]):
-        first = I[I[H.row] + 2 * r]
-        at = I[I[H.row] + 2 * r + 1]
+        first = I[I[H.row] + JQ.SIZE * r + JQ.start]
+        at = I[I[H.row] + JQ.SIZE * r + JQ.at]
         for c in range(first, r):
-            other = I[I[H.row] + 2 * c + 1]
-            start = max(first, I[I[H.row] + 2 * c])
+            other = I[I[H.row] + JQ.SIZE * c + JQ.at]
+            start = max(first, I[I[H.row] + JQ.SIZE * c + JQ.start])
             value = S[at + c]
             for q in range(start, c):
                 value -= S[at + q] * S[other + q]
@@ -87,75 +112,123 @@ def factor(S, I):
 def solve(S, I, y):
     """Solves with the factors in place."""
     for r in range(I[H.row_count]):
-        at = I[I[H.row] + 2 * r + 1]
+        at = I[I[H.row] + JQ.SIZE * r + JQ.at]
         value = S[y + r]
-        for c in range(I[I[H.row] + 2 * r], r):
+        for c in range(I[I[H.row] + JQ.SIZE * r + JQ.start], r):
             value -= S[at + c] * S[y + c]
         S[y + r] = value
     for r in range(I[H.row_count]):
         S[y + r] = S[y + r] * S[I[H.inverse] + r]
     for q in range(I[H.row_count]):
         r = I[H.row_count] - 1 - q
-        at = I[I[H.row] + 2 * r + 1]
+        at = I[I[H.row] + JQ.SIZE * r + JQ.at]
         value = S[y + r]
-        for c in range(I[I[H.row] + 2 * r], r):
+        for c in range(I[I[H.row] + JQ.SIZE * r + JQ.start], r):
             S[y + c] -= S[at + c] * value
 
 
-def pull(S, i, b, k, fx, fy):
-    """Adds a reaction to ideal joint i: on the journal, and its opposite on the bearing."""
-    S[i + R.fx] += fx
-    S[i + R.fy] += fy
-    S[k + P.fx] += fx
-    S[k + P.fy] += fy
-    S[k + P.mz] += S[i + R.kx] * fy - S[i + R.ky] * fx
-    S[b + P.fx] -= fx
-    S[b + P.fy] -= fy
-    S[b + P.mz] -= S[i + R.bx] * fy - S[i + R.by] * fx
+def pull(S, q, b, k, force):
+    """Adds a reaction along constraint q: on the journal's body, and its opposite on the bearing's."""
+    S[q + Q.force] += force
+    px = force * S[q + Q.nx]
+    py = force * S[q + Q.ny]
+    S[k + P.fx] += px
+    S[k + P.fy] += py
+    S[k + P.mz] += force * S[q + Q.jk]
+    S[b + P.fx] -= px
+    S[b + P.fy] -= py
+    S[b + P.mz] -= force * S[q + Q.jb]
 
 
 def recall(S, I):
     """The last step's reactions, as a start."""
-    for m in range(I[H.ideal_count]):
-        r = I[H.ideal] + JR.SIZE * m
-        i = I[r + JR.row]
-        fx = S[i + R.fx]
-        fy = S[i + R.fy]
-        S[i + R.fx] = 0.0
-        S[i + R.fy] = 0.0
-        pull(S, i, I[r + JR.bearing], I[r + JR.journal], fx, fy)
+    for m in range(I[H.row_count]):
+        r = I[H.row] + JQ.SIZE * m
+        q = I[r + JQ.row]
+        force = S[q + Q.force]
+        S[q + Q.force] = 0.0
+        pull(S, q, I[r + JQ.bearing], I[r + JQ.journal], force)
 
 
-def gaps(S, I, dt, b, k):
-    """Distances journal - bearing at t_(n+1) under the forces so far."""
-    y = I[H.y]
+def follow(S, I, dt, b, k):
+    """Positions and directions at t_(n+1) of the pinned bodies under the forces so far."""
     for q in range(I[H.pinned_count]):
         i = I[I[H.pinned] + q]
         im = S[i + P.inverse_mass]
         S[i + P.xn] = S[i + P.x] + dt * (b * S[i + P.u] + k * (im * S[i + P.fx]))
         S[i + P.yn] = S[i + P.y] + dt * (b * S[i + P.v] + k * (im * S[i + P.fy]))
         angle = dt * (b * S[i + P.w] + k * (S[i + P.inverse_inertia] * S[i + P.mz]))
+        S[i + P.tn] = S[i + P.theta] + angle
         S[i + P.cn], S[i + P.sn] = small_turn(S[i + P.c], S[i + P.s], angle)
+
+
+def gaps(S, I):
+    """What is missing in each constraint at t_(n+1)."""
     for m in range(I[H.ideal_count]):
         r = I[H.ideal] + JR.SIZE * m
         i = I[r + JR.row]
         p = I[r + JR.bearing]
         q = I[r + JR.journal]
-        bx, by = arm(S[p + P.cn], S[p + P.sn], S[i + R.bearing_x], S[i + R.bearing_y])
-        kx, ky = arm(S[q + P.cn], S[q + P.sn], S[i + R.journal_x], S[i + R.journal_y])
-        S[y + 2 * m] = (S[q + P.xn] + kx) - (S[p + P.xn] + bx)
-        S[y + 2 * m + 1] = (S[q + P.yn] + ky) - (S[p + P.yn] + by)
+        y = I[r + JR.y]
+        f = I[r + JR.function]
+        kind = I[r + JR.kind]
+        aim = S[i + R.offset]
+        if f != 0:
+            aim += S[f + F.next]
+        if kind == GEAR:
+            S[y] = (S[q + P.tn] - S[i + R.ratio] * S[p + P.tn]) - aim
+        elif kind == ANGLE:
+            S[y] = (S[q + P.tn] - S[p + P.tn]) - aim
+        else:
+            bx, by = arm(S[p + P.cn], S[p + P.sn], S[i + R.bearing_x], S[i + R.bearing_y])
+            kx, ky = arm(S[q + P.cn], S[q + P.sn], S[i + R.journal_x], S[i + R.journal_y])
+            ex = (S[q + P.xn] + kx) - (S[p + P.xn] + bx)
+            ey = (S[q + P.yn] + ky) - (S[p + P.yn] + by)
+            if kind == REVOLUTE or kind == WELD:
+                S[y] = ex
+                S[y + 1] = ey
+                if kind == WELD:
+                    S[y + 2] = (S[q + P.tn] - S[p + P.tn]) - aim
+            else:
+                dx, dy = arm(S[p + P.cn], S[p + P.sn], S[i + R.direction_x], S[i + R.direction_y])
+                if kind == TRAVEL:
+                    S[y] = (ex * dx + ey * dy) - aim
+                else:
+                    S[y] = ey * dx - ex * dy
+                if kind == SLIDER:
+                    S[y + 1] = (S[q + P.tn] - S[p + P.tn]) - aim
 
 
 def close(S, I, dt, b, k):
     """Corrects the reactions so that the joints are closed at t_(n+1)."""
     y = I[H.y]
-    gaps(S, I, dt, b, k)
+    follow(S, I, dt, b, k)
+    gaps(S, I)
     solve(S, I, y)
     scale = -1.0 / (dt * k)
-    for m in range(I[H.ideal_count]):
-        r = I[H.ideal] + JR.SIZE * m
-        pull(S, I[r + JR.row], I[r + JR.bearing], I[r + JR.journal], scale * S[y + 2 * m], scale * S[y + 2 * m + 1])
+    for m in range(I[H.row_count]):
+        r = I[H.row] + JQ.SIZE * m
+        pull(S, I[r + JQ.row], I[r + JQ.bearing], I[r + JQ.journal], scale * S[y + m])
+
+
+def reaction(S, I, r):
+    """Force and moment on the journal at t_n, from the constraints of a joint."""
+    i = I[r + JR.row]
+    q = I[r + JR.first]
+    kind = I[r + JR.kind]
+    force = S[q + Q.force]
+    if kind == GEAR or kind == ANGLE:
+        S[i + R.moment] = force
+    elif kind == REVOLUTE or kind == WELD:
+        S[i + R.fx] = force
+        S[i + R.fy] = S[q + Q.SIZE + Q.force]
+        if kind == WELD:
+            S[i + R.moment] = S[q + 2 * Q.SIZE + Q.force]
+    else:
+        S[i + R.fx] = force * S[q + Q.nx]
+        S[i + R.fy] = force * S[q + Q.ny]
+        if kind == SLIDER:
+            S[i + R.moment] = S[q + Q.SIZE + Q.force]
 
 
 def spread(S, I, w, y, b, k, fx, fy, mk, mb):
@@ -171,27 +244,28 @@ def spread(S, I, w, y, b, k, fx, fy, mk, mb):
     S[b + w] = -S[b + P.inverse_mass] * fx
     S[b + w + 1] = -S[b + P.inverse_mass] * fy
     S[b + w + 2] = -S[b + P.inverse_inertia] * mb
-    for m in range(I[H.ideal_count]):
-        r = I[H.ideal] + JR.SIZE * m
-        i = I[r + JR.row]
-        p = I[r + JR.bearing] + w
-        q = I[r + JR.journal] + w
-        S[y + 2 * m] = (S[q] - S[i + R.ky] * S[q + 2]) - (S[p] - S[i + R.by] * S[p + 2])
-        S[y + 2 * m + 1] = (S[q + 1] + S[i + R.kx] * S[q + 2]) - (S[p + 1] + S[i + R.bx] * S[p + 2])
+    for m in range(I[H.row_count]):
+        r = I[H.row] + JQ.SIZE * m
+        i = I[r + JQ.row]
+        p = I[r + JQ.bearing] + w
+        q = I[r + JQ.journal] + w
+        nx = S[i + Q.nx]
+        ny = S[i + Q.ny]
+        S[y + m] = (nx * S[q] + ny * S[q + 1] + S[i + Q.jk] * S[q + 2]) - (nx * S[p] + ny * S[p + 1] + S[i + Q.jb] * S[p + 2])
     solve(S, I, y)
-    for m in range(I[H.ideal_count]):
-        r = I[H.ideal] + JR.SIZE * m
-        i = I[r + JR.row]
-        p = I[r + JR.bearing]
-        q = I[r + JR.journal]
-        gx = S[y + 2 * m]
-        gy = S[y + 2 * m + 1]
+    for m in range(I[H.row_count]):
+        r = I[H.row] + JQ.SIZE * m
+        i = I[r + JQ.row]
+        p = I[r + JQ.bearing]
+        q = I[r + JQ.journal]
+        gx = S[y + m] * S[i + Q.nx]
+        gy = S[y + m] * S[i + Q.ny]
         S[q + w] -= S[q + P.inverse_mass] * gx
         S[q + w + 1] -= S[q + P.inverse_mass] * gy
-        S[q + w + 2] -= S[q + P.inverse_inertia] * (S[i + R.kx] * gy - S[i + R.ky] * gx)
+        S[q + w + 2] -= S[q + P.inverse_inertia] * (S[y + m] * S[i + Q.jk])
         S[p + w] += S[p + P.inverse_mass] * gx
         S[p + w + 1] += S[p + P.inverse_mass] * gy
-        S[p + w + 2] += S[p + P.inverse_inertia] * (S[i + R.bx] * gy - S[i + R.by] * gx)
+        S[p + w + 2] += S[p + P.inverse_inertia] * (S[y + m] * S[i + Q.jb])
 
 
 def respond(S, I, j, b, k):
@@ -221,10 +295,7 @@ def hold(S, I, h, normal, friction):
         S[i + P.vu] += h * (friction * S[i + P.rt] - normal * S[i + P.rn])
         S[i + P.vv] += h * (friction * S[i + P.rt + 1] - normal * S[i + P.rn + 1])
         S[i + P.vw] += h * (friction * S[i + P.rt + 2] - normal * S[i + P.rn + 2])
-    for m in range(I[H.ideal_count]):
-        r = I[H.ideal] + JR.SIZE * m
-        n = I[H.gn] + 2 * m
-        f = I[H.gt] + 2 * m
-        fx = normal * S[n] - friction * S[f]
-        fy = normal * S[n + 1] - friction * S[f + 1]
-        pull(S, I[r + JR.row], I[r + JR.bearing], I[r + JR.journal], fx, fy)
+    for m in range(I[H.row_count]):
+        r = I[H.row] + JQ.SIZE * m
+        force = normal * S[I[H.gn] + m] - friction * S[I[H.gt] + m]
+        pull(S, I[r + JQ.row], I[r + JQ.bearing], I[r + JQ.journal], force)

@@ -36,6 +36,7 @@ class Pair:
     axial_length: float
     bearing: Material = Material()
     journal: Material = Material()
+    opposite_radius: float | None = None
 
     @property
     def journal_radius(self) -> float:

@@ -1,0 +1,123 @@
+"""Springs and dampers between two bodies, each axis solved for the velocity at t_n in closed form, as contacts are.
+
+A damper acts on the velocity at t_n, which a central difference does not know yet. The velocity expected from the last step's acceleration
+holds the last resistance already; the change of the resistance enters through the mobility of the two bodies, so a stiff damper is stable.
+"""
+
+import math
+
+from .arrays import BUSHING, JG, LINEAR, STOP, G, H, P
+from .clearance import expected
+from .pin import arm
+from .step import larger
+
+
+def resist(S, g, axis, b, k, n, x, p, h):
+    """Force (N, N m) along one axis, against its lengthening; returned with its elastic part and the rate.
+
+    ``n`` is (nx, ny, jb, jk): direction and levers on the two bodies; ``x`` the elastic lengthening of a stiffness at ``G.stiffness + axis``.
+    """
+    nx, ny, jb, jk = n
+    bu, bv, bw = expected(S, b, p, h)
+    ku, kv, kw = expected(S, k, p, h)
+    both = (nx * nx + ny * ny) * (S[k + P.inverse_mass] + S[b + P.inverse_mass])
+    mobility = p * h * (both + jk * jk * S[k + P.inverse_inertia] + jb * jb * S[b + P.inverse_inertia])
+    c = S[g + G.damping + axis]
+    elastic = S[g + G.stiffness + axis] * x
+    rate = nx * (ku - bu) + ny * (kv - bv) + jk * kw - jb * bw + mobility * S[g + G.resistance + axis]
+    rate = (rate - mobility * elastic) / (1.0 + mobility * c)
+    return elastic + c * rate, elastic, rate
+
+
+def add(S, g, axis, b, k, n, force):
+    """Puts a resistance on both bodies."""
+    nx, ny, jb, jk = n
+    S[g + G.resistance + axis] = force
+    S[k + P.fx] -= force * nx
+    S[k + P.fy] -= force * ny
+    S[k + P.mz] -= force * jk
+    S[b + P.fx] += force * nx
+    S[b + P.fy] += force * ny
+    S[b + P.mz] += force * jb
+
+
+def springs(S, I, span, p, h):
+    """Forces of all springs, dampers, stops and bushings at t_n."""
+    for m in range(I[H.spring_count]):
+        r = I[H.spring] + JG.SIZE * m
+        g = I[r + JG.row]
+        b = I[r + JG.first]
+        k = I[r + JG.second]
+        kind = I[r + JG.kind]
+        bx, by = arm(S[b + P.c], S[b + P.s], S[g + G.first_x], S[g + G.first_y])
+        kx, ky = arm(S[k + P.c], S[k + P.s], S[g + G.second_x], S[g + G.second_y])
+        ex = (S[k + P.x] + kx) - (S[b + P.x] + bx)
+        ey = (S[k + P.y] + ky) - (S[b + P.y] + by)
+        angle = S[k + P.theta] - S[b + P.theta]
+        if kind == LINEAR:
+            power = stretch(S, g, b, k, (bx, by, kx, ky), ex, ey, p, h)
+        elif kind == BUSHING:
+            power = bush(S, g, b, k, (kx, ky), (bx + ex, by + ey), ex, ey, angle - S[g + G.free], p, h)
+        else:
+            power = twist(S, g, b, k, kind == STOP, angle, p, h)
+        S[g + G.damping_power] = power
+        S[g + G.damping_work] += span * power
+        at = g + G.force_squared_max
+        S[at] = larger(S[at], S[g + G.fx] * S[g + G.fx] + S[g + G.fy] * S[g + G.fy])
+
+
+def stretch(S, g, b, k, arms, ex, ey, p, h):
+    """Spring along the line between two pins; returned: power lost."""
+    bx, by, kx, ky = arms
+    length = math.sqrt(ex * ex + ey * ey)
+    inverse = 1.0 / (length + 1e-300)
+    nx = ex * inverse
+    ny = ey * inverse
+    n = (nx, ny, bx * ny - by * nx, kx * ny - ky * nx)
+    x = length - S[g + G.free]
+    force, elastic, rate = resist(S, g, 0, b, k, n, x, p, h)
+    add(S, g, 0, b, k, n, force)
+    S[g + G.fx] = -force * nx
+    S[g + G.fy] = -force * ny
+    S[g + G.energy] = 0.5 * elastic * x
+    return (force - elastic) * rate
+
+
+def twist(S, g, b, k, stop, angle, p, h):
+    """Torsional spring, or a stop beyond one of its limits, which never pulls back; returned: power lost."""
+    n = (0.0, 0.0, 1.0, 1.0)
+    over = angle - S[g + G.free]
+    beyond = angle - S[g + G.high]
+    x = (over if over < 0.0 else beyond if beyond > 0.0 else 0.0) if stop else over
+    moment, elastic, rate = resist(S, g, 2, b, k, n, x, p, h)
+    pushes = moment * x > 0.0 if stop else True
+    moment = moment if pushes else 0.0
+    elastic = elastic if pushes else 0.0
+    add(S, g, 2, b, k, n, moment)
+    S[g + G.moment] = -moment
+    S[g + G.energy] = 0.5 * S[g + G.stiffness + 2] * x * x
+    return (moment - elastic) * rate
+
+
+def bush(S, g, b, k, arm_k, arm_b, ex, ey, angle, p, h):
+    """Bushing along the axes of the first body and about the axis of the plane; returned: power lost."""
+    kx, ky = arm_k
+    bx, by = arm_b
+    c = S[b + P.c]
+    s = S[b + P.s]
+    along = (c, s, bx * s - by * c, kx * s - ky * c)
+    across = (-s, c, bx * c + by * s, kx * c + ky * s)
+    about = (0.0, 0.0, 1.0, 1.0)
+    x = ex * c + ey * s
+    y = ey * c - ex * s
+    fx, elastic_x, rate_x = resist(S, g, 0, b, k, along, x, p, h)
+    fy, elastic_y, rate_y = resist(S, g, 1, b, k, across, y, p, h)
+    moment, elastic_m, rate_m = resist(S, g, 2, b, k, about, angle, p, h)
+    add(S, g, 0, b, k, along, fx)
+    add(S, g, 1, b, k, across, fy)
+    add(S, g, 2, b, k, about, moment)
+    S[g + G.fx] = fy * s - fx * c
+    S[g + G.fy] = -fx * s - fy * c
+    S[g + G.moment] = -moment
+    S[g + G.energy] = 0.5 * (elastic_x * x + elastic_y * y + elastic_m * angle)
+    return (fx - elastic_x) * rate_x + (fy - elastic_y) * rate_y + (moment - elastic_m) * rate_m
