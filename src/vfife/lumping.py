@@ -111,12 +111,8 @@ def _frame(frame: Frame) -> Mesh:
         k = member.elements
         size = float(np.hypot(b[0] - a[0], b[1] - a[1]))
         mass = material.density * section.area * size if member.mass is None else member.mass
-        row = (
-            mass / k,
-            section.second_moment / section.area,
-            material.youngs_modulus * section.area,
-            material.youngs_modulus * section.second_moment,
-        )
+        stretch, bend = material.youngs_modulus * section.area, material.youngs_modulus * section.second_moment
+        row = (mass / k, section.second_moment / section.area, stretch, bend)
         chain = []
         for j in range(k + 1):
             name = member.start if j == 0 else member.end if j == k else None
@@ -131,11 +127,11 @@ def _frame(frame: Frame) -> Mesh:
     if loose:
         raise ValueError(f"frame {frame.name!r}: no member holds node {', '.join(loose)}; join it to the others or remove it")
     pairs, table = np.array(nodes, dtype=np.intp).reshape(-1, 2), np.array(rows).reshape(-1, 4)
-    mass = _halves(table[:, 0], pairs, len(position))
+    lumps = _halves(table[:, 0], pairs, len(position))
     inertia = _halves(table[:, 0] * table[:, 1], pairs, len(position))
     for name, extra in frame.masses.items():
-        mass[index[name]] += extra
-    return Mesh(np.array(position), mass, inertia, index, pairs, (0,) * len(pairs), table[:, 2], table[:, 3])
+        lumps[index[name]] += extra
+    return Mesh(np.array(position), lumps, inertia, index, pairs, (0,) * len(pairs), table[:, 2], table[:, 3])
 
 
 def section_of(link: Link) -> Section:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,7 +119,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     units = layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
     ends = [pair for k, pair in enumerate(zip(t.ideal_bearing, t.ideal_journal, strict=True)) for _ in range(t.row_starts[k + 1] - t.row_starts[k])]
     lever = {False: Q.jb, True: Q.jk}
-    lists: dict[str, NDArray[np.int64] | list[tuple[int, ...]]] = {
+    lists: dict[str, Any] = {
         "bound": [(int(body[p]),) for p in t.bound if p in free],
         "trig": [(int(body[p]),) for p in t.trig],
         "jointed": [(int(body[p]),) for p in graph.jointed],
