@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Record
-from ..kernels.arrays import LINE, ROUND
 from .motion import seen
 
 Array = NDArray[np.float64]
 FREE_FLIGHT, IMPACT, CONTINUOUS_CONTACT = 0, 1, 2
+KINDS = ("bearing", "round", "line")  # of contacts, in the order of their numbers
 MODES = ("free_flight", "impact", "continuous_contact")  # their names, in this order
 
 
@@ -43,8 +43,8 @@ def normals(record: Record) -> Array:
     away = eccentricity(record)
     n = away / np.maximum(np.linalg.norm(away, axis=2, keepdims=True), 1e-300)
     kind = np.array(topology.clearance_kind, dtype=int)
-    n[:, kind == ROUND] *= -1.0
-    lines = np.flatnonzero(kind == LINE)
+    n[:, kind == KINDS.index("round")] *= -1.0
+    lines = np.flatnonzero(kind == KINDS.index("line"))
     if len(lines):
         angle = record.block("particle_theta")[:, [topology.clearance_bearing[k] for k in lines]]
         x, y = (record.parameter(f"clearance_line_{axis}")[lines] for axis in "xy")
