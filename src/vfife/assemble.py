@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .assembly import Assembly, BodyMap
 from .bodies import Link
 from .drivers import ConstantSpeed, Torque
-from .functions import Polynomials, angle_function, constant, spline
+from .functions import Polynomials, constant, motion_function, spline
 from .joints import ClearanceRevolute
 from .kernels.arrays import Layout, Topology
 from .laws import ContactLaw, FrictionLaw
@@ -165,7 +165,7 @@ def _driven_function(mechanism: Mechanism, numbering: Numbering, name: str) -> i
     driver = mechanism.drivers[name]
     if isinstance(driver, ConstantSpeed):
         return -1
-    return numbering.function(angle_function(driver, mechanism.bodies[name].angle))
+    return numbering.function(motion_function(driver, mechanism.bodies[name].angle))
 
 
 def _loads(mechanism: Mechanism, numbering: Numbering) -> list[tuple[int, int, tuple[float, float], tuple[float, float, float]]]:

@@ -17,7 +17,8 @@ Matrix = Any  # a dense array, or a sparse one of SciPy
 RANK_TOLERANCE = 1e-7  # a dead centre is only met to the root of round-off, so it must be judged this loosely
 DENSE = 90  # columns: beyond some 30 bodies sparse factors are faster
 EPSILON = 1e-12  # of the largest pivot: well under the squares of singular values that count, well over their round-off
-REFINEMENTS = 8
+SOFT = 1e-9  # the same where the solution is refined: self-stress from round-off stays under 1e-7 of the reactions
+REFINEMENTS = 30
 
 
 def matrix(values: list[float], rows: list[int], columns: list[int], shape: tuple[int, int]) -> Matrix:
@@ -67,9 +68,13 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
 
     squared = (jacobian @ diags_array(1.0 / mass) @ jacobian.T).tocsc()
     left_over = wanted - jacobian @ free
-    solve, multiplier = _factors(squared, EPSILON * float(squared.diagonal().max(initial=1e-300))), np.zeros(len(wanted))
+    solve, multiplier = _factors(squared, SOFT * float(squared.diagonal().max(initial=1e-300))), np.zeros(len(wanted))
+    finest = 1e-15 * max(np.abs(wanted).max(initial=0.0), np.abs(free).max(initial=0.0))
     for _ in range(REFINEMENTS):
-        multiplier += solve(left_over - squared @ multiplier)
+        missing = left_over - squared @ multiplier
+        if np.abs(missing).max(initial=0.0) <= finest:
+            break
+        multiplier += solve(missing)
     return free + (jacobian.T @ multiplier) / mass, multiplier
 
 
@@ -94,8 +99,25 @@ def self_stress(jacobian: Matrix) -> Array:
     return self_stress(jacobian.toarray())
 
 
-def dependent_rows(stress: Array) -> list[int]:
-    """Rows that follow from those before them: the places where self-stresses [r, k] end."""
+def dependent_rows(jacobian: Matrix) -> list[int]:
+    """Rows that follow from those before them, found part by part where G falls apart into loops that share no body."""
+    if isinstance(jacobian, np.ndarray):
+        return _ends(self_stress(jacobian))
+    from scipy.sparse.csgraph import connected_components
+
+    parts, part_of = connected_components(jacobian @ jacobian.T, directed=False)
+    found: list[int] = []
+    for part in range(parts):
+        rows = np.flatnonzero(part_of == part)
+        here = jacobian[rows]
+        columns = np.unique(here.indices)
+        here = here[:, columns]
+        found += rows[_ends(self_stress(here.toarray() if len(columns) <= DENSE else here))].tolist()
+    return sorted(found)
+
+
+def _ends(stress: Array) -> list[int]:
+    """The rows at which self-stresses [r, k] end."""
     found: list[int] = []
     left = stress.copy()
     for row in range(len(left) - 1, -1, -1):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kinematics import close
-from .leastnorm import constrained, dependent_rows, self_stress
+from .leastnorm import constrained, dependent_rows
 from .rigidsystem import AssemblyError, RigidSystem, checked, equations, metric
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
 def _dependent(system: RigidSystem, position: Array) -> tuple[list[int], list[int]]:
     """Rows that follow from those before them, of the joints alone and with the drives."""
     jacobian = equations(system, position, np.zeros_like(position)).jacobian
-    rows = dependent_rows(self_stress(jacobian))
+    rows = dependent_rows(jacobian)
     return [row for row in rows if row < system.held], rows
 
 
