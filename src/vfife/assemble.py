@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,13 @@ from .drivers import ConstantSpeed, Torque
 from .functions import Polynomials, angle_function, constant, spline
 from .joints import ClearanceRevolute
 from .kernels.arrays import Layout, Topology
-from .laws import ContactLaw, FrictionLaw
+from .laws import ContactLaw, FrictionLaw, Law
 from .lumping import lumped, rigid_properties, section_of
 from .mechanism import Mechanism
 from .prestress import Start as Prestress
 from .prestress import prestress, wanted
 from .stability import choose_step
-from .start import Motion, Seat, ideal_motion, kinematic_drivers, local_point, pivot_of, seated, surfaces
+from .start import Motion, Seat, cautions, ideal_motion, kinematic_drivers, local_point, pivot_of, seated, surfaces
 
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 
@@ -90,18 +90,34 @@ def _releases(release: str, elements: int) -> list[int]:
     return codes
 
 
-def registered(base: type, used: list[type]) -> tuple[type, ...]:
-    """All built-in laws, so that one compiled loop serves all models, then the user's own ones that this model uses."""
-    built_in = [law for law in base.registry.values() if law.__module__.startswith("vfife.")]  # type: ignore[attr-defined]
-    return tuple(sorted(built_in, key=lambda law: law.name)) + tuple(dict.fromkeys(law for law in used if law not in built_in))
+def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
+    """What the data-driven loop can tell apart: the forms of the common laws, so that one compilation serves most models, and of those in use.
+
+    Laws that differ in their parameters only are of one form. The order does not depend on that of the joints.
+    """
+    common = {law.form() for law in base.registry.values() if law.common}
+    more = {type(law).form() for law in used} - common
+    return tuple(sorted(common, key=_spelled)) + tuple(sorted(more, key=_spelled))
 
 
-def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected: Mapping[str, float] | None = None, **run: Any) -> Assembly:
+def _spelled(form: type[Law]) -> str:
+    return f"{form.__module__}.{form.__qualname__}"
+
+
+def assemble(
+    mechanism: Mechanism,
+    step: float | str | None = None,
+    *,
+    expected: Mapping[str, float] | None = None,
+    beside: Mechanism | None = None,
+    **run: Any,
+) -> Assembly:
     """Numbers the mechanism and fills its arrays.
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
-    step. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot
-    reach, StepError where the step is too large) with a sentence that names what is wrong.
+    step. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation. ``run``: ``turns``, ``duration``,
+    ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
+    large) with a sentence that names what is wrong.
     """
     numbering = Numbering(mechanism)
     seats = seated(mechanism)
@@ -109,8 +125,9 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     clearances = mechanism.clearances
     pivots = [joint.name for joint in numbering.pivots.values()]
     ideals = [joint for joint in mechanism.joints.values() if joint.name not in pivots and joint.name not in clearances]
-    contacts = registered(ContactLaw, [type(j.contact) for j in clearances.values()])
-    frictions = registered(FrictionLaw, [type(j.friction) for j in clearances.values()])
+    lawful = [*clearances.values(), *(beside.clearances.values() if beside else ())]
+    contacts = forms(ContactLaw, [j.contact for j in lawful])
+    frictions = forms(FrictionLaw, [j.friction for j in lawful])
     ends = {joint.name: [numbering.place(side) for side in joint.sides] for joint in mechanism.joints.values()}
     loads = _loads(mechanism, numbering)
     driven = [_driven_function(mechanism, numbering, name) for name in numbering.driven]
@@ -125,8 +142,8 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
         element_release=tuple(numbering.releases),
         clearance_bearing=tuple(ends[name][0][0] for name in clearances),
         clearance_journal=tuple(ends[name][1][0] for name in clearances),
-        clearance_contact=tuple(contacts.index(type(j.contact)) for j in clearances.values()),
-        clearance_friction=tuple(frictions.index(type(j.friction)) for j in clearances.values()),
+        clearance_contact=tuple(contacts.index(j.contact.form()) for j in clearances.values()),
+        clearance_friction=tuple(frictions.index(j.friction.form()) for j in clearances.values()),
         ideal_bearing=tuple(ends[j.name][0][0] for j in ideals),
         ideal_journal=tuple(ends[j.name][1][0] for j in ideals),
         driven=tuple(_held(numbering, name) for name in numbering.driven),
@@ -152,7 +169,7 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     filler.put("damping", mechanism.settings.damping)
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(clearances), tuple(j.name for j in ideals),
-        tuple(pivots), choice, motion.mobility,
+        tuple(pivots), choice, motion.mobility, cautions(mechanism),
     )  # fmt: skip
 
 

@@ -96,6 +96,10 @@ class Record:
         rows = range(*layout[name].indices(layout.rows))
         return self.rows[:, [where[row] for row in rows]]
 
+    def keeps(self, name: str) -> bool:
+        """Whether a block was recorded; a record of an older version may lack one."""
+        return self.assembly.layout[name].start in self.kept
+
     def parameter(self, name: str) -> NDArray[np.float64]:
         """Values of a parameter block, shape (entities,)."""
         return self.assembly.state[self.assembly.layout[name]]

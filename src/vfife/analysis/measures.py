@@ -36,7 +36,7 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     the whole run.
 
     ``<joint>.force.max`` (N), ``<joint>.penetration.max`` (m), ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
-    ``<joint>.deepest`` (m), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
+    ``<joint>.deepest`` (m), ``.fastest`` (m/s), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
     ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
     ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
     """
@@ -57,8 +57,8 @@ def _clearances(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     if not record.assembly.clearances:
         return found
     depth = record.block("clearance_penetration_max")[window]
-    counts = {"impacts": "onsets", "grazing": "grazing", "deep": "deep", "deepest": "deepest"}
-    totals = {name: record.block(f"clearance_{row}")[-1] for name, row in counts.items()}
+    counts = {"impacts": "onsets", "grazing": "grazing", "deep": "deep", "deepest": "deepest", "fastest": "fastest"}
+    totals = {name: record.block(f"clearance_{row}")[-1] for name, row in counts.items() if record.keeps(f"clearance_{row}")}
     parts = shares(record)
     for k, name in enumerate(record.assembly.clearances):
         found[f"{name}.penetration.max"] = float(depth[:, k].max())

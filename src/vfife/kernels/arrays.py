@@ -93,6 +93,7 @@ BLOCKS: tuple[Block, ...] = (
         clearance_grazing | 1 | onsets slower than the floor of the impact speed
         clearance_deep | 1 | onsets that landed deeper than the landing depth
         clearance_deepest | m | deepest first landing
+        clearance_fastest | m/s | fastest impact
         clearance_contact_steps | 1 | steps in continuous contact"""),
     *_blocks("state", "ideal", """
         ideal_fx | N | force on the journal at step n
