@@ -41,7 +41,8 @@ class LineContact(Cylinder):
         alpha, scale, last, tangent, damping_factor = p
         beyond = penetration > last
         depth = last if beyond else penetration
-        elastic = depth / (alpha * logarithmic(-log(depth * scale))) + tangent * (penetration - depth)
+        above, below = logarithmic(-log(depth * scale))
+        elastic = depth * below / (alpha * above) + tangent * (penetration - depth)
         return elastic, elastic * damping_factor * slowness
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
