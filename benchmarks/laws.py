@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from measure import Options, Part, interleaved, table
+
 from vfife.assemble import assemble
 from vfife.kernels.compile import compiled
 from vfife.kernels.elementary import log, power

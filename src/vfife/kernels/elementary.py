@@ -149,8 +149,9 @@ def log(x):
 def logarithmic(level):
     """w >= 1 of w - ln w = level, which is -W(-exp(-level)) on the lower branch of Lambert's function, as numerator and denominator.
 
-    A law that divides by w divides once. For 1.003 < level < 60; relative error below 1e-13. ln w is a quotient of two polynomials of the root t of 2 (level - 1), about which
-    w = 1 + t + t^2/3 + ...: fitted to the exact function in the largest relative error, and evaluated in pairs, which waits less.
+    A law that divides by w divides once. For 1.003 < level < 60; relative error below 1e-13. ln w is a quotient of two polynomials of the root t
+    of 2 (level - 1), about which w = 1 + t + t^2/3 + ...: fitted to the exact function in the largest relative error, and summed in pairs, which
+    waits less.
     """
     y = 2.0 * (level - 1.0)
     t = math.sqrt(y)

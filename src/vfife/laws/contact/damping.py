@@ -44,7 +44,7 @@ def gonthier(restitution: float) -> float:
 
 def gonthier_exact(restitution: float) -> float:
     """d/c_r with d from (1 + d/c_r)/(1 - d) = exp[d (1 + 1/c_r)], the relation that Gonthier's d estimates: a free impact gives back c_r."""
-    low, high = 0.0, 1.0
+    low, high = 0.0, 1.0 - 4e-16  # 1 - d has a logarithm
     for _ in range(80):
         d = 0.5 * (low + high)
         over = math.log1p(d / restitution) - math.log1p(-d) > d * (1.0 + 1.0 / restitution)
@@ -89,7 +89,7 @@ def delivered(chi: float) -> float:
     """
     if chi <= 0.0:
         return 1.0
-    low, high = 0.0, min(1.0, 1.0 / chi)
+    low, high = 0.0, min(1.0, (1.0 - 4e-16) / chi)
     for _ in range(80):
         e = 0.5 * (low + high)
         low, high = (e, high) if chi * (1.0 + e) > math.log1p(chi) - math.log1p(-chi * e) else (low, e)

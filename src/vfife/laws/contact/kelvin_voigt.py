@@ -18,7 +18,7 @@ class KelvinVoigt(Linear):
     formula: ClassVar[str] = "F = k d + c d'"
 
     stiffness: float = quantity("N/m", "stiffness k", above=0.0)
-    damping_coefficient: float = quantity("N s/m", "damping coefficient c", 0.0, low=0.0)
+    damping_coefficient: float = quantity("N s/m", "damping coefficient c", low=0.0)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """k (N/m) and c (N s/m)."""
