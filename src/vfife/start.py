@@ -86,9 +86,10 @@ def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | No
     """
     alike: dict[tuple[Law, Pair], list[str]] = {}
     for name, joint in mechanism.clearances.items():
+        pair = dataclasses.replace(surfaces(mechanism, joint), effective_mass=None)
         laws: tuple[Law, ...] = (joint.contact, joint.friction)
         for law in laws:
-            alike.setdefault((law, surfaces(mechanism, joint)), []).append(name)
+            alike.setdefault((law, pair), []).append(name)
     said: dict[str, list[str]] = {}
     for (law, pair), names in alike.items():
         known = law.cautions(pair)

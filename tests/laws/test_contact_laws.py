@@ -225,6 +225,30 @@ def test_delivers_it_in_a_run(law, restitution):
 
 # ----------------------------------------------------------------------------------------------------- published numbers
 
+# chi as the literature prints it, for every restitution coefficient e.
+PRINTED = {
+    "hertz": lambda e: 0.0,
+    "hunt-crossley": lambda e: 3 / 2 * (1 - e),
+    "herbert-mcwhannell": lambda e: 6 * (1 - e) / ((2 * e - 1) ** 2 + 3),
+    "lee-wang": lambda e: 3 / 4 * (1 - e),
+    "lankarani-nikravesh": lambda e: 3 / 4 * (1 - e**2),
+    "gonthier": lambda e: (1 - e**2) / e,
+    "zhiying-qishao": lambda e: 3 / 4 * (1 - e**2) * math.exp(2 * (1 - e)),
+    "flores": lambda e: 8 * (1 - e) / (5 * e),
+    "hu-guo": lambda e: 3 * (1 - e) / (2 * e),
+}
+
+
+@each_proportional_law
+@pytest.mark.parametrize("restitution", RESTITUTIONS)
+def test_damping_factor_of_the_literature(law, restitution):
+    """That of the law's name; cylinders take Lankarani and Nikravesh's unless another is named."""
+    p = with_restitution(law, restitution).parameters(PAIRS[1])
+    printed = PRINTED.get(law.name, PRINTED["lankarani-nikravesh"])
+    assert law.name in PRINTED or "damping" in {f.name for f in dataclasses.fields(law)}
+    assert damping_factor(law, p) == pytest.approx(printed(restitution), rel=1e-12, abs=1e-15)
+
+
 # Delivered restitution, from method.md (section 3) to five digits: law, c_r, e.
 DELIVERED = [
     ("lankarani-nikravesh", 0.5, 0.72524), ("lankarani-nikravesh", 0.9, 0.91318),
