@@ -100,6 +100,7 @@ BLOCKS: tuple[Block, ...] = (
         clearance_grazing | 1 | onsets slower than the floor of the impact speed
         clearance_deep | 1 | onsets that landed deeper than the landing depth
         clearance_deepest | m | deepest first landing
+        clearance_fastest | m/s | fastest impact
         clearance_contact_steps | 1 | steps in continuous contact"""),
     *_blocks("state", "ideal", """
         ideal_fx | N | force on the journal at step n
@@ -139,7 +140,8 @@ BLOCKS: tuple[Block, ...] = (
         clearance_force_squared_max | N^2 | largest squared joint force since the last output
         clearance_penetration_max | m | largest signed penetration since the last output"""),
     *_blocks("extreme", "ideal", """
-        ideal_force_squared_max | N^2 | largest squared joint force since the last output"""),
+        ideal_force_squared_max | N^2 | largest squared joint force since the last output
+        ideal_moment_max | N m | largest absolute moment since the last output"""),
     *_blocks("extreme", "driven", """
         driven_force_squared_max | N^2 | largest squared ground force since the last output
         driven_torque_max | N m | largest absolute torque since the last output"""),

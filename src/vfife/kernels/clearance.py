@@ -58,6 +58,7 @@ def land(S, j, b, k, depth, start, p, h):
     S[j + C.grazing] += 1.0 if slow else 0.0
     S[j + C.deep] += 1.0 if depth > S[j + C.landing] else 0.0
     S[j + C.deepest] = larger(S[j + C.deepest], depth)
+    S[j + C.fastest] = larger(S[j + C.fastest], located)
     S[j + C.contact_steps] -= 1.0
 
 

@@ -118,12 +118,12 @@ class _Literal(ast.NodeTransformer):
 
 
 def law_name(kind: str, law: type) -> str:
-    """Name of a law's function in a gathered text."""
-    return f"{kind}_{law.name.replace('-', '_')}"  # type: ignore[attr-defined]
+    """Name of the function of a form of law in a gathered text."""
+    return f"{kind}_{(law.__dict__.get('name') or law.__name__).replace('-', '_')}"
 
 
 def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
-    """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law``."""
+    """An if-chain over forms of laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law``."""
     signature = {"contact": "depth, slowness", "friction": "normal, free, mobility, memory, dt"}[kind]
     room = {"contact": CONTACT_SLOTS, "friction": FRICTION_SLOTS}[kind]
     rest = "0.0" if kind == "contact" else "memory"
@@ -131,7 +131,7 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
     for number, law in enumerate(laws):
         count = len(law.slots)  # type: ignore[attr-defined]
         if count > room:
-            raise SourceError(f"law {law.name!r} has {count} parameters; a law may have {room}")  # type: ignore[attr-defined]
+            raise SourceError(f"law {law.name or law.__name__!r} has {count} parameters; a law may have {room}")  # type: ignore[attr-defined]
         name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
         slots = "".join(f"S[base + {k}], " for k in range(count))
         lines += [f"    {'el' if number else ''}if kind == {number}:", f"        first, second = {name}({signature}, ({slots}))"]
