@@ -144,9 +144,7 @@ def test_statics_of_a_block_in_a_guide():
     """A weight off the middle: the guide carries it and its moment; the drive along it carries the slope's share."""
     slope, weight, off = 0.3, 50.0, 0.02
     along = (np.cos(slope), np.sin(slope))
-    s = system(
-        [Slide("guide", 0, (0.1, 0.2), along, 1, (0.0, 0.0), offset=slope)], [Travel("screw", 0, (0.1, 0.2), along, 1, (0.0, 0.0), 0.7)]
-    )
+    s = system([Slide("guide", 0, (0.1, 0.2), along, 1, (0.0, 0.0), offset=slope)], [Travel("screw", 0, (0.1, 0.2), along, 1, (0.0, 0.0), 0.7)])
     position = close(s, np.array([GROUND, [0.5, 0.5, 0.0]])).position
     np.testing.assert_allclose(position[1], [0.1 + 0.7 * along[0], 0.2 + 0.7 * along[1], slope], atol=1e-14)
     _, reactions, driving = accelerations(s, position, np.zeros((2, 3)), np.array([GROUND, [0.0, -weight, -weight * off]]))
@@ -359,6 +357,7 @@ def test_two_bars_in_line_move_to_first_order_only():
 
 def test_many_bodies_agree_with_few():
     """Ten rows of parallel cranks (40 bodies, solved with sparse factors) move and share their loads as five do."""
+
     def rows(cells):
         joints, position = [], [GROUND]
         for c in range(cells):
