@@ -215,6 +215,14 @@ def test_moments_at_the_start(add, moment):
     assert motion.of("rod")[2][2] * INERTIA == pytest.approx(moment, rel=1e-11, abs=1e-11)
 
 
+@pytest.mark.parametrize(("damping", "moment"), [(0.1, -0.7), (1.0, 0.0)])
+def test_a_stop_lets_go_of_what_leaves_it_fast(damping, moment):
+    """Beyond the upper end by 0.1 rad and leaving at 3 rad/s: -10 0.1 + 3 c, and nothing where that would pull back."""
+    m = rod(velocity=(0.9 * math.sin(0.4), -0.9 * math.cos(0.4), -3.0))
+    m.stop("t", "ground", "rod", low=-1.0, high=0.3, stiffness=10.0, damping=damping)
+    assert ideal_motion(m).of("rod")[2][2] * INERTIA == pytest.approx(moment, abs=1e-11)
+
+
 def test_a_bushing_carries_a_displaced_body():
     """Two free bodies, pins apart: forces -K d in the first body's axes, equal and opposite, moments about the second pin's place."""
     m = Mechanism("bushing")
