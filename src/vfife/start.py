@@ -174,7 +174,8 @@ def _closed(mechanism: Mechanism, system: RigidSystem, guess: Array) -> Array:
     """The closed position nearest the guess, solved in one of the two mirror images, so that the other one starts from the same bits."""
     hand = handedness(guess)
     flip = np.array([1.0, hand, hand])
-    return close(mirrored(system) if hand < 0.0 else system, guess * flip).position * flip
+    position: Array = close(mirrored(system) if hand < 0.0 else system, guess * flip).position * flip
+    return position
 
 
 def ideal_motion(
