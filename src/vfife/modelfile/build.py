@@ -151,7 +151,9 @@ def driver(name: str, table: DriverTable) -> Driver:
     if given["travel"] is not None:
         return StepTo(**driven, travel=given["travel"], duration=given["duration"], begin=given["begin"] if given["begin"] is not None else 0.0)
     if given["amplitude"] is not None:
-        return Harmonic(**driven, amplitude=given["amplitude"], frequency=given["frequency"], phase=given["phase"] if given["phase"] is not None else 0.0)
+        return Harmonic(
+            **driven, amplitude=given["amplitude"], frequency=given["frequency"], phase=given["phase"] if given["phase"] is not None else 0.0
+        )
     if given["speed"] is not None:
         if table.ramp is not None:
             return Ramp(**driven, speed=given["speed"], duration=table.ramp)

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
+from ..quantities import shown
+
 Path = tuple[str | int, ...]
 MOST_TOLD = 100  # more faults than this are counted, not told
 MOST_NAMES = 1000  # names looked through for one that looks alike
@@ -27,7 +29,12 @@ class Fault:
         limit = f"; allowed: {self.limit}" if self.limit else ""
         remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
         end = "" if remedy.endswith(("?", ".", "!")) else "."
-        return f"{self.where}{value}: {self.what}{limit}{remedy}{end}"
+        return printable(f"{self.where}{value}: {self.what}{limit}{remedy}{end}")
+
+
+def printable(text: str) -> str:
+    """The text with signs that would not show, or would turn a terminal's writing, as escapes."""
+    return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text)
 
 
 class ModelError(ValueError):
@@ -64,7 +71,7 @@ def suggestion(name: str, known: Iterable[str], advice: str) -> str:
     names = list(dict.fromkeys(map(str, islice(known, MOST_NAMES))))
     near = difflib.get_close_matches(name[:100], names, 3, 0.55)
     if near:
-        return "did you mean " + " or ".join(f'"{word}"' for word in near) + "?"
+        return "did you mean " + " or ".join(map(shown, near)) + "?"
     if not names:
         return advice
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

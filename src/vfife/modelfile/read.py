@@ -172,6 +172,8 @@ def missing_key(raw: Raw, path: Path, where: str) -> Fault:
     remedy = "add it"
     if path[0] == "joint" and key == "kind":
         remedy = 'add kind = "clearance", or remove what an ideal joint does not have'
+    elif path[0] == "spring" and key == "kind":
+        remedy = f'add kind = "{spring_kind(holder).strip("<>")}"'
     elif path[0] == "body" and key == "length":
         remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
     elif path[0] == "body" and key == "inertia" and "length" not in holder:

@@ -86,9 +86,18 @@ SPRING_TABLES: dict[str, type[Table]] = {
 
 
 def spring_kind(table: Any) -> str:
-    """Which table a [spring.NAME] is."""
+    """Which table a [spring.NAME] is: told by its kind, or by what only one kind has."""
     kind = table.get("kind") if isinstance(table, dict) else None
-    return f"<{kind}>" if isinstance(kind, str) and kind in SPRING_TABLES else "<linear>"
+    if isinstance(kind, str) and kind in SPRING_TABLES:
+        return f"<{kind}>"
+    if isinstance(table, dict):
+        if {"low", "high"} & set(table):
+            return "<stop>"
+        if isinstance(table.get("stiffness"), list):
+            return "<bushing>"
+        if "free_angle" in table:
+            return "<torsional>"
+    return "<linear>"
 
 
 AnySpring: TypeAlias = Annotated[
