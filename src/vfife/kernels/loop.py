@@ -232,7 +232,7 @@ def joints(S, I, n, start, span, central):
         close(S, I, dt, b, k)
     if I[H.clearance_count] > 0:
         velocities(S, I, p, h)
-        answer(S, I, span, p * h)
+        answer(S, I, span, central)
     if I[H.close_again] != 0:
         close(S, I, dt, b, k)
 
