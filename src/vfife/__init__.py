@@ -10,7 +10,23 @@ from typing import TYPE_CHECKING, Any
 from .bodies import Link, PointMass, RigidBody, Section
 from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
-from .laws import Ambrosio, BrownMcPhee, ContactLaw, Coulomb, Dahl, FrictionLaw, Frictionless, Karnopp, LankaraniNikravesh, LuGre, Material, Pair, Pereira, Stribeck, quantity
+from .laws import (
+    Ambrosio,
+    BrownMcPhee,
+    ContactLaw,
+    Coulomb,
+    Dahl,
+    FrictionLaw,
+    Frictionless,
+    Karnopp,
+    LankaraniNikravesh,
+    LuGre,
+    Material,
+    Pair,
+    Pereira,
+    Stribeck,
+    quantity,
+)
 from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 

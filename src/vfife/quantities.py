@@ -90,6 +90,8 @@ DIMENSIONS: tuple[tuple[str, str, str], ...] = (
     ("a stiffness", "N/m", "2 kN/mm"),
     ("a damping coefficient", "N s/m", "5 N s/m"),
     ("a generalised stiffness", "N/m^1.5", "6.6e10 N/m^1.5"),
+    ("a stiffness per unit of normal force", "1/m", "1e4 1/m"),
+    ("a damping per unit of normal force", "s/m", "30 s/m"),
 )
 
 LENGTH_LIMIT = 100

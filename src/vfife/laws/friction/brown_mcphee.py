@@ -15,7 +15,7 @@ from .order import not_below
 class BrownMcPhee(FrictionLaw):
     """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's viscous term is left out.
 
-    Smooth, so steep in place of set-valued: solved with the velocity that the force itself leaves, by ten steps of Halley's method kept between
+    Smooth, so steep in place of set-valued: solved with the velocity that the force itself leaves, by eight steps of Halley's method kept between
     two bounds. In x the relation is x + beta_c tanh(4 x) + beta_d x/(x^2/4 + 3/4)^2 = rho with beta = mobility F_N mu/v_t. Beyond beta_d = 2.2
     the falling part has several solutions in one step, and one of them is found.
     """
@@ -53,7 +53,7 @@ class BrownMcPhee(FrictionLaw):
         rest = 1.0 + 4.0 * (kinetic + peak) - 4.0 * rho
         x = 0.125 * (math.sqrt(rest * rest + 16.0 * rho) - rest)
         x = x if x > low else low
-        for _ in range(10):
+        for _ in range(8):
             value, slope, bend = curve(x, kinetic, peak)
             error = x + value - rho
             low = x if error < 0.0 else low
