@@ -36,13 +36,13 @@ def test_relaxed_solves_its_equation(beta, share):
 
 
 @settings(deadline=None, max_examples=500)
-@given(mu=st.floats(0.0, 2.0), normal=positive, free=st.floats(-5.0, 5.0), mobility=st.floats(1e-9, 1e-2))
+@given(mu=st.floats(1e-6, 2.0) | st.just(0.0), normal=positive, free=st.floats(-5.0, 5.0), mobility=st.floats(1e-9, 1e-2))
 def test_coulomb_sticks_or_slides(mu, normal, free, mobility):
     force, _ = Coulomb.force(normal, free, mobility, 0.0, 1e-6, (mu,))
     if abs(free) <= mobility * mu * normal:
         assert free + mobility * force == pytest.approx(0.0, abs=1e-15 * abs(free))
     else:
-        assert force == -math.copysign(mu * normal, free)
+        assert force == pytest.approx(-math.copysign(mu * normal, free), rel=1e-15, abs=0)
 
 
 @settings(deadline=None, max_examples=500)
@@ -79,7 +79,7 @@ def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shap
 
 
 def block(law, steps, dt, speed, push, normal=9.81, sliding=False):
-    """Velocities at half steps of a block of 1 kg on a plane: one mass, kicked as the loop kicks, by a constant push (N); it may have been ``sliding``."""
+    """Velocities at half steps of a block of 1 kg on a plane: one mass, kicked as the loop does by a constant push (N)."""
     p, v, memory, speeds = law.parameters(PAIR), speed, tuple(speed if sliding else 0.0 for _ in law.memory), [speed]
     for n in range(steps):
         gain = dt if n else 0.5 * dt
@@ -163,7 +163,7 @@ def test_brown_mcphee_solves_its_relation(normal, mobility, free, kinetic, exces
 
 @settings(deadline=None, max_examples=1000)
 @given(
-    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0), bent=st.floats(-1.0, 1.0),
+    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0), bent=st.floats(-1.0, 1.0).filter(lambda w: w == 0.0 or abs(w) > 1e-200),
     dt=st.floats(1e-8, 1e-3),
 )  # fmt: skip
 def test_bristles_solve_their_relation(normal, mobility, free, last, bent, dt):
@@ -189,7 +189,7 @@ def test_bristles_take_any_step_at_constant_velocity(v):
     law, t, memory = LuGre(), 0.0, (0.0, v, v)
     g = 0.1 + 0.05 * math.exp(-((v / 1e-3) ** 2))
     for dt in (1e-7, 1e-5, 1e-6, 1e-3, 1e-4, 1e-2):
-        force, memory = law.force(500.0, v, 0.0, memory, dt, law.parameters(PAIR))
+        _, memory = law.force(500.0, v, 0.0, memory, dt, law.parameters(PAIR))
         t += dt
         assert memory[0] == pytest.approx(g / 1e4 * -math.expm1(-1e4 * v * t / g), rel=1e-12)
 

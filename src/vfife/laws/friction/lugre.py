@@ -27,7 +27,7 @@ class LuGre(FrictionLaw):
     source: ClassVar[str] = (
         "Canudas de Wit, Olsson, Astrom, Lischinsky: A new model for control of systems with friction. "
         "IEEE Transactions on Automatic Control 40 (1995) 419-425; per unit of normal force: Canudas de Wit, Tsiotras: "
-        "Dynamic tire friction models for vehicle traction control. Proceedings of the 38th IEEE Conference on Decision and Control (1999) 3746-3751"
+        "Dynamic tire friction models for vehicle traction control. 38th IEEE Conference on Decision and Control (1999) 3746-3751"
     )
     formula: ClassVar[str] = "F = -N (s0 z + s1 z' + s2 v), z' = v - s0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/vS)^2)"
     slots: ClassVar[tuple[str, ...]] = ("coefficient", "excess", "inverse_speed", "bristle_stiffness", "bristle_damping", "viscous")
