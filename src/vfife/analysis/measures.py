@@ -35,7 +35,8 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     """Largest absolute values over the last full crank turn, from the extremes within the output intervals; counts of
     the whole run.
 
-    ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers), ``<joint>.penetration.max`` (m), ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
+    ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers), ``<joint>.penetration.max`` (m),
+    ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
     ``<joint>.deepest`` (m), ``.fastest`` (m/s), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
     ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
     ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).

@@ -275,7 +275,7 @@ def close(S, I, dt, b, k, fresh):
                 pull(S, q + c * Q.SIZE, b_, k_, scale * S[at + c])
 
 
-def bend(S, i, moment):
+def turn_with(S, i, moment):
     """Moment of a joint at t_n, and the largest."""
     S[i + R.moment] = moment
     at = i + R.moment_max
@@ -289,17 +289,17 @@ def reaction(S, I, r):
     kind = I[r + JR.kind]
     force = S[q + Q.force]
     if kind == GEAR or kind == ANGLE:
-        bend(S, i, force)
+        turn_with(S, i, force)
     elif kind == REVOLUTE or kind == WELD:
         S[i + R.fx] = force
         S[i + R.fy] = S[q + Q.SIZE + Q.force]
         if kind == WELD:
-            bend(S, i, S[q + 2 * Q.SIZE + Q.force])
+            turn_with(S, i, S[q + 2 * Q.SIZE + Q.force])
     else:
         S[i + R.fx] = force * S[q + Q.nx]
         S[i + R.fy] = force * S[q + Q.ny]
         if kind == SLIDER:
-            bend(S, i, S[q + Q.SIZE + Q.force])
+            turn_with(S, i, S[q + Q.SIZE + Q.force])
 
 
 def spread(S, I, w, y, b, k, fx, fy, mk, mb):

@@ -168,11 +168,21 @@ class ContactLaw(Law):
 
 @dataclass(frozen=True)
 class FrictionLaw(Law):
-    """Friction law."""
+    """Friction law.
+
+    ``memory`` names what the law remembers from step to step, with units: up to three numbers, all zero at the start and again wherever the
+    normal force is zero, because bristles spring back when nothing presses on them. ``set_valued``: the law holds two surfaces together
+    without sliding by any force up to a limit; it then receives the sliding velocity half a step on, where sticking means exactly zero.
+    """
 
     registry: ClassVar[dict[str, type[Law]]] = {}
+    memory: ClassVar[tuple[str, ...]] = ()
+    set_valued: ClassVar[bool] = False
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force."""
+    def force(normal_force: float, free_velocity: float, mobility: float, memory: Any, dt: float, p: tuple[float, ...]) -> tuple[float, Any]:
+        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force.
+
+        ``memory`` is a number where the law names one, a tuple where it names several, 0 where it names none.
+        """
         raise NotImplementedError
