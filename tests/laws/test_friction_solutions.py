@@ -163,7 +163,8 @@ def test_brown_mcphee_solves_its_relation(normal, mobility, free, kinetic, exces
 
 @settings(deadline=None, max_examples=1000)
 @given(
-    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0), bent=st.floats(-1.0, 1.0).filter(lambda w: w == 0.0 or abs(w) > 1e-200),
+    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0),
+    bent=st.floats(-1.0, 1.0).filter(lambda w: w == 0.0 or abs(w) > 1e-200),
     dt=st.floats(1e-8, 1e-3),
 )  # fmt: skip
 def test_bristles_solve_their_relation(normal, mobility, free, last, bent, dt):

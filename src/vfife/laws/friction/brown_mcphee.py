@@ -15,9 +15,9 @@ from .order import not_below
 class BrownMcPhee(FrictionLaw):
     """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's viscous term is left out.
 
-    Smooth, so steep in place of set-valued: solved with the velocity that the force itself leaves, by five steps of Halley's method kept between
-    two bounds, from where a parabola in place of tanh has it. In x the relation is x + beta_c tanh(4 x) + beta_d x/(x^2/4 + 3/4)^2 = rho with beta = mobility F_N mu/v_t. Beyond beta_d = 2.2
-    the falling part has several solutions in one step, and one of them is found.
+    Smooth, so steep in place of set-valued: solved with the velocity that the force itself leaves, by five steps of Halley's method kept
+    between two bounds, from where a parabola in place of tanh has it. In x the relation is x + beta_c tanh(4 x) + beta_d x/(x^2/4 + 3/4)^2 = rho
+    with beta = mobility F_N mu/v_t. Beyond beta_d = 2.2 the falling part has several solutions in one step, and one of them is found.
     """
 
     name: ClassVar[str] = "brown-mcphee"
