@@ -16,6 +16,8 @@ from .functions import Polynomials, angle_function, constant, spline
 from .joints import ClearanceRevolute
 from .kernels.arrays import Layout, Topology
 from .laws import ContactLaw, FrictionLaw
+from .laws.law import built_in
+from .laws.trial import try_out
 from .lumping import lumped, rigid_properties, section_of
 from .mechanism import Mechanism
 from .prestress import Start as Prestress
@@ -92,8 +94,8 @@ def _releases(release: str, elements: int) -> list[int]:
 
 def registered(base: type, used: list[type]) -> tuple[type, ...]:
     """All built-in laws, so that one compiled loop serves all models, then the user's own ones that this model uses."""
-    built_in = [law for law in base.registry.values() if law.__module__.startswith("vfife.")]  # type: ignore[attr-defined]
-    return tuple(sorted(built_in, key=lambda law: law.name)) + tuple(dict.fromkeys(law for law in used if law not in built_in))
+    ours = [law for law in base.registry.values() if built_in(law)]  # type: ignore[attr-defined]
+    return tuple(sorted(ours, key=lambda law: law.name)) + tuple(dict.fromkeys(law for law in used if law not in ours))
 
 
 def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected: Mapping[str, float] | None = None, **run: Any) -> Assembly:
@@ -101,16 +103,18 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
     step. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot
-    reach, StepError where the step is too large) with a sentence that names what is wrong.
+    reach, StepError where the step is too large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     numbering = Numbering(mechanism)
-    seats = seated(mechanism)
-    motion = ideal_motion(mechanism, seats=seats)
     clearances = mechanism.clearances
     pivots = [joint.name for joint in numbering.pivots.values()]
     ideals = [joint for joint in mechanism.joints.values() if joint.name not in pivots and joint.name not in clearances]
     contacts = registered(ContactLaw, [type(j.contact) for j in clearances.values()])
     frictions = registered(FrictionLaw, [type(j.friction) for j in clearances.values()])
+    pairs = {name: surfaces(mechanism, joint) for name, joint in clearances.items()}
+    try_out([(law, pairs[name]) for name, j in clearances.items() for law in (j.contact, j.friction)], contacts, frictions)
+    seats = seated(mechanism)
+    motion = ideal_motion(mechanism, seats=seats)
     ends = {joint.name: [numbering.place(side) for side in joint.sides] for joint in mechanism.joints.values()}
     loads = _loads(mechanism, numbering)
     driven = [_driven_function(mechanism, numbering, name) for name in numbering.driven]

@@ -100,7 +100,7 @@ def definition(function: Callable[..., Any], name: str) -> str:
 
 
 class _Literal(ast.NodeTransformer):
-    """Writes the row of a field, ``P.x``, and a number of the function's module as the numbers they are."""
+    """Writes the row of a field, ``P.x``, a number of the function's module and one of the module math as the numbers they are."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.space = function.__globals__
@@ -108,6 +108,13 @@ class _Literal(ast.NodeTransformer):
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None
+        if owner is math:
+            value = getattr(math, node.attr, None)
+            if isinstance(value, float):
+                return ast.Constant(value)
+            if node.attr != "sqrt":
+                raise SourceError(f"math.{node.attr} differs between machines in its last bits; math.sqrt alone does not")
+            return ast.Attribute(ast.Name("math", ast.Load()), "sqrt", ast.Load())
         return ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.AST:

@@ -12,6 +12,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 
+class LawError(ValueError):
+    """A law of the user's own that cannot be used: which law, in which file and line, why, and what to do."""
+
+
 @dataclass(frozen=True)
 class Material:
     """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3)."""
@@ -72,9 +76,14 @@ class Law:
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own may be defined again."""
         super().__init_subclass__(**kwargs)
-        if cls.__dict__.get("name"):
-            cls.registry[cls.name] = cls
+        if not cls.__dict__.get("name"):
+            return
+        known = cls.registry.get(cls.name)
+        if known is not None and built_in(known) and (cls.__module__, cls.__qualname__) != (known.__module__, known.__qualname__):
+            raise ValueError(f"the name {cls.name!r} is taken by a law that vfife brings, {known.__name__}; call {cls.__qualname__} otherwise")
+        cls.registry[cls.name] = cls
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """The numbers of ``slots``, derived from the fields and the two surfaces."""
@@ -83,6 +92,11 @@ class Law:
     def derived(self, pair: Pair) -> dict[str, str]:
         """Numbers worth printing, by slot name."""
         return {name: f"{value:.6g}" for name, value in zip(self.slots, self.parameters(pair), strict=True)}
+
+
+def built_in(law: type[Law]) -> bool:
+    """Whether a law is one that vfife brings."""
+    return law.__module__.startswith("vfife.laws.")
 
 
 @dataclass(frozen=True)
