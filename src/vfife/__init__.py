@@ -10,18 +10,19 @@ from typing import TYPE_CHECKING, Any
 from .bodies import Link, PointMass, RigidBody, Section
 from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
-from .laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira, quantity
+from .laws import MATERIALS, Ambrosio, ContactLaw, FrictionLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira, quantity
 from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
+    from .laws.own import load_laws
     from .modelfile import load
     from .result import Result
     from .simulation import simulate
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile"}
+_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile", "load_laws": "laws.own"}
 
 
 def __getattr__(name: str) -> Any:
@@ -36,6 +37,7 @@ def __getattr__(name: str) -> Any:
 
 
 __all__ = [
+    "MATERIALS",
     "Ambrosio",
     "AngleTable",
     "ClearanceRevolute",
@@ -60,6 +62,7 @@ __all__ = [
     "Start",
     "Torque",
     "load",
+    "load_laws",
     "quantity",
     "simulate",
 ]

@@ -1,6 +1,7 @@
 """`vfife check` tells what would run without running it; `vfife laws` tells every law."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -43,6 +44,28 @@ def test_check_says_which_defaults_it_filled_in(command: Callable, pendulum: Pat
     assert not {"run.duration", "body.rod.length", "body.rod.elements", "gravity"} & set(found)
     again = json.loads(command("check", pendulum, "--set", "body.rod.start_mass=1", "--json").stdout)["defaults"]
     assert "body.rod.start_mass" not in {entry["path"] for entry in again}
+
+
+def test_check_derives_stiffness_modulus_and_exponent_with_units(command: Callable) -> None:
+    """Case b, Pereira: K and n by Eq. 26-27 and E* by Eq. 28, worked out here; a bronze bearing gives its compliance to E*."""
+    model = ROOT / "examples" / "four_bar_case_b.toml"
+    joint = next(one for one in json.loads(command("check", model, "--json").stdout)["joints"] if one["name"] == "C")
+    contact, gap = joint["contact"], 1e3 * joint["clearance"]
+    modulus = 207e9 / (2.0 * (1.0 - 0.3**2))
+    n = (1.51 * math.log(1000.0 * gap) ** -0.151 if gap < 0.34954 else 0.0151 * gap + 1.151) * gap**-0.005
+    assert contact["modulus"] == pytest.approx(modulus)
+    assert contact["exponent"] == pytest.approx(n, rel=1e-9)
+    stiffness = (0.965 * gap + 0.0965) * 1e3 * joint["axial_length"] * 1e-6 * modulus / gap * 1e3**n
+    assert float(contact["derived"]["stiffness"]) == pytest.approx(stiffness, rel=1e-5)
+    assert contact["units"] == {"stiffness": f"N/m^{n:.4g}", "exponent_beyond_1": "1", "damping_factor": "1"}
+    text = " ".join(command("check", model, "--set", "joint.C.bearing_material=bronze").stdout.split())
+    assert f"composite modulus E* {1e-9 / ((1 - 0.3**2) / 207e9 + (1 - 0.341**2) / 110e9):.4g} GPa" in text
+
+
+def test_materials_are_listed(command: Callable) -> None:
+    found = {one["name"]: one for one in json.loads(command("materials", "--json").stdout)}
+    assert found["steel"]["youngs_modulus"] == 207e9 and all(one["source"] for one in found.values())
+    assert "bronze" in command("materials").stdout
 
 
 def test_check_names_the_law_that_a_joint_leaves_out(command: Callable, pendulum: Path) -> None:

@@ -112,10 +112,17 @@ def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
 
 
 def law(kind: str, entry: Mapping[str, Any]) -> str:
-    """A law in words: what is set, and what follows from it."""
-    given = ", ".join(f"{name} {value:g}" for name, value in entry["parameters"].items() if value is not None)
-    derived = ", ".join(f"{name} {value}" for name, value in entry["derived"].items())
-    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; in SI units {derived}" if derived else "")
+    """A law in words: what is set, and what follows from it and the surfaces."""
+    given = ", ".join(f"{name} {shown(value)}" for name, value in entry["parameters"].items() if value is not None)
+    derived = [f"{name} {with_unit(value, entry['units'].get(name, ''))}" for name, value in entry["derived"].items()]
+    if "modulus" in entry:
+        derived += [f"exponent {entry['exponent']:.4g}", f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa"]
+    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; {', '.join(derived)}" if derived else "")
+
+
+def with_unit(value: str, unit: str) -> str:
+    """A number with its unit, if it has one."""
+    return value if unit in ("", "1") else f"{value} {unit}"
 
 
 def freedom(found: Mapping[str, Any]) -> list[str]:

@@ -3,8 +3,10 @@
 from .contact import LankaraniNikravesh, Pereira
 from .friction import Ambrosio, Frictionless
 from .law import ContactLaw, FrictionLaw, Law, Material, Pair, quantity
+from .materials import MATERIALS
 
 __all__ = [
+    "MATERIALS",
     "Ambrosio",
     "ContactLaw",
     "FrictionLaw",

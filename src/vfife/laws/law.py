@@ -8,6 +8,7 @@ relation: given the normal force, the sliding velocity without friction, and the
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -65,14 +66,22 @@ def quantity(
     return dataclasses.field(default=default, metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "above": above})
 
 
+# Units of slots that several laws have, and that are no fields.
+SLOT_UNITS = {"damping_factor": "1", "exponent_beyond_1": "1", "ramp": "m/s"}
+
+
 @dataclass(frozen=True)
 class Law:
-    """Shared by contact and friction laws. Subclasses register themselves by ``name``."""
+    """Shared by contact and friction laws. Subclasses register themselves by ``name``.
+
+    ``slots`` names the numbers that the function receives, ``slot_units`` their units where no field of the same name tells them.
+    """
 
     name: ClassVar[str] = ""
     source: ClassVar[str] = ""
     formula: ClassVar[str] = ""
     slots: ClassVar[tuple[str, ...]] = ()
+    slot_units: ClassVar[dict[str, str]] = {}
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -93,6 +102,11 @@ class Law:
         """Numbers worth printing, by slot name."""
         return {name: f"{value:.6g}" for name, value in zip(self.slots, self.parameters(pair), strict=True)}
 
+    def units(self, pair: Pair) -> dict[str, str]:
+        """Unit of each slot: as ``slot_units`` says, else that of the field of the same name; "" where neither knows."""
+        fields = {field.name: str(field.metadata.get("unit", "")) for field in dataclasses.fields(self)}
+        return {slot: self.slot_units.get(slot, fields.get(slot, SLOT_UNITS.get(slot, ""))) for slot in self.slots}
+
 
 def built_in(law: type[Law]) -> bool:
     """Whether a law is one that vfife brings."""
@@ -112,6 +126,19 @@ class ContactLaw(Law):
         The penetration (m) is never negative; ``slowness`` is 1/impact_speed (s/m), held from the onset of a contact to its end.
         """
         raise NotImplementedError
+
+    def exponent_at(self, depth: float, pair: Pair) -> float:
+        """n = d ln F/d ln delta of the elastic force at a penetration (m): constant where F = K delta^n."""
+        p = self.parameters(pair)
+        low, high = (self.force(share * depth, 0.0, p)[0] for share in (0.999, 1.001))
+        return math.log(high / low) / math.log(1.001 / 0.999) if low > 0.0 else math.nan
+
+    def units(self, pair: Pair) -> dict[str, str]:
+        """Units of the slots; that of a stiffness follows from the exponent."""
+        found = super().units(pair)
+        if found.get("stiffness", "N/m") in ("", "N/m^n"):
+            found["stiffness"] = f"N/m^{self.exponent_at(0.05 * pair.clearance, pair):.4g}".removesuffix("^1")
+        return found
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) stored at a penetration (m), of any shape: integral of the elastic force."""

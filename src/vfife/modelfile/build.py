@@ -8,7 +8,7 @@ from typing import Any
 from ..bodies import Body, Link, PointMass, RigidBody, Section
 from ..drivers import AngleTable, ConstantSpeed, Driver, Ramp, Torque
 from ..joints import ClearanceRevolute, IdealRevolute, Joint
-from ..laws import Material
+from ..laws import MATERIALS, Material
 from ..loads import PointForce
 from ..mechanism import Mechanism, Settings, Start
 from ..schema import (
@@ -31,7 +31,7 @@ Materials = Mapping[str, Material]
 
 def build(model: ModelFile, source: str | None = None) -> Mechanism:
     """The mechanism that a model file without faults describes."""
-    materials = {"steel": Material()}
+    materials = dict(MATERIALS)
     materials |= {name: Material(name, **fields(entry)) for name, entry in model.material.items()}
     return Mechanism(
         name=model.name,

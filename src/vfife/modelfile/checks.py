@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from ..laws import MATERIALS
 from ..quantities import shown
 from ..schema import body_kind
 from .faults import Fault, Path, place, suggestion
@@ -20,7 +21,7 @@ class Checks:
     def __init__(self, raw: Raw, given: set[Path]) -> None:
         self.raw, self.given = raw, given
         self.faults: list[Fault] = []
-        self.materials = ("steel", *table(raw, "material"))
+        self.materials = (*MATERIALS, *table(raw, "material"))
         self.names()
         for name, body in entries(raw, "body"):
             self.body(name, body)
