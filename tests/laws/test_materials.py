@@ -16,7 +16,7 @@ def test_steel_is_what_it_was():
 @pytest.mark.parametrize("name", MATERIALS)
 def test_each_has_a_source_and_numbers_that_nature_allows(name):
     material, (*_, meaning, source) = MATERIALS[name], TABLE[name]
-    assert material.name == name and meaning and "(19" in source or "(20" in source
+    assert material.name == name and meaning and ("(19" in source or "(20" in source)
     assert 1e6 < material.youngs_modulus < 5e11 and 0.0 < material.poissons_ratio < 0.5 and 900.0 < material.density < 9000.0
 
 
