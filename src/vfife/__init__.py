@@ -15,6 +15,7 @@ from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
+    from .comparison import compare
     from .laws.own import load_laws
     from .modelfile import load
     from .result import Result
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile", "load_laws": "laws.own"}
+_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile", "load_laws": "laws.own", "compare": "comparison"}
 
 
 def __getattr__(name: str) -> Any:
@@ -61,6 +62,7 @@ __all__ = [
     "Settings",
     "Start",
     "Torque",
+    "compare",
     "load",
     "load_laws",
     "quantity",

@@ -9,6 +9,7 @@ from typer.core import TyperGroup
 
 from . import __version__
 from .commands.check import check
+from .commands.compare import compare
 from .commands.ended import export, info, plot
 from .commands.laws import laws
 from .commands.materials import materials
@@ -53,5 +54,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (run, check, info, plot, export, laws, materials):
+for command in (run, check, compare, info, plot, export, laws, materials):
     app.command()(command)
