@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from .bodies import Link, PointMass, RigidBody, Section
 from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
-from .laws import MATERIALS, Ambrosio, ContactLaw, FrictionLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira, quantity
+from .laws import MATERIALS, Ambrosio, ContactLaw, FrictionLaw, Frictionless, Hydrodynamic, LankaraniNikravesh, Material, Pair, Pereira, quantity
 from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
@@ -46,6 +46,7 @@ __all__ = [
     "ContactLaw",
     "FrictionLaw",
     "Frictionless",
+    "Hydrodynamic",
     "IdealRevolute",
     "LankaraniNikravesh",
     "Link",

@@ -299,12 +299,12 @@ class Filler:
                 self.put(f"{kind}_{side}_{axis}", value, index)
 
     def _clearance(self, joint: ClearanceRevolute, index: int) -> None:
-        arms = 0.0 if joint.friction_moment == "off" else 1.0
+        arms = 0.0 if joint.friction_moment == "off" or joint.contact.film else 1.0
         pair = surfaces(self.mechanism, joint)
         self.put("clearance_size", joint.clearance, index)
         self.put("clearance_arm_bearing", arms * joint.bearing_radius, index)
         self.put("clearance_arm_journal", arms * (joint.bearing_radius - joint.clearance), index)
-        self.put("clearance_arm_overlap", 0.5 if joint.friction_moment == "mid-overlap" else 0.0, index)
+        self.put("clearance_arm_overlap", 0.5 if arms and joint.friction_moment == "mid-overlap" else 0.0, index)
         self.put("clearance_floor", joint.impact_speed_floor, index)
         self.put("clearance_landing", joint.landing, index)
         for block, law in (("clearance_contact", joint.contact), ("clearance_friction_slots", joint.friction)):

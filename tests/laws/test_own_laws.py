@@ -270,3 +270,16 @@ def test_a_law_that_changed_since_does_not_stand_for_the_recorded_one(tmp_path):
     law = type(Result.load(tmp_path / "run.sqlite").record.assembly.mechanism.clearances["C"].contact)
     assert law not in (mine, other) and law.name == "mine"
     assert ContactLaw.registry["mine"] is other
+
+
+def test_a_film_of_ones_own_is_tried_out_too(tmp_path):
+    film = "    film: ClassVar[bool] = True\n\n    @staticmethod\n    def film_force(penetration, turning, sense, p):\n        return {answer}\n"
+    text = COPY + "\n" + film
+    (mine,) = loaded(tmp_path, text.format(answer="0.0, 0.0, 1.0, 1.0, 0.5 * sense"))
+    assert faults(mine) == []
+    assemble(four_bar("C", contact=mine()), 2e-6, duration=1e-3, force_step=True)
+    for answer, expected in (("0.0, 0.0", "five finite numbers"), ("0.0, 0.0, 1.0, 1.0, 2.0", "gives energy"), ("max(1.0, turning)", "max")):
+        with pytest.raises(LawError, match=expected):
+            raise LawError("\n".join(fault for law in loaded(tmp_path, text.format(answer=answer)) for fault in faults(law)))
+    with pytest.raises(LawError, match="static function film_force"):
+        loaded(tmp_path, COPY + "\n    film: ClassVar[bool] = True\n")

@@ -69,7 +69,8 @@ def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, 
             loops["free impact" if value is None else f"{value:g} → {found.restitution:.3f}"] = found
     asked = np.array([entry["restitution"] for entry in rows]) if has else None
     delivered = (asked, np.array([entry["delivered"] for entry in rows])) if has else None
-    title = f"{law.name}: {mass:g} kg at {speed:g} m/s, clearance {1e3 * pair.clearance:g} mm, radius {1e3 * pair.bearing_radius:g} mm"
+    dry = ", dry contact" if law.film else ""
+    title = f"{law.name}{dry}: {mass:g} kg at {speed:g} m/s, clearance {1e3 * pair.clearance:g} mm, radius {1e3 * pair.bearing_radius:g} mm"
     return {"mass": mass, "speed": speed, "impacts": rows}, {"title": title, "loops": loops, "delivered": delivered}
 
 

@@ -194,7 +194,11 @@ BLOCKS: tuple[Block, ...] = (
         elastic | N | elastic part of the normal force
         damping_coefficient | N s/m | damping coefficient
         normal | N | normal force to start from
-        friction | N | friction force to start from"""),
+        friction | N | friction force to start from
+        film_radial | N | force of a film towards the bearing's centre, at rest
+        film_across | N | its force along t on the journal, at rest
+        film_damping | N s/m | damping of that by the velocity along t
+        film_cross | N s/m | force along t by the rate along n, and the reverse"""),
     *_blocks("scratch", "ideal", """
         bx | m | arm of the pin on the bearing's body
         by | m | arm of the pin on the bearing's body
@@ -214,7 +218,7 @@ Y, P, E, C, R, D, L, B, F = (_fields(entity) for entity in ENTITIES)  # rows of 
 
 # Records of the integer array: rows of S and kinds.
 JE = Fields((name, 1) for name in ("row", "first", "second", "release"))
-JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction"))
+JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "film"))
 JR = Fields((name, 1) for name in ("row", "bearing", "journal"))
 JD = Fields((name, 1) for name in ("row", "body", "function"))
 JL = Fields((name, 1) for name in ("row", "body", "function"))

@@ -92,7 +92,7 @@ def tables(topology: Topology) -> tuple[np.ndarray, Layout, int]:
         "element": rows("element", E, bodies(i for i, _ in t.element_nodes), bodies(j for _, j in t.element_nodes), t.element_release),
         "clearance": rows(
             "clearance", C, bodies(t.clearance_bearing), bodies(t.clearance_journal), graph.shared, graph.constrained,
-            t.clearance_contact, t.clearance_friction,
+            t.clearance_contact, t.clearance_friction, (int(getattr(t.contact_laws[k], "film", False)) for k in t.clearance_contact),
         ),
         "ideal": rows("ideal", R, bodies(t.ideal_bearing), bodies(t.ideal_journal)),
         "couple": [value for entry in graph.couples for value in couple(*entry)],

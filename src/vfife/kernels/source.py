@@ -146,12 +146,26 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
     return "\n".join(lines) + "\n"
 
 
+def films(laws: tuple[type, ...], gathered: Gathered) -> str:
+    """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
+    signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
+    lines = ["@jit", f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
+    for number, law in enumerate(laws):
+        if getattr(law, "film", False):
+            name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]
+            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
+            lines += [f"    if kind == {number}:", f"        {', '.join(answer)} = {name}({signature}, ({slots}))"]
+    lines.append(f"    return {', '.join(answer)}")
+    return "\n".join(lines) + "\n"
+
+
 def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
     """Text of the data-driven loop with an if-chain over the given laws."""
     gathered = Gathered()
     gathered.given = {
         "contact_law": dispatch("contact", contact_laws, gathered),
         "friction_law": dispatch("friction", friction_laws, gathered),
+        "film_law": films(contact_laws, gathered),
     }
     gathered.add(loop.advance)
     return gathered.text()

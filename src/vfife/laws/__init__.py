@@ -1,6 +1,6 @@
 """Contact and friction laws, and what they need to know of the two surfaces."""
 
-from .contact import LankaraniNikravesh, Pereira
+from .contact import Hydrodynamic, LankaraniNikravesh, Pereira
 from .friction import Ambrosio, Frictionless
 from .law import ContactLaw, FrictionLaw, Law, Material, Pair, quantity
 from .materials import MATERIALS
@@ -11,6 +11,7 @@ __all__ = [
     "ContactLaw",
     "FrictionLaw",
     "Frictionless",
+    "Hydrodynamic",
     "LankaraniNikravesh",
     "Law",
     "Material",

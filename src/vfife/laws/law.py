@@ -115,8 +115,12 @@ def built_in(law: type[Law]) -> bool:
 
 @dataclass(frozen=True)
 class ContactLaw(Law):
-    """Normal contact law."""
+    """Normal contact law.
 
+    One with ``film`` also acts while the surfaces are apart, through a second static function ``film_force``; see ``Hydrodynamic``.
+    """
+
+    film: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     @staticmethod

@@ -80,8 +80,13 @@ def faults_of_class(law: type[Law]) -> list[str]:
     if len(inspect.signature(function).parameters) != len(wanted) or len(given) != len(wanted):
         count = f"{len(given)} argument{'s' * (len(given) != 1)} ({', '.join(given)})"
         found.append(f"{where}: force takes {count}; a {kind} law takes {len(wanted)}: {', '.join(wanted)}")
+    film: Any = getattr(law, "film_force", None) if kind == "contact" and law.film else None  # type: ignore[attr-defined]
+    if kind == "contact" and law.film and (film is None or len(inspect.signature(film).parameters) != 4):  # type: ignore[attr-defined]
+        found.append(f"{where}: a law with film = True has a static function film_force(penetration, turning, sense, p)")
+        film = None
     try:
         found += [f"{where}: {fault}" for fault in faults_of_text(function)]
+        found += [f"{where}: {fault}" for fault in (faults_of_text(film) if film is not None else ())]
     except (OSError, TypeError):
         found.append(f"{where}: the text of its function cannot be read; write the law in a file, as the compiler needs its text")
     return found
@@ -107,6 +112,21 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
             said = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
             at = ", ".join(f"{name} {value:g} {unit}" for name, value, unit in said)
             return [f"{where}, function force: {fault} (at {at})"]
+    return faults_of_film(law, pair, p) if kind == "contact" else []
+
+
+def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
+    """What the film of a law gives: five finite numbers, damping that loses energy."""
+    for depth in (-1.0, -0.5, -1e-3, 0.0, 0.1) if law.film else ():
+        at = f"{place(type(law))}, function film_force (at penetration {depth * pair.clearance:g} m)"
+        try:
+            answer = tuple(float(value) for value in law.film_force(depth * pair.clearance, 1e-3, 1.0, p))
+        except Exception as error:
+            return [f"{at}: it raises {type(error).__name__}: {error}"]
+        if len(answer) != 5 or not all(math.isfinite(value) for value in answer):
+            return [f"{at}: it returns {answer}; it has to return five finite numbers: radial and across (N), D_n, D_t and X (N s/m)"]
+        if min(answer[2:4]) < 0.0 or answer[4] ** 2 > answer[2] * answer[3]:
+            return [f"{at}: D_n, D_t and X are {answer[2:]}; D_n and D_t have to be 0 or more and X^2 at most D_n D_t, or the film gives energy"]
     return []
 
 
