@@ -37,12 +37,13 @@ from .kernels.arrays import (
     Topology,
 )
 from .laws import ContactLaw, FrictionLaw, Law
+from .laws.trial import try_out
 from .mechanism import Mechanism
 from .numbering import Numbering, Place
 from .prestress import prestress, wanted
 from .springs import Bushing, Spring, Stop
 from .stability import choose_step
-from .start import Motion, cautions, ideal_motion, seated
+from .start import Motion, cautions, ideal_motion, seated, surfaces
 
 FACING = (1.0, 0.0)
 
@@ -115,9 +116,13 @@ def assemble(
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
     step. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation. ``run``: ``turns``, ``duration``,
     ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
-    large) with a sentence that names what is wrong.
+    large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     numbering = Numbering(mechanism)
+    lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
+    laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
+    pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
+    try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
     seats = seated(mechanism)
     motion = ideal_motion(mechanism, seats=seats)
     ideals = ideal_joints(mechanism, numbering)
@@ -125,8 +130,6 @@ def assemble(
     springs = [(spring, kind_of_spring(spring), *spring_places(numbering, spring)) for spring in mechanism.springs.values()]
     driven = [driven_function(mechanism, numbering, name) for name in numbering.driven]
     applied = loads(mechanism, numbering, motion)
-    lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
-    laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
     starts, tables = tables_of(numbering.functions)
     topology = Topology(
         particles=numbering.count,

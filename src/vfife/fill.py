@@ -151,7 +151,7 @@ class Filler:
         for index, touch in enumerate(touches):
             self._pins("clearance", index, (touch.bearing, touch.journal))
             joint = touch.joint
-            arms = 0.0 if joint.friction_moment == "off" else 1.0
+            arms = 0.0 if joint.friction_moment == "off" or joint.contact.film else 1.0
             pair = surfaces(self.mechanism, joint)
             for block, value in (
                 ("clearance_size", touch.size),
