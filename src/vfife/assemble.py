@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -295,17 +296,7 @@ class Filler:
                 self.put(f"{kind}_{side}_{axis}", value, index)
 
     def _clearance(self, joint: ClearanceRevolute, index: int) -> None:
-        arms = 0.0 if joint.friction_moment == "off" else 1.0
-        pair = surfaces(self.mechanism, joint)
-        self.put("clearance_size", joint.clearance, index)
-        self.put("clearance_arm_bearing", arms * joint.bearing_radius, index)
-        self.put("clearance_arm_journal", arms * (joint.bearing_radius - joint.clearance), index)
-        self.put("clearance_arm_overlap", 0.5 if joint.friction_moment == "mid-overlap" else 0.0, index)
-        self.put("clearance_floor", joint.impact_speed_floor, index)
-        self.put("clearance_landing", joint.landing, index)
-        for block, law in (("clearance_contact", joint.contact), ("clearance_friction_slots", joint.friction)):
-            row = self.layout.row(block, index)
-            values = law.parameters(pair)
+        for row, values in clearance_rows(self.mechanism, self.layout, joint, index):
             self.state[row : row + len(values)] = values
 
     def seat(self, seats: Mapping[str, Seat]) -> None:
@@ -336,6 +327,43 @@ class Filler:
         for index, (_, _, at, (fx, fy, moment)) in enumerate(loads):
             for block, value in zip(("load_x", "load_y", "load_fx", "load_fy", "load_m"), (*at, fx, fy, moment), strict=True):
                 self.put(block, value, index)
+
+
+def clearance_rows(mechanism: Mechanism, layout: Layout, joint: ClearanceRevolute, index: int) -> list[tuple[int, tuple[float, ...]]]:
+    """First row and values of every number of a clearance joint that its noun decides: sizes, arms of friction, laws."""
+    arms = 0.0 if joint.friction_moment == "off" else 1.0
+    pair = surfaces(mechanism, joint)
+    numbers = {
+        "clearance_size": (joint.clearance,),
+        "clearance_arm_bearing": (arms * joint.bearing_radius,),
+        "clearance_arm_journal": (arms * (joint.bearing_radius - joint.clearance),),
+        "clearance_arm_overlap": (0.5 if joint.friction_moment == "mid-overlap" else 0.0,),
+        "clearance_floor": (joint.impact_speed_floor,),
+        "clearance_landing": (joint.landing,),
+        "clearance_contact": joint.contact.parameters(pair),
+        "clearance_friction_slots": joint.friction.parameters(pair),
+    }
+    return [(layout.row(block, index), values) for block, values in numbers.items()]
+
+
+def refitted(assembly: Assembly, joints: Mapping[str, ClearanceRevolute]) -> Assembly:
+    """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble`` gives with the same step, sooner.
+
+    ``joints``: all of the mechanism's clearance joints. Raises ValueError where something else would change too: the kinds of the laws, or
+    the start, which depends on clearances where journals are seated.
+    """
+    mechanism = assembly.mechanism
+    if tuple(joints) != assembly.clearances or mechanism.start.journals == "seated":
+        raise ValueError("only the clearance joints of a mechanism whose journals start centred can be refitted, and all of them at once")
+    state, topology = assembly.state.copy(), assembly.topology
+    for index, (name, joint) in enumerate(joints.items()):
+        kinds = topology.contact_laws[topology.clearance_contact[index]], topology.friction_laws[topology.clearance_friction[index]]
+        if kinds != (type(joint.contact), type(joint.friction)) or joint.sides != mechanism.joints[name].sides:
+            raise ValueError(f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the mechanism anew")
+        for row, values in clearance_rows(mechanism, assembly.layout, joint, index):
+            state[row : row + len(values)] = values
+    fitted = dataclasses.replace(mechanism, joints={**mechanism.joints, **joints})
+    return dataclasses.replace(assembly, mechanism=fitted, state=state)
 
 
 def carried(position: Any, velocity: Any, x: float, y: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
