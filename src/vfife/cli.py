@@ -11,6 +11,7 @@ from . import __version__
 from .commands.check import check
 from .commands.ended import export, info, plot
 from .commands.laws import laws
+from .commands.paper import paper
 from .commands.run import run
 from .commands.terminal import INTERRUPTED, tell
 
@@ -52,5 +53,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (run, check, info, plot, export, laws):
+for command in (run, check, info, plot, export, laws, paper):
     app.command()(command)

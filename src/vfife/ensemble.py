@@ -228,7 +228,7 @@ class _Lane:
 
 
 def distance(before: Array, after: Array) -> float:
-    """How far two turns lie apart: the largest difference of a quantity at an output, as a share of its largest absolute value, over all quantities.
+    """How far two turns lie apart: the largest difference at an output over the largest absolute value of a quantity, of all the worst.
 
     Shapes (outputs, quantities). A quantity that is zero in both turns does not count.
     """

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..bodies import Section
 from ..joints import FrictionMoment
-from ..laws import Ambrosio, ContactLaw, Frictionless, FrictionLaw, Pereira
+from ..laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, Pereira
 from ..lumping import rigidified
 from ..mechanism import Mechanism
 

@@ -21,7 +21,7 @@ from ..analysis.influence import lip
 from ..assemble import refitted
 from ..assembly import Assembly
 from ..ensemble import advance, placed
-from ..laws import Pereira
+from ..laws import ContactLaw, Pereira
 from .influence import STEP, TOLERANCE, ideal_maxima, maxima
 from .mechanisms import CLEARANCES, FASTEST, Parameters, four_bar, loosened
 
@@ -114,7 +114,7 @@ def table_3(points: Sequence[Parameters], step: float = STEP, workers: int | Non
         onsets = member.turns.block("clearance_onsets")
         sound.append(member.settled is not None and bool((onsets[-1] == onsets[-2]).all()))
     shaped = np.array(numbers).reshape(-1, 3, 2).transpose(0, 2, 1).reshape(-1, 6)
-    return shaped, np.array(sound).reshape(-1, 3).all(axis=1)
+    return np.asarray(shaped, dtype=float), np.all(np.array(sound, dtype=bool).reshape(-1, 3), axis=1)
 
 
 def misfit(numbers: Array, sound: NDArray[np.bool_]) -> Array:
@@ -185,9 +185,7 @@ class Search:
         return [parameters(self.structure, points[k]) for k in order], numbers[order], found[order]
 
 
-def run(
-    budget: float, seed: int, tell: Callable[[str], None], structures: Sequence[Structure] = STRUCTURES, patience: int = 12
-) -> list[Search]:
+def run(budget: float, seed: int, tell: Callable[[str], None], structures: Sequence[Structure] = STRUCTURES, patience: int = 12) -> list[Search]:
     """Searches all structures in turns within ``budget`` seconds; those that come near get more of it.
 
     A structure that is far off (over three goals) and has not improved for ``patience`` generations is left; what remains goes to the others.
@@ -226,7 +224,6 @@ def as_numbers(p: Parameters) -> dict[str, Any]:
 
 def from_numbers(entries: dict[str, Any]) -> Parameters:
     """The reverse of :func:`as_numbers`."""
-    from ..laws import ContactLaw
-
     left = {name: value for name, value in entries.items() if name not in ("contact", "restitution")}
-    return Parameters(contact=ContactLaw.registry[entries["contact"]](restitution=entries["restitution"]), **left)  # type: ignore[call-arg]
+    law: Any = ContactLaw.registry[entries["contact"]]
+    return Parameters(contact=law(restitution=entries["restitution"]), **left)
