@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,30 +13,36 @@ from . import search
 from .contents import Chart, Item, Line, Panel, Style, Table, Verdict
 from .context import described
 from .influence import STEP
+from .mechanisms import Parameters
 from .search import GOAL, TABLE_3, TARGET, Search, as_numbers, misfit, robust, table_3
 
 if TYPE_CHECKING:
     from .context import Context
 
-KEPT = 120  # sets that fit, as many as are stored
+KEPT = 24  # sets that fit, as many as are stored of each structure
 CANDIDATES = 24  # best points of each structure that are run again with other steps
 STEPS = (1.25e-6, 1e-6, 5e-7, 2.5e-7)  # s
 SHOWN = (("axial_length", 1e3, "axial length (mm)"), ("restitution", 1.0, "restitution c_e (1)"), ("v0", 1.0, "v0 (m/s)"), ("v1", 1.0, "v1 (m/s)"))
 
 
-def outcome(searches: Sequence[Search], seed: int, budget: float) -> dict[str, Any]:
+def outcome(searches: Sequence[Search], seed: int, budget: float, seconds: float | None = None) -> dict[str, Any]:
     """What a search found, as plain numbers: the best set at the worst of several steps, all that fit, the best of each structure."""
     from ..provenance import versions
 
-    structures, fits, finalists = [], [], []
+    structures, finalists = [], []
+    fits: list[dict[str, Any]] = []
     for one in searches:
         points, numbers, found = one.everything()
         near = [k for k in range(min(CANDIDATES, len(points))) if found[k] <= 1.5 * GOAL]
         finalists += [(points[k], numbers[k]) for k in near]
-        fits += [(float(found[k]), points[k], numbers[k]) for k in range(len(points)) if found[k] <= GOAL]
+        inside = int((found <= GOAL).sum())
+        fits += [
+            {"parameters": as_numbers(points[k]), "table_3": numbers[k].tolist(), "misfit": float(found[k])}
+            for k in far_apart(points[:inside], KEPT)
+        ]
         structures.append({
             "structure": one.structure.words, "points": one.count, "generations": one.generations, "misfit": float(found[0]),
-            "within_goal": int((found <= GOAL).sum()), "table_3": numbers[0].tolist(), "parameters": as_numbers(points[0]),
+            "within_goal": inside, "table_3": numbers[0].tolist(), "parameters": as_numbers(points[0]),
         })  # fmt: skip
     if not finalists:  # nothing comes near: the best of all stands for what can be reached
         closest = min(searches, key=lambda one: one.best).everything()
@@ -43,25 +50,42 @@ def outcome(searches: Sequence[Search], seed: int, budget: float) -> dict[str, A
     worst = robust([p for p, _ in finalists], STEPS)
     at = int(np.argmin(worst))
     best, numbers = finalists[at]
-    spread = np.random.default_rng(seed).permutation(len(fits))[:KEPT]
     return {
         "provenance": {
             "command": f"vfife paper infer --budget {budget:g} --seed {seed}", "vfife": versions()["vfife"],
-            "points": sum(s.count for s in searches), "fits": len(fits), "goal": GOAL, "step": STEP, "steps_of_the_best": list(STEPS),
+            "seconds": round(budget if seconds is None else seconds),
+            "points": sum(s.count for s in searches), "fits": sum(s["within_goal"] for s in structures), "goal": GOAL,
+            "step": STEP, "steps_of_the_best": list(STEPS),
         },
         "best": {"parameters": as_numbers(best), "table_3": numbers.tolist(), "misfit": float(np.abs(numbers - TARGET).max()),
                  "misfit_at_the_worst_step": float(worst[at])},
         "structures": structures,
-        "fits": [{"parameters": as_numbers(fits[k][1]), "table_3": fits[k][2].tolist(), "misfit": fits[k][0]} for k in sorted(spread)],
+        "fits": fits,
     }  # fmt: skip
+
+
+def far_apart(points: Sequence[Parameters], count: int) -> list[int]:
+    """The first point and those that lie farthest from all chosen before: the extent of a set, where a search has left it in clusters."""
+    if not points:
+        return []
+    rows = [[math.log(p.axial_length), p.contact.restitution, 0.5 * math.log(p.v0), 0.5 * math.log(p.v1), p.crank_angle] for p in points]  # type: ignore[attr-defined]
+    at = np.array(rows)
+    chosen = [0]
+    near = np.linalg.norm(at - at[0], axis=1)
+    while len(chosen) < min(count, len(points)):
+        chosen.append(int(np.argmax(near)))
+        near = np.minimum(near, np.linalg.norm(at - at[chosen[-1]], axis=1))
+    return sorted(chosen)
 
 
 def infer(context: Context) -> Item:
     """The search, run anew if the context has a budget for it, else as it is stored."""
     if context.budget > 0.0:
+        began = time.monotonic()
         searches = search.run(context.budget, context.seed, context.tell)
+        seconds = time.monotonic() - began
         context.tell("the best points with other steps")
-        context.fit = outcome(searches, context.seed, context.budget)
+        context.fit = outcome(searches, context.seed, context.budget, seconds)
         context.__dict__.pop("parameters", None)
     fit = context.fit
     again, sound = table_3([context.parameters])
@@ -125,7 +149,7 @@ def sets_chart(fit: dict[str, Any]) -> Chart:
             Line([fx * p[x] for p in sets], [fy * p[y] for p in sets], name, styles[k % len(styles)], True)
             for k, (name, sets) in enumerate(names.items())
         ]
-        panels.append(Panel("", label_x, label_y, lines, logarithmic="xy" if x == "v0" else "x"))
+        panels.append(Panel("", label_x, label_y, lines, logarithmic="xy" if x == "v0" else ""))
     return Chart("sets", "Sets that give Table 3 within the goal", panels, 2)
 
 

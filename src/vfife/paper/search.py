@@ -189,26 +189,37 @@ def run(budget: float, seed: int, tell: Callable[[str], None], structures: Seque
     """Searches all structures in turns within ``budget`` seconds; those that come near get more of it.
 
     A structure that is far off (over three goals) and has not improved for ``patience`` generations is left; what remains goes to the others.
+    Ctrl-C ends the search early, with what it has.
     """
-    began = time.monotonic()
-    searches = [Search(structure, np.random.default_rng([seed, k])) for k, structure in enumerate(structures)]
-    for search in searches:
-        search.begin()
-        tell(f"{search.structure.words}: {search.count} points, best misfit {search.best:.2f} points")
+    began, searches = time.monotonic(), list[Search]()
+    try:
+        for k, structure in enumerate(structures):
+            search = Search(structure, np.random.default_rng([seed, k]))
+            search.begin()
+            searches.append(search)
+            tell(f"{search.structure.words}: {search.count} points, best misfit {search.best:.2f} points")
+        _evolve(searches, began + budget, tell, patience)
+    except KeyboardInterrupt:
+        if not searches:
+            raise
+        tell("stopped by Ctrl-C; what was found so far is kept")
+    return searches
+
+
+def _evolve(searches: Sequence[Search], end: float, tell: Callable[[str], None], patience: int) -> None:
     since = dict.fromkeys(range(len(searches)), 0)
-    while time.monotonic() - began < budget:
+    while time.monotonic() < end:
         active = [k for k in since if since[k] < patience or searches[k].best < 3.0 * GOAL]
         if not active:
-            break
+            return
         for k in active:
             search, before = searches[k], searches[k].best
             for _ in range(3 if before < 3.0 * GOAL else 1):
                 search.generation()
             since[k] = 0 if search.best < before else since[k] + 1
             tell(f"{search.structure.words}: generation {search.generations}, {search.count} points, best misfit {search.best:.2f} points")
-            if time.monotonic() - began > budget:
-                break
-    return searches
+            if time.monotonic() > end:
+                return
 
 
 def robust(points: Sequence[Parameters], steps: Sequence[float]) -> Array:

@@ -51,7 +51,14 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
     text = "; ".join(f"{label(one)}: {settling(one)}" for one in runs)
     verdicts = [kept(runs, label)]
     data = {"runs": [{"clearance_mm": 1e3 * one.case.clearance, "speed": one.case.speed, "contact_kept": one.contact_kept} for one in runs]}
-    return Item(name, title, [f"The journal lies outside the circle where it presses into the bearing. {text}."], described(context.parameters),
+    deepest = max(float(one.member.turns.block("clearance_penetration_max")[-1].max()) / one.case.clearance for one in runs)
+    words = [f"The journal lies outside the circle where it presses into the bearing. {text}."]
+    if deepest > 0.5:
+        words.append(
+            f"The penetration reaches {deepest:.1f} times the clearance: with the inferred axial length the joints are far too soft for "
+            "these forces, and the contact law is used beyond what it was fitted to. Table 3 can be had in no other way that was found."
+        )
+    return Item(name, title, words, described(context.parameters),
                 [chart], [], verdicts, data)  # fmt: skip
 
 
