@@ -70,7 +70,7 @@ def fig8(context: Context) -> Item:
     for restitution, style in RESTITUTIONS.items():
         law = LankaraniNikravesh(restitution, STIFFNESS)
         hit = first_impact(law, LENGTH)
-        end = impact(law, LENGTH, 1.5 * FIRST_CONTACT)[3][-1]
+        rebound = -float(impact(law, LENGTH, 1.5 * FIRST_CONTACT)[3][-1])
         chi = 0.75 * (1.0 - restitution**2)
         label = f"restitution {restitution:g}"
         lines["time"].append(Line(1e3 * hit["time"], 1e-3 * hit["force"], label, style))
@@ -78,7 +78,7 @@ def fig8(context: Context) -> Item:
         loss = float(np.sum(0.5 * (hit["force"][1:] + hit["force"][:-1]) * np.diff(hit["depth"])))
         entry = {
             "restitution": restitution, "peak_force": float(hit["force"].max()), "depth": float(hit["depth"].max()),
-            "contact_time": float(hit["time"][-1] - hit["time"][0]), "rebound": -float(end), "delivered": delivered(chi), "loss": loss,
+            "contact_time": float(hit["time"][-1] + hit["depth"][-1] / rebound), "rebound": rebound, "delivered": delivered(chi), "loss": loss,
         }  # fmt: skip
         data.append(entry)
         rebounds.append(abs(entry["rebound"] / SPEED - entry["delivered"]))
