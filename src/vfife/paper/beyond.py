@@ -139,7 +139,7 @@ def group_chart(name: str, members: Mapping[str, Sequence[Influence]]) -> Chart:
     """LIPs of a group over clearance and crank speed."""
     panels = []
     for j, kind in enumerate(("LIP(F)", "LIP(a)")):
-        lines = [Line([1e3 * c for c in CLEARANCES], TABLE_3[j], "paper, Table 3", "ideal")]
+        lines = [Line([1e3 * c for c in CLEARANCES], TABLE_3[j], "paper, Table 3", "paper")]
         lines += [
             Line([1e3 * c for c in CLEARANCES], [_bounded(one.lips[j]) for one in runs[:3]], label, str(k))
             for k, (label, runs) in enumerate(members.items())

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 Origin = Literal["stated", "inferred", "chosen"]
-Style = str  # "main", "second" ... "fifth", "ideal", "circle", "faint", or a number: that of a colour in a long row
+Style = str  # "main", "second" ... "fifth", "ideal", "paper", "circle", "faint", or a number: that of a colour in a long row
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -69,6 +70,7 @@ class Context:
 def described(p: Parameters) -> list[Parameter]:
     """The parameters of a four-bar run, with where each comes from."""
     low = "lost Table 2; fit to Table 3"
+    start = f"crank at {math.degrees(p.crank_angle):.0f}°, ideal velocities, journals centred"
     restitution = p.contact.restitution  # type: ignore[attr-defined]
     moment = (
         "at the particles alone" if p.friction_moment == "off" else f"with moments ({p.friction_moment}), R_B = {1e3 * p.bearing_radius:.3g} mm"
@@ -86,7 +88,7 @@ def described(p: Parameters) -> list[Parameter]:
         Parameter(
             "branch", "joint 2 below the line from joint 1 to the ground pivot" if p.below else "joint 2 above", "inferred", "Fig. 11 is lost"
         ),
-        Parameter("start", f"crank at {57.29577951308232 * p.crank_angle:.0f}°, ideal velocities, journals centred", "chosen", "Fig. 11 is lost"),
+        Parameter("start", start, "inferred", "Fig. 11 is lost; angle from the fit"),
         Parameter("step", f"{1e6 * STEP:g} µs", "chosen", "see `beyond`"),
         Parameter("settled", f"turns within {TOLERANCE:g} of each other, {MOST_TURNS} turns at the most", "chosen", ""),
     ]

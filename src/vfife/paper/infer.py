@@ -132,7 +132,7 @@ def numbers_chart(fit: dict[str, Any]) -> Chart:
     for j, kind in enumerate(("LIP(F)", "LIP(a)")):
         columns = slice(3 * j, 3 * j + 3)
         lines = [Line(sizes, row[columns], "sets that fit" if k == 0 else "", "faint") for k, row in enumerate(every)]
-        lines += [Line(sizes, fit["best"]["table_3"][columns], "best set", "main"), Line(sizes, TABLE_3[j], "paper", "ideal")]
+        lines += [Line(sizes, fit["best"]["table_3"][columns], "best set", "main"), Line(sizes, TABLE_3[j], "paper", "paper")]
         panels.append(Panel(kind, "clearance (mm)", f"{kind} (%)", lines))
     return Chart("fit", "Table 3: the paper, the best set, and every stored set within the goal", panels, 2)
 

@@ -198,6 +198,8 @@ def run(budget: float, seed: int, tell: Callable[[str], None], structures: Seque
             search.begin()
             searches.append(search)
             tell(f"{search.structure.words}: {search.count} points, best misfit {search.best:.2f} points")
+            if time.monotonic() - began > budget:
+                return searches
         _evolve(searches, began + budget, tell, patience)
     except KeyboardInterrupt:
         if not searches:

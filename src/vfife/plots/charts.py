@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION, one_legend, panels
+from .style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, STYLE, VERMILION, one_legend, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +26,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "fourth": {"color": PURPLE, "lw": 1.2, "zorder": 4},
     "fifth": {"color": ORANGE, "lw": 1.2, "zorder": 4},
     "ideal": {"color": VERMILION, "lw": 1.5, "ls": (0, (5, 2)), "zorder": 3},
+    "paper": {"color": INK, "lw": 1.6, "ls": (0, (4, 2)), "marker": "s", "ms": 4.5, "zorder": 7},
     "circle": {"color": GREY, "lw": 1.0, "ls": (0, (5, 3)), "zorder": 3},
     "faint": {"color": SKY, "lw": 0.6, "alpha": 0.6, "zorder": 2},
 }
