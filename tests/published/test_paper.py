@@ -131,11 +131,27 @@ def test_what_loses_contact_is_no_fit():
 
 
 @pytest.mark.verify
-def test_a_short_search_comes_near():
-    """Two minutes of the search from another seed reach the goal, from nothing but the limits of the unknowns."""
+def test_a_search_from_another_seed_comes_near():
+    """From nothing but the limits of the unknowns: within the goal after at most 80 generations."""
+    one = search.Search(Structure("bars", any_start=True), np.random.default_rng(7))
+    one.begin()
+    while one.best > GOAL and one.generations < 80:
+        one.generation()
+    assert one.best <= GOAL
+
+
+def test_a_search_ends_with_its_budget_and_by_ctrl_c(monkeypatch):
+    """A budget that is spent leaves out the structures that have not begun; Ctrl-C keeps what there is."""
+    spent = search.run(0.0, 1, lambda text: None, [Structure("stiff bars"), Structure("bars")])
+    assert len(spent) == 1 and spent[0].count == 96
+
+    def interrupted(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(search.Search, "generation", interrupted)
     told = []
-    found = search.run(120.0, 7, told.append, [Structure("stiff bars"), Structure("bars")])
-    assert min(one.best for one in found) < GOAL and len(told) > 10
+    kept = search.run(60.0, 1, told.append, [Structure("stiff bars")])
+    assert [one.count for one in kept] == [96] and "stopped by Ctrl-C" in told[-1]
 
 
 # ------------------------------------------------------------------------------------------------------------------ the mechanism
