@@ -26,6 +26,7 @@ from .stability import turn_of
 Array = NDArray[np.float64]
 
 LANES = 4  # doubles in a vector register
+PREPARATION = threading.Lock()  # steps are written and compiled by one thread at a time: Python 3.11 cannot parse in two
 REPEATED = ("body_alpha", "clearance_normal_force")  # beside the extremes, what two turns are compared by
 
 
@@ -156,8 +157,9 @@ def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> 
     every = [*members, *[members[-1]] * (lanes - len(members))]
     first = members[0].assembly
     states = np.stack([lane.assembly.state for lane in every], axis=1)
-    runner = Runner(first.topology, states, np.stack([lane.assembly.tables for lane in every]), loop, recorded_rows(first))
-    start = runner.advance(1, 1)
+    with PREPARATION:
+        runner = Runner(first.topology, states, np.stack([lane.assembly.tables for lane in every]), loop, recorded_rows(first))
+        start = runner.advance(1, 1)
     for k, lane in enumerate(members):
         lane.start(start[0, :, k])
     count, outputs = first.choice.outputs_every, _per_turn(first)

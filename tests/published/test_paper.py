@@ -64,6 +64,12 @@ def test_best_set_gives_them_with_other_steps(context):
         assert sound.all() and np.abs(numbers - PAPER).max() < GOAL
 
 
+def test_the_slowest_crank_does_not_feel_the_step(context):
+    """10 pi, where contact comes about in twenty onsets: a quarter of the step moves neither number by a twentieth of a point."""
+    runs = influences([Case(context.parameters, 2e-4, 10 * math.pi, step) for step in (1e-6, 2.5e-7)], outputs=20)
+    assert runs[0].lips == pytest.approx(runs[1].lips, abs=0.05)
+
+
 def test_stored_sets_are_what_they_are_said_to_be(fit):
     """A spread of the stored sets that fit, run again: the stored numbers, all within the goal."""
     entries = fit["fits"][:: max(1, len(fit["fits"]) // 8)]

@@ -154,9 +154,9 @@ def law(p, clearance):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("clearance", "points"), [(1e-4, 0.1), (2e-4, 0.1), (5e-4, 0.3)])
+@pytest.mark.parametrize(("clearance", "points"), [(1e-4, 0.01), (2e-4, 0.01), (5e-4, 0.2)])
 def test_another_program_gives_the_same_influence(clearance, points):
-    """Both local influence parameters of the best set, stiff bars here and rigid ones there, RK4 at 0.5 us, fourth turn, in percentage points."""
+    """Both local influence parameters of the best set, RK4 at 0.5 us, fourth turn, in percentage points (at 0.5 mm it is still settling then)."""
     p = Context().parameters
     ours = influences([Case(p, clearance)], outputs=20)[0].lips
     force, alpha = turns_of(4, 80_000, p.crank_angle, start(p.crank_angle, p.below), law(p, clearance))[-1]
