@@ -14,6 +14,7 @@ from .commands.ended import export, info, plot
 from .commands.laws import laws
 from .commands.materials import materials
 from .commands.new import new
+from .commands.paper import paper
 from .commands.run import run
 from .commands.schema import schema
 from .commands.terminal import INTERRUPTED, tell
@@ -56,5 +57,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, check, compare, info, plot, export, laws, materials, schema):
+for command in (new, run, check, compare, info, plot, export, laws, materials, schema, paper):
     app.command()(command)

@@ -16,7 +16,7 @@ from .kernels.arrays import Layout, Topology
 from .mechanism import Mechanism
 
 if TYPE_CHECKING:
-    from .assemble import Touch
+    from .parts import Touch
 
 Array = NDArray[np.float64]
 
