@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bodies import Body, Link, RigidBody
-from .drivers import Torque
 from .lumping import Mesh, mesh, section_of
 from .mechanism import Mechanism
 from .stability import turn_of
-from .start import Motion, Seat, ideal_motion, kinematic_drivers, pivot_of
+from .start import Datum, Motion, Seat, datum_of, ideal_motion, kinematic_drivers, pivot_of
 
 Array = NDArray[np.float64]
 
@@ -86,17 +85,13 @@ def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Arr
     for joint in mechanism.joints.values():
         for sign, (body, pin) in zip((-1.0, 1.0), joint.sides, strict=True):
             if body == link and joint.name in motion.reaction:
-                force[pin][:2] += sign * np.array(motion.reaction[joint.name])
-    for load in mechanism.loads.values():
-        body, _, pin = load.at.partition(".")
-        if body == link:
-            force[pin] += (1.0 if load.factors is None else load.factors[0]) * np.array([*load.force, load.moment])
-    driver = mechanism.drivers.get(link)
-    if isinstance(driver, Torque):
-        force["start"][2] += driver.torque if isinstance(driver.torque, (int, float)) else driver.torque[0]
-    elif driver is not None:
+                force[pin] += sign * np.array(motion.reaction[joint.name])
+    for one in motion.applied:
+        if one.body == link:
+            force[one.pin or "start"] += np.array([*one.force, one.moment])
+    if link in motion.torque and link in kinematic_drivers(mechanism):
         pin = next(side[1] for side in pivot_of(mechanism, link).sides if side[0] == link)
-        force[pin][2] += motion.torque.get(link, 0.0)
+        force[pin][2] += motion.torque[link]
     return force
 
 
@@ -176,7 +171,7 @@ def straight(link: Link) -> Shape:
 
 
 def settle(
-    mechanism: Mechanism, time: float, shapes: dict[str, Shape], extra: dict[str, Array], seats: Mapping[str, Seat]
+    mechanism: Mechanism, time: float, shapes: dict[str, Shape], extra: dict[str, Array], seats: Mapping[str, Seat], datum: Datum
 ) -> tuple[Motion, dict[str, Shape], Mechanism]:
     """Shapes and motion at ``time`` that agree with each other."""
     links = elastic_links(mechanism)
@@ -184,7 +179,7 @@ def settle(
     for _ in range(PASSES):
         bodies: dict[str, Body] = {**mechanism.bodies, **{name: as_rigid(link, shapes[name]) for name, link in links.items()}}
         held = dataclasses.replace(mechanism, bodies=bodies)
-        motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats)
+        motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats, datum=datum)
         guess = motion.position
         bent = {
             name: deformed(mechanism, link, motion, bodies[name], shapes[name], extra[name])  # type: ignore[arg-type]
@@ -221,7 +216,8 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
     """
     links = elastic_links(mechanism)
     none = {name: np.zeros((link.element_count + 1, 3)) for name, link in links.items()}
-    motion, shapes, held = settle(mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none, seats)
+    datum = datum_of(mechanism)
+    motion, shapes, held = settle(mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none, seats, datum)
     turn = turn_of(mechanism)
     if not kinematic_drivers(mechanism) or turn is None:
         velocity = {
@@ -234,7 +230,7 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
     for _ in range(2):
         path = []
         for k in (-2, -1, 0, 1, 2):
-            there, bent, fixed = settle(mechanism, k * h, shapes, extra, seats)
+            there, bent, fixed = settle(mechanism, k * h, shapes, extra, seats, datum)
             path.append((placed(mechanism, there, fixed, bent), there, fixed, bent))
         velocity, extra = _differences(path, h, links)
     position, _, _, shapes = path[2]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import StepChoice
-from .functions import largest_speed
+from .functions import turning_speed
 from .kernels.arrays import Layout, Topology
 from .mechanism import Mechanism
 
@@ -132,7 +132,7 @@ def _impact_force(joint: object, slots: tuple[float, ...], state: Array, layout:
 
 def turn_of(mechanism: Mechanism) -> float | None:
     """Period (s) of a turn of the fastest driven body, or None."""
-    speed = max((largest_speed(driver) for driver in mechanism.drivers.values()), default=0.0)
+    speed = max((turning_speed(driver) for driver in mechanism.drivers.values()), default=0.0)
     return 2.0 * math.pi / speed if speed > 0.0 else None
 
 

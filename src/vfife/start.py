@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .bodies import Body, Point
-from .drivers import AngleTable, ConstantSpeed, Driver, Ramp, Torque
-from .functions import angle_function
-from .joints import ClearanceRevolute, Contact, Joint
-from .kinematics import AssemblyError, Drive, Mobility, Pin, RigidSystem, accelerations, close, mobility, velocities
+from .applied import Applied, Datum, Instant, applied, constant_forces, driven_body
+from .bodies import Point
+from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_system, travel_of
+from .joints import Contact
+from .kinematics import AssemblyError, Drive, RigidSystem, accelerations, close, velocities
 from .laws import Material, Pair
-from .lumping import rigid_properties
 from .mechanism import Mechanism
+from .mobility import Mobility, mobility
+from .placing import first_guess, local_point
+from .rigidsystem import mirrored
+from .springs import Spring
 from .stability import tangent
 
 Array = NDArray[np.float64]
@@ -26,16 +29,28 @@ Array = NDArray[np.float64]
 class Motion:
     """Ideal motion at one instant, bodies in the order of the mechanism, ground first.
 
-    ``position``, ``velocity``, ``acceleration`` of centres of mass, shape (bodies + 1, 3); ``reaction`` of joint on the journal side (N).
+    ``position``, ``velocity``, ``acceleration`` of centres of mass, shape (bodies + 1, 3). ``reaction`` of a joint or gear: force (N) on the
+    journal's body at the journal's pin and moment (N m) on it (of a gear: on ``second``); the bearing's body has the opposite at the same place.
+    ``torque`` (N m), or force (N) along a driven travel or path, that each driver applies: by body where it turns a body against the ground, else
+    by the driver's name. ``datum``: where travels and springs count from;
+    ``applied``: loads, torques and springs at work.
     """
 
     names: tuple[str, ...]
     position: Array
     velocity: Array
     acceleration: Array
-    reaction: dict[str, tuple[float, float]]
+    reaction: dict[str, tuple[float, float, float]]
     torque: dict[str, float]
-    mobility: Mobility
+    datum: Datum
+    applied: tuple[Applied, ...]
+    system: RigidSystem
+    hand: float
+
+    @cached_property
+    def mobility(self) -> Mobility:
+        """Degrees of freedom, redundant and singular joints."""
+        return mobility(self.system, self.position * (1.0, self.hand, self.hand))
 
     def of(self, body: str) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of a body's centre of mass."""
@@ -43,43 +58,27 @@ class Motion:
         return self.position[k], self.velocity[k], self.acceleration[k]
 
 
-def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
-    """Drivers that prescribe an angle."""
-    return {body: driver for body, driver in mechanism.drivers.items() if isinstance(driver, (ConstantSpeed, Ramp, AngleTable))}
-
-
-def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
-    """Prescribed motions other than those about a pivot on the ground."""
-    return {}
-
-
-def pivot_of(mechanism: Mechanism, body: str) -> Joint:
-    """The ideal joint to the ground about which a driven body turns."""
-    found = [
-        joint
-        for joint in mechanism.joints.values()
-        if not isinstance(joint, ClearanceRevolute) and {body, "ground"} == {side[0] for side in joint.sides}
-    ]
-    if len(found) != 1:
-        raise AssemblyError(
-            f"the driver of body {body!r} needs exactly one ideal joint between {body!r} and the ground to turn it about; there are {len(found)}"
-        )
-    return found[0]
-
-
-def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
-    """A pin in its body's frame, or a point of the ground (m)."""
-    body, pin = side
-    points = mechanism.points if body == "ground" else mechanism.bodies[body].pins
-    if pin not in points:
-        raise AssemblyError(f"there is no pin {body}.{pin}; {body} has {', '.join(points) or 'none'}")
-    return points[pin]
-
-
 def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
     """The pair of surfaces of a joint, with the materials of its bodies."""
     materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
     return joint.pair(*materials)
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A start from known positions and velocities of the centres of mass, shape (bodies + 1, 3); ``bodies`` are those that are known.
+
+    Bodies that are not known stand as the model's approximate start has them, at rest.
+    """
+
+    position: Array
+    velocity: Array
+    bodies: frozenset[str]
+
+    def apart(self, mechanism: Mechanism) -> frozenset[str]:
+        """Joints with play whose two bodies are known: they stay as they are, wherever in its bearing the journal is."""
+        known = self.bodies | {"ground"}
+        return frozenset(joint.name for joint in mechanism.contacts.values() if {side[0] for side in joint.sides} <= known)
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def seated(mechanism: Mechanism) -> dict[str, Seat]:
     motion = ideal_motion(mechanism)
     seats = {}
     for name, joint in mechanism.clearances.items():
-        fx, fy = motion.reaction.get(name, (0.0, 0.0))
+        fx, fy, _ = motion.reaction.get(name, (0.0, 0.0, 0.0))
         force = float(np.hypot(fx, fy))
         if force <= 0.0:
             continue
@@ -111,111 +110,45 @@ def seated(mechanism: Mechanism) -> dict[str, Seat]:
     return seats
 
 
-def rigid_system(
-    mechanism: Mechanism, time: float = 0.0, *, open_joints: frozenset[str] = frozenset(), seats: Mapping[str, Seat] | None = None
-) -> RigidSystem:
-    """The mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s); seated journals beside their bearings' centres."""
-    names = ("ground", *mechanism.bodies)
-    properties = {name: rigid_properties(body) for name, body in mechanism.bodies.items()}
-    pins = []
-    for joint in mechanism.joints.values():
-        if joint.name in open_joints:
-            continue
-        ends = []
-        for side in joint.sides:
-            x, y = local_point(mechanism, side)
-            cx, cy = (0.0, 0.0) if side[0] == "ground" else properties[side[0]][1]
-            if seats and joint.name in seats and side == joint.sides[0]:
-                x, y = x + seats[joint.name].at[0], y + seats[joint.name].at[1]
-            ends.append((names.index(side[0]), (x - cx, y - cy)))
-        pins.append(Pin(joint.name, *ends[0], *ends[1]))
-    drives = []
-    for body, driver in kinematic_drivers(mechanism).items():
-        value, rate, second = angle_function(driver, mechanism.bodies[body].angle)(time)
-        drives.append(Drive(names.index(body), value, rate, second))
-    mass = np.array([1.0, *(p[0] for p in properties.values())])
-    inertia = np.array([1.0, *(p[2] if p[2] > 0.0 else 1e-6 * p[0] for p in properties.values())])
-    return RigidSystem(names, mass, inertia, tuple(pins), tuple(drives))
-
-
-def first_guess(mechanism: Mechanism) -> Array:
-    """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its approximate angle."""
-    names = ("ground", *mechanism.bodies)
-    guess = np.zeros((len(names), 3))
-    placed = {"ground"}
-    for name, body in mechanism.bodies.items():
-        if body.position is not None:
-            _place(guess, names.index(name), body, (0.0, 0.0), body.position)
-            placed.add(name)
-    while True:
-        reachable = [
-            (here, there)
-            for joint in mechanism.joints.values()
-            for here, there in (joint.sides, joint.sides[::-1])
-            if here[0] in placed and there[0] not in placed
-        ]
-        if not reachable:
-            break
-        here, there = reachable[0]
-        target = _world(mechanism, guess, names, here)
-        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], local_point(mechanism, there), target)
-        placed.add(there[0])
-    for name, body in mechanism.bodies.items():
-        if name not in placed:
-            _place(guess, names.index(name), body, (0.0, 0.0), (0.0, 0.0))
-    return guess
-
-
-def _world(mechanism: Mechanism, guess: Array, names: tuple[str, ...], side: tuple[str, str]) -> Point:
-    x, y = local_point(mechanism, side)
-    if side[0] == "ground":
-        return x, y
-    cx, cy = rigid_properties(mechanism.bodies[side[0]])[1]
-    px, py, angle = guess[names.index(side[0])]
-    c, s = np.cos(angle), np.sin(angle)
-    return px + c * (x - cx) - s * (y - cy), py + s * (x - cx) + c * (y - cy)
-
-
-def _place(guess: Array, row: int, body: Body, local: Point, target: Point) -> None:
-    cx, cy = rigid_properties(body)[1]
-    c, s = np.cos(body.angle), np.sin(body.angle)
-    x, y = cx - local[0], cy - local[1]
-    guess[row] = target[0] + c * x - s * y, target[1] + s * x + c * y, body.angle
-
-
-def constant_forces(mechanism: Mechanism, position: Array, names: tuple[str, ...]) -> Array:
-    """Weight, loads at t = 0 and torques on the centres of mass, shape (bodies + 1, 3)."""
-    force = np.zeros((len(names), 3))
-    for name, body in mechanism.bodies.items():
-        force[names.index(name), :2] += rigid_properties(body)[0] * np.array(mechanism.gravity)
-    for load in mechanism.loads.values():
-        body_name, _, pin = load.at.partition(".")
-        factor = 1.0 if load.factors is None else load.factors[0]
-        row = names.index(body_name)
-        at = np.array(_world(mechanism, position, names, (body_name, pin))) - position[row, :2]
-        fx, fy = load.force
-        force[row] += factor * np.array([fx, fy, at[0] * fy - at[1] * fx + load.moment])
-    for body_name, driver in mechanism.drivers.items():
-        if isinstance(driver, Torque):
-            first = driver.torque if isinstance(driver.torque, (int, float)) else driver.torque[0]
-            force[names.index(body_name), 2] += first
-    return force
-
-
-def mirrored(system: RigidSystem) -> RigidSystem:
-    """The system with y and every angle turned round."""
-    pins = tuple(
-        dataclasses.replace(pin, point_a=np.asarray(pin.point_a) * (1.0, -1.0), point_b=np.asarray(pin.point_b) * (1.0, -1.0))
-        for pin in system.joints
-    )
-    drives = tuple(Drive(d.body, -d.angle, -d.speed, -d.acceleration) for d in system.drives)
-    return RigidSystem(system.names, system.mass, system.inertia, pins, drives)
-
-
 def handedness(guess: Array) -> float:
     """-1 if the first body that is not along x is turned clockwise, else 1: the mirror image has the opposite one."""
     turned = guess[:, 2][guess[:, 2] != 0.0]
     return -1.0 if len(turned) and turned[0] < 0.0 else 1.0
+
+
+def datum_of(mechanism: Mechanism, given: Given | None = None) -> Datum:
+    """Where travels, distances and angles count from: the start, closed without the drivers of travels and paths.
+
+    Travels, paths and driven angles count from the position ``given``, if there is one; free lengths are those of the model's own start.
+    """
+    travels = {name: driver for name, driver in mechanism.drivers.items() if not driven_body(name, driver)}
+    names, own = ("ground", *mechanism.bodies), None
+    if mechanism.springs or (travels and given is None):
+        own = _closed(mechanism, rigid_system(mechanism, travels=False), first_guess(mechanism))
+    here = given.position if given is not None else own
+    travel = {} if here is None else {name: travel_of(mechanism, names, name, driver).place(here) for name, driver in travels.items()}
+    angle = {name: float(given.position[k, 2]) for k, name in enumerate(names)} if given is not None else {}
+    angle = {name: body.angle for name, body in mechanism.bodies.items()} | angle
+    spring = {} if own is None else _at_rest(Instant(mechanism, names, own, np.zeros_like(own)))
+    return Datum(travel, spring, angle)
+
+
+def _at_rest(now: Instant) -> dict[str, float]:
+    """Distance (m) or relative angle (rad) of every spring at the start."""
+    found = {}
+    for name, spring in now.mechanism.springs.items():
+        if isinstance(spring, Spring):
+            found[name] = float(np.hypot(*(now.pin(spring.second)[2] - now.pin(spring.first)[2])))
+        else:
+            found[name] = now.turn(spring.first.partition(".")[0], spring.second.partition(".")[0])[0]
+    return found
+
+
+def _closed(mechanism: Mechanism, system: RigidSystem, guess: Array) -> Array:
+    """The closed position nearest the guess, solved in one of the two mirror images, so that the other one starts from the same bits."""
+    hand = handedness(guess)
+    flip = np.array([1.0, hand, hand])
+    return close(mirrored(system) if hand < 0.0 else system, guess * flip).position * flip
 
 
 def ideal_motion(
@@ -225,41 +158,47 @@ def ideal_motion(
     *,
     inertial: Mapping[str, tuple[Array, Array, Array]] | None = None,
     seats: Mapping[str, Seat] | None = None,
+    datum: Datum | None = None,
+    given: Given | None = None,
 ) -> Motion:
     """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch nearest the guess.
 
-    ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations.
-    Joints with clearance whose body was given a velocity of its own are closed in position only. Raises AssemblyError where links cannot
-    reach.
+    ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. ``datum``: where
+    travels and springs count from, :func:`datum_of` unless given. ``given``: a start from known positions and velocities.
+    Joints with clearance whose body was given a velocity of its own are closed in position only; those between bodies of a given start are
+    left as they are. Raises AssemblyError where links cannot reach.
     """
-    system = rigid_system(mechanism, time, seats=seats)
-    guess = first_guess(mechanism) if guess is None else guess
+    datum = datum_of(mechanism, given) if datum is None else datum
+    eccentric = {name: seat.at for name, seat in (seats or {}).items()}
+    apart = frozenset() if given is None else given.apart(mechanism)
+    system = rigid_system(mechanism, time, datum=datum, open_joints=apart, seats=eccentric)
+    guess = (first_guess(mechanism) if given is None else given.position) if guess is None else guess
     hand = handedness(guess)  # solved in one of the two mirror images, so that the other one starts from the same bits
     flip = np.array([1.0, hand, hand])
     reflect = mirrored if hand < 0.0 else lambda same: same
     position = close(reflect(system), guess * flip).position * flip
-    own = {name for name, body in mechanism.bodies.items() if any(body.velocity)}
-    loose = frozenset(j.name for j in mechanism.clearances.values() if {side[0] for side in j.sides} & own)
-    moving = rigid_system(mechanism, time, open_joints=loose, seats=seats) if loose else system
-    wish = np.zeros_like(position)
+    own = {name for name, body in mechanism.bodies.items() if any(body.velocity)} if given is None else set()
+    loose = apart | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
+    moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric) if loose != apart else system
+    wish = np.zeros_like(position) if given is None else given.velocity
     for name in own:
         wish[system.names.index(name)] = mechanism.bodies[name].velocity
     velocity = velocities(reflect(moving), position * flip, wish * flip) * flip
-    force = constant_forces(mechanism, position, system.names)
+    now = Instant(mechanism, system.names, position, velocity, time)
+    pushed = tuple(applied(now, datum))
+    force = constant_forces(now, pushed)
     for name, (mass, local, extra) in (inertial or {}).items():
         row = system.names.index(name)
         c, s = np.cos(position[row, 2]), np.sin(position[row, 2])
         arm, push = local @ np.array([[c, s], [-s, c]]), -mass[:, None] * extra[:, :2]
         force[row] += np.array([*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()])
-    acceleration, reaction, torque = accelerations(reflect(moving), position * flip, velocity * flip, force * flip)
-    acceleration, reaction, torque = acceleration * flip, reaction * flip[:2], torque * hand
-    reactions: Mapping[str, Array] = {pin.name: value for pin, value in zip(moving.joints, reaction, strict=True)}
-    return Motion(
-        system.names,
-        position,
-        velocity,
-        acceleration,
-        {name: (float(value[0]), float(value[1])) for name, value in reactions.items()},
-        {system.names[drive.body]: float(value) for drive, value in zip(moving.drives, torque, strict=True)},
-        mobility(reflect(system), position * flip),
-    )
+    acceleration, reaction, driving = accelerations(reflect(moving), position * flip, velocity * flip, force * flip)
+    reactions = {one.name: (float(x), float(y), float(m)) for one, (x, y, m) in zip(moving.joints, reaction * flip, strict=True)}
+    torque = {d.name: float(value) * (hand if isinstance(d, Drive) else 1.0) for d, value in zip(moving.drives, driving, strict=True)}
+    return Motion(system.names, position, velocity, acceleration * flip, reactions, torque, datum, pushed, reflect(system), hand)
+
+
+__all__ = [
+    "AssemblyError", "Datum", "Given", "Motion", "Seat", "constraint_drivers", "datum_of", "first_guess", "ideal_motion", "kinematic_drivers",
+    "local_point", "pivot_of", "rigid_system", "seated", "surfaces",
+]  # fmt: skip

@@ -131,3 +131,21 @@ def element_names(record: Record) -> list[str]:
     """Names of the elements: that of the link, with their number along it."""
     names = {e: f"{body.name}.{k}" for body in record.assembly.bodies.values() for k, e in enumerate(body.elements)}
     return [names[e] for e in range(len(record.assembly.topology.element_nodes))]
+
+
+def body_velocity(record: Record) -> Array:
+    """Velocity of the centre of mass of each body (m/s), shape (outputs, bodies, 2)."""
+    position, velocity = {axis: record.block(f"particle_{axis}") for axis in ("x", "y", "theta")}, velocities(record)
+    found = np.zeros((len(record.steps), len(record.assembly.bodies), 2))
+    for k, body in enumerate(record.assembly.bodies.values()):
+        nodes = list(body.particles)
+        if body.elements:
+            mass = _node_mass(record, body)
+            found[:, k] = np.stack([velocity[axis][:, nodes] @ mass / mass.sum() for axis in ("u", "v")], axis=1)
+            continue
+        rx, ry = np.subtract(body.center, body.reference)
+        angle, w = position["theta"][:, nodes[0]], velocity["w"][:, nodes[0]]
+        c, s = np.cos(angle), np.sin(angle)
+        found[:, k, 0] = velocity["u"][:, nodes[0]] - w * (s * rx + c * ry)
+        found[:, k, 1] = velocity["v"][:, nodes[0]] + w * (c * rx - s * ry)
+    return found

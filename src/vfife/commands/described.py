@@ -30,17 +30,26 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
 
 def driver(noun: Any) -> str:
     """A driver in words."""
-    from ..drivers import AngleTable, ConstantSpeed, Ramp
+    from ..drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo
 
+    unit = "m" if noun.slider or noun.point else "rad"
+    against = f", against {noun.against}" if noun.against != "ground" else ""
     if isinstance(noun, ConstantSpeed):
-        return f"constant speed {noun.speed:.6g} rad/s"
-    if isinstance(noun, Ramp):
-        return f"smooth ramp to {noun.speed:.6g} rad/s within {noun.duration:.6g} s"
-    if isinstance(noun, AngleTable):
-        return f"table of {len(noun.times)} angles up to {noun.times[-1]:.6g} s"
-    if isinstance(noun.torque, int | float):
-        return f"torque {noun.torque:.6g} N m"
-    return f"table of {len(noun.torque)} torques"
+        said = f"constant speed {noun.speed:.6g} {unit}/s"
+    elif isinstance(noun, Ramp):
+        said = f"smooth ramp to {noun.speed:.6g} {unit}/s within {noun.duration:.6g} s"
+    elif isinstance(noun, StepTo):
+        said = f"smooth step by {noun.travel:.6g} {unit} from {noun.begin:.6g} to {noun.begin + noun.duration:.6g} s"
+    elif isinstance(noun, Harmonic):
+        said = f"harmonic, {noun.amplitude:.6g} {unit} at {noun.frequency:.6g} Hz"
+    elif isinstance(noun, AngleTable):
+        said = f"table of {len(noun.times)} {'travels' if unit == 'm' else 'angles'} up to {noun.times[-1]:.6g} s"
+    else:
+        what, newton = ("force", "N") if noun.point else ("torque", "N m")
+        over = " over speed" if noun.speeds else " over " + ("travel" if noun.point else "angle") if noun.angles else ""
+        constant = isinstance(noun.torque, int | float)
+        said = f"{what} {noun.torque:.6g} {newton}" if constant else f"table of {len(noun.torque)} {what}s{over}"
+    return said + against
 
 
 def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, Any]]:
@@ -89,11 +98,15 @@ def step(assembly: Assembly) -> dict[str, Any]:
 
 
 def freedom(assembly: Assembly) -> dict[str, Any]:
-    """Degrees of freedom of the ideal mechanism and joints that hold what is held already."""
+    """Degrees of freedom of the ideal mechanism, joints that hold what is held already, singular ones, and the class of a four-bar."""
+    from ..fourbar import grashof
+
     mobility = assembly.mobility
     return {
         "free": mobility.free,
         "after_drives": mobility.after_drives,
         "redundant": mobility.redundant,
         "redundant_joints": list(mobility.redundant_joints),
+        "singular": list(mobility.singular),
+        "four_bar": grashof(assembly.mechanism),
     }

@@ -1,22 +1,31 @@
 """Functions of time as piecewise polynomials: a ramp is one exactly, a table becomes one by a spline.
 
 Layout of a table: number of pieces, then their start times, then seven coefficients each (constant first, time counted from the piece's start).
+A negative number of pieces says that the function repeats itself; its period follows, before the start times, which lie in [0, period).
 """
+
+INTEGER = 6755399441055744.0  # 1.5 2^52: adding and taking it away rounds to the nearest whole number
 
 
 def polynomial(table, start, time):
-    """Value and first two derivatives at ``time``; the first piece holds before its start and the last goes on for ever."""
+    """Value and first two derivatives at ``time``; the first piece goes on before its start and the last for ever."""
     pieces = int(table[start])
+    first = start + 1
+    if pieces < 0:
+        pieces = -pieces
+        period = table[first]
+        first += 1
+        time = time - ((time / period - 0.5 + INTEGER) - INTEGER) * period
     low = 0
     high = pieces - 1
     while low < high:
         middle = (low + high + 1) // 2
-        if table[start + 1 + middle] <= time:
+        if table[first + middle] <= time:
             low = middle
         else:
             high = middle - 1
-    x = time - table[start + 1 + low]
-    c = start + 1 + pieces + 7 * low
+    x = time - table[first + low]
+    c = first + pieces + 7 * low
     value = 0.0
     rate = 0.0
     half = 0.0
