@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +12,9 @@ from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .drivers import ConstantSpeed, Torque
-from .drives import standing
+from .drives import constraint_drivers, standing
 from .fill import Filler
-from .functions import Polynomials, constant, motion_function, spline
+from .functions import Polynomials, constant, motion_function, spline, torque_function
 from .joints import ClearanceSlider, Contact, ExternalContact, IdealRevolute, Joint, Slider, Weld
 from .kernels.arrays import (
     ANGLE,
@@ -28,7 +29,6 @@ from .kernels.arrays import (
     SLOT,
     SPEED,
     STOP,
-    TIME,
     TORSIONAL,
     TRAVEL,
     TURNED,
@@ -42,7 +42,7 @@ from .numbering import Numbering, Place
 from .prestress import prestress, wanted
 from .springs import Bushing, Spring, Stop
 from .stability import choose_step, static_choice
-from .start import Motion, constraint_drivers, ideal_motion, seated
+from .start import Motion, ideal_motion, seated
 
 FACING = (1.0, 0.0)
 
@@ -294,7 +294,7 @@ def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Lo
         if not isinstance(driver, Torque):
             continue
         body = driver.body or name
-        torque = torque_function(driver, body, numbering, motion)
+        torque = torque_of(driver, body, numbering, motion)
         if driver.point:
             owner, _, pin = driver.point.partition(".")
             found.append(Load(numbering.place((owner, pin)), torque, unit(driver.direction), 0.0))
@@ -305,16 +305,19 @@ def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Lo
     return found
 
 
-def torque_function(driver: Torque, body: str, numbering: Numbering, motion: Motion) -> int:
-    """A constant, or a spline over time, over the speed of the body, or over its angle from the start."""
-    values = (float(driver.torque),) if isinstance(driver.torque, (int, float)) else driver.torque
-    pair = (numbering.particle(driver.against), numbering.particle(body)) if not driver.point else (0, 0)
+def torque_of(driver: Torque, body: str, numbering: Numbering, motion: Motion) -> int:
+    """Index of a torque's function of time, of the body's speed, or of its angle from the start."""
+    function = torque_function(driver)
+    if driver.speeds is None and driver.angles is None:
+        return numbering.function(function)
+    if driver.point:
+        raise ValueError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
+    pair = (numbering.particle(driver.against), numbering.particle(body))
     if driver.speeds is not None:
-        return numbering.function(spline(driver.speeds, values), (SPEED, *pair))
-    if driver.angles is not None:
-        begin = float(motion.of(body)[0][2]) - (0.0 if driver.against == "ground" else float(motion.of(driver.against)[0][2]))
-        return numbering.function(spline(tuple(a + begin for a in driver.angles), values), (TURNED, *pair))
-    return numbering.function(constant(values[0]) if driver.times is None else spline(driver.times, values), (TIME, 0, 0))
+        return numbering.function(function, (SPEED, *pair))
+    begin = motion.datum.angle.get(body, 0.0) - motion.datum.angle.get(driver.against, 0.0)
+    shifted = dataclasses.replace(function, starts=tuple(start + begin for start in function.starts))
+    return numbering.function(shifted, (TURNED, *pair))
 
 
 def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np.float64]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from .assembly import BodyMap
+from .drives import kinematic_drivers, pivot_of
 from .functions import Polynomials
 from .lumping import Mesh, is_elastic, mesh, rigid_properties
 from .mechanism import Mechanism
-from .start import kinematic_drivers, local_point, pivot_of
+from .placing import local_point
 
 Side = tuple[str, str]
 Place = tuple[int, tuple[float, float]]

@@ -106,7 +106,8 @@ BLOCKS: tuple[Block, ...] = (
         ideal_fy | N | force on the journal at step n
         ideal_moment | N m | moment on the journal's body at step n"""),
     *_blocks("memory", "row", """
-        row_force | N or N m | reaction along one constraint at step n"""),
+        row_force | N or N m | reaction along one constraint at step n
+        row_before | N or N m | the same at step n - 1"""),
     *_blocks("state", "spring", """
         spring_fx | N | force on the second body at step n
         spring_fy | N | force on the second body at step n
@@ -265,14 +266,14 @@ TIME, TURNED, SPEED = range(3)
 # Records of the integer array: rows of S and kinds.
 JE = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
 JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "kind"))
-JR = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function"))
+JR = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function", "rows"))
 JQ = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
 JG = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 JD = Fields((name, 1) for name in ("row", "body", "function"))
 JL = Fields((name, 1) for name in ("row", "body", "function", "follow"))
 JB = Fields((name, 1) for name in ("row", "first", "second", "element"))
 JF = Fields((name, 1) for name in ("row", "table", "argument", "first", "second"))
-JK = Fields((name, 1) for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at"))
+JK = Fields((name, 1) for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at", "pins", "lower"))
 JT = Fields((name, 1) for name in ("drift", "drift_end", "element", "element_end", "kick", "kick_end"))
 
 LISTS = (

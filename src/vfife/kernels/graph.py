@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import JB, JC, JD, JE, JF, JG, JK, JL, JQ, JR, JT, H, Layout, Q, Topology
+from .arrays import IDEAL_ROWS, JB, JC, JD, JE, JF, JG, JK, JL, JQ, JR, JT, REVOLUTE, H, Layout, Q, Topology
 
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
@@ -54,7 +54,7 @@ def derive(topology: Topology) -> Graph:
     for r, low in enumerate(reach):
         start.append(size - low)
         size += r - low + 1
-    again = any(constrained) or any(body in armed for pair in ideals for body in pair)
+    again = any(constrained)
     return Graph(jointed, pinned, shared, constrained, couples, tuple(reach), tuple(start), size, again)
 
 
@@ -118,6 +118,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     spans = {(int(i), int(j)): layout.record("element", e) for e, (i, j) in enumerate(t.element_nodes)} if t.path_unit == 1 else {}
     units = layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
     ends = [pair for k, pair in enumerate(zip(t.ideal_bearing, t.ideal_journal, strict=True)) for _ in range(t.row_starts[k + 1] - t.row_starts[k])]
+    pins = [part for kind in t.kinds for part in ((1, 2) if kind == REVOLUTE else (0,) * IDEAL_ROWS[kind])]
     lever = {False: Q.jb, True: Q.jk}
     lists: dict[str, Any] = {
         "bound": [(int(body[p]),) for p in t.bound if p in free],
@@ -132,12 +133,14 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
         ),
         "ideal": records(
             "ideal", bodies(t.ideal_bearing), bodies(t.ideal_journal), t.kinds, [row(k) if rows else 0 for k in t.row_starts[:-1]],
-            [y + k for k in t.row_starts[:-1]], function(t.ideal_function or [-1] * len(t.ideal_bearing)),
+            [y + k for k in t.row_starts[:-1]], function(t.ideal_function or [-1] * len(t.ideal_bearing)), np.diff(t.row_starts),
         ),
         "row": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k]) for k in range(rows)],
         "couple": [
-            (row(i), row(k), int(body[shared]), row(i, lever[si]), row(k, lever[sk]), int(si == sk), low + graph.start[i] + k)
+            (row(i), row(k), int(body[shared]), row(i, lever[si]), row(k, lever[sk]), int(si == sk), low + graph.start[i] + k,
+             int(pins[i] and pins[k]), low + graph.start[min(i + 1, rows - 1)] + k)
             for i, k, shared, si, sk in graph.couples
+            if not (pins[i] and pins[k]) or (pins[i] == 1 and pins[k] == 1)
         ],
         "spring": records("spring", bodies(t.spring_first), bodies(t.spring_second), t.spring_kind),
         "driven": records("driven", bodies(t.driven), function(t.driven_function)),

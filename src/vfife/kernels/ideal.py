@@ -76,18 +76,33 @@ def fill(S, I):
         a = I[r + JK.first]
         c = I[r + JK.second]
         body = I[r + JK.body]
-        along = S[a + Q.nx] * S[c + Q.nx] + S[a + Q.ny] * S[c + Q.ny]
-        turning = S[I[r + JK.first_lever]] * S[I[r + JK.second_lever]]
-        value = S[body + P.inverse_mass] * along + S[body + P.inverse_inertia] * turning
+        x = I[r + JK.first_lever]
+        y = I[r + JK.second_lever]
+        im = S[body + P.inverse_mass]
+        ii = S[body + P.inverse_inertia]
+        sign = 1.0 if I[r + JK.same] != 0 else -1.0
         at = I[r + JK.at]
-        if I[r + JK.same] != 0:
-            S[at] += value
+        if I[r + JK.pins] != 0:  # two revolutes: their four entries at once
+            ax = S[x]
+            ay = S[x + Q.SIZE]
+            cx = sign * ii * S[y]
+            cy = sign * ii * S[y + Q.SIZE]
+            lower = I[r + JK.lower]
+            S[at] += sign * im + ax * cx
+            S[lower] += ay * cx
+            S[lower + 1] += sign * im + ay * cy
+            if a != c:
+                S[at + 1] += ax * cy
         else:
-            S[at] -= value
+            along = S[a + Q.nx] * S[c + Q.nx] + S[a + Q.ny] * S[c + Q.ny]
+            S[at] += sign * (im * along + ii * S[x] * S[y])
 
 
-def factor(S, I):
-    """L D L^T of the matrix along its profile, in place; a pivot lost to rounding (a redundant joint) is left out."""
+def factor(S, I, y):
+    """L D L^T of the matrix along its profile, in place, with the forward substitution of y on the way.
+
+    A pivot lost to rounding (a redundant joint) is left out.
+    """
     inverse = I[H.inverse]
     for r in range(I[H.row_count]):
         first = I[I[H.row] + JQ.SIZE * r + JQ.start]
@@ -101,22 +116,29 @@ def factor(S, I):
             S[at + c] = value
         diagonal = S[at + r]
         left = diagonal
+        wanted = S[y + r]
         for c in range(first, r):
             value = S[at + c]
             ratio = value * S[inverse + c]
             left -= value * ratio
+            wanted -= ratio * S[y + c]
             S[at + c] = ratio
         S[inverse + r] = 1.0 / left if left > 1e-12 * diagonal else 0.0
+        S[y + r] = wanted
 
 
-def solve(S, I, y):
-    """Solves with the factors in place."""
+def forward(S, I, y):
+    """Forward substitution with the factors in place."""
     for r in range(I[H.row_count]):
         at = I[I[H.row] + JQ.SIZE * r + JQ.at]
         value = S[y + r]
         for c in range(I[I[H.row] + JQ.SIZE * r + JQ.start], r):
             value -= S[at + c] * S[y + c]
         S[y + r] = value
+
+
+def backward(S, I, y):
+    """Division by D and backward substitution."""
     for r in range(I[H.row_count]):
         S[y + r] = S[y + r] * S[I[H.inverse] + r]
     for q in range(I[H.row_count]):
@@ -140,14 +162,43 @@ def pull(S, q, b, k, force):
     S[b + P.mz] -= force * S[q + Q.jb]
 
 
+def hang(S, q, b, k, fx, fy):
+    """The same for the two constraints of a revolute, rows q and the next."""
+    S[q + Q.force] += fx
+    S[q + Q.SIZE + Q.force] += fy
+    S[k + P.fx] += fx
+    S[k + P.fy] += fy
+    S[k + P.mz] += S[q + Q.jk] * fx + S[q + Q.SIZE + Q.jk] * fy
+    S[b + P.fx] -= fx
+    S[b + P.fy] -= fy
+    S[b + P.mz] -= S[q + Q.jb] * fx + S[q + Q.SIZE + Q.jb] * fy
+
+
+def guess(S, q):
+    """Reaction that goes on as it did: with it the first correction closes the joints to third order in the step."""
+    force = S[q + Q.force]
+    before = S[q + Q.before]
+    S[q + Q.before] = force
+    S[q + Q.force] = 0.0
+    return force + (force - before) if before != 0.0 else force
+
+
 def recall(S, I):
-    """The last step's reactions, as a start."""
-    for m in range(I[H.row_count]):
-        r = I[H.row] + JQ.SIZE * m
-        q = I[r + JQ.row]
-        force = S[q + Q.force]
-        S[q + Q.force] = 0.0
-        pull(S, q, I[r + JQ.bearing], I[r + JQ.journal], force)
+    """Reactions to start from."""
+    for m in range(I[H.ideal_count]):
+        r = I[H.ideal] + JR.SIZE * m
+        b = I[r + JR.bearing]
+        k = I[r + JR.journal]
+        q = I[r + JR.first]
+        kind = I[r + JR.kind]
+        if kind == REVOLUTE:
+            fx = guess(S, q)
+            fy = guess(S, q + Q.SIZE)
+            hang(S, q, b, k, fx, fy)
+        else:
+            for c in range(I[r + JR.rows]):
+                force = guess(S, q + c * Q.SIZE)
+                pull(S, q + c * Q.SIZE, b, k, force)
 
 
 def follow(S, I, dt, b, k):
@@ -199,16 +250,28 @@ def gaps(S, I):
                     S[y + 1] = (S[q + P.tn] - S[p + P.tn]) - aim
 
 
-def close(S, I, dt, b, k):
-    """Corrects the reactions so that the joints are closed at t_(n+1)."""
+def close(S, I, dt, b, k, fresh):
+    """Corrects the reactions so that the joints are closed at t_(n+1); a ``fresh`` matrix is factored first."""
     y = I[H.y]
     follow(S, I, dt, b, k)
     gaps(S, I)
-    solve(S, I, y)
+    if fresh:
+        factor(S, I, y)
+    else:
+        forward(S, I, y)
+    backward(S, I, y)
     scale = -1.0 / (dt * k)
-    for m in range(I[H.row_count]):
-        r = I[H.row] + JQ.SIZE * m
-        pull(S, I[r + JQ.row], I[r + JQ.bearing], I[r + JQ.journal], scale * S[y + m])
+    for m in range(I[H.ideal_count]):
+        r = I[H.ideal] + JR.SIZE * m
+        b_ = I[r + JR.bearing]
+        k_ = I[r + JR.journal]
+        q = I[r + JR.first]
+        at = I[r + JR.y]
+        if I[r + JR.kind] == REVOLUTE:
+            hang(S, q, b_, k_, scale * S[at], scale * S[at + 1])
+        else:
+            for c in range(I[r + JR.rows]):
+                pull(S, q + c * Q.SIZE, b_, k_, scale * S[at + c])
 
 
 def reaction(S, I, r):
@@ -252,7 +315,8 @@ def spread(S, I, w, y, b, k, fx, fy, mk, mb):
         nx = S[i + Q.nx]
         ny = S[i + Q.ny]
         S[y + m] = (nx * S[q] + ny * S[q + 1] + S[i + Q.jk] * S[q + 2]) - (nx * S[p] + ny * S[p + 1] + S[i + Q.jb] * S[p + 2])
-    solve(S, I, y)
+    forward(S, I, y)
+    backward(S, I, y)
     for m in range(I[H.row_count]):
         r = I[H.row] + JQ.SIZE * m
         i = I[r + JQ.row]

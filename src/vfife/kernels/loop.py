@@ -9,7 +9,7 @@ from .clearance import answer, meet, velocities
 from .drive import polynomial
 from .elementary import sincos
 from .frame import axial, bending, bending_released, chord, nodal_force, step_turn, turn
-from .ideal import ahead, close, factor, fill, levers, reaction, recall
+from .ideal import ahead, close, fill, levers, reaction, recall
 from .pin import arm
 from .spring import springs
 from .step import chord_acceleration, coefficients, driven_reaction, larger
@@ -296,14 +296,13 @@ def joints(S, I, n, start, span, central):
         levers(S, I)
         ahead(S, I, (n + 1) * dt)
         fill(S, I)
-        factor(S, I)
         recall(S, I)
-        close(S, I, dt, b, k)
+        close(S, I, dt, b, k, True)
     if I[H.clearance_count] > 0:
         velocities(S, I, p, h)
         answer(S, I, span, p * h)
-    if I[H.close_again] != 0:
-        close(S, I, dt, b, k)
+    if I[H.close_again] != 0 or (start and I[H.ideal_count] > 0):
+        close(S, I, dt, b, k, False)
 
 
 def step(S, I, n, start):
