@@ -12,6 +12,7 @@ from vfife.modelfile import loads as read
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FILES = sorted(EXAMPLES.glob("*.toml"))
+TEMPLATES = sorted((EXAMPLES.parent / "src" / "vfife" / "templates").glob("*.toml"))
 DEMO = EXAMPLES / "four_bar.toml"
 
 FOUR_BAR = """
@@ -80,3 +81,119 @@ def only(text: str, set: Any = ()) -> str:
     told = faults(text, set)
     assert len(told) == 1, told
     return told[0]
+
+
+PLAYGROUND = """
+name = "everything"
+[run]
+duration = 1
+[ground]
+O = [0, 0]
+P = [1, 0]
+Q = [0, 1]
+[body.arm]
+length = 1
+mass = 2
+[body.bar]
+length = "0.5 m"
+mass = 1
+[body.block]
+mass = 1
+inertia = 0.1
+pins = { left = [-0.1, 0], right = [0.1, 0] }
+[body.beam]
+length = 1
+model = "elastic"
+elements = 4
+section = { tube = ["20 mm", "16 mm"] }
+via = [[0.5, 0.2]]
+[body.truss]
+model = "frame"
+section = { round = "10 mm" }
+members = [
+  { start = "A", end = "B", elements = 3 },
+  { start = "B", end = "C", section = { square = "1 cm^2" }, mass = 2 },
+  { start = "C", end = "A" },
+]
+masses = { C = 1 }
+nodes = { A = [0, 0], B = [1, 0], C = [0, 1] }
+[joint.pivot]
+bearing = "ground.O"
+journal = "arm.start"
+[joint.elbow]
+bearing = "arm.end"
+journal = "bar.start"
+[joint.guide]
+kind = "slider"
+bearing = "ground.P"
+journal = "block.left"
+direction = [0, 1]
+[joint.clamp]
+kind = "weld"
+bearing = "ground.Q"
+journal = "beam.start"
+[joint.rail]
+kind = "clearance-slider"
+bearing = "ground.P"
+journal = "truss.A"
+clearance = "0.1 mm"
+length = "50 mm"
+height = "20 mm"
+[joint.cam]
+kind = "contact"
+bearing = "truss.B"
+journal = "bar.end"
+journal_radius = "10 mm"
+[gear.wheels]
+first = "arm"
+second = "bar"
+ratio = -2.5
+[spring.coil]
+first = "ground.O"
+second = "block.right"
+stiffness = "2 N/mm"
+[spring.twist]
+kind = "torsional"
+first = "arm"
+second = "bar"
+stiffness = "3 N m/rad"
+[spring.bump]
+kind = "stop"
+first = "ground"
+second = "bar"
+low = "-30 deg"
+high = "30 deg"
+stiffness = 100
+[spring.mount]
+kind = "bushing"
+first = "beam.end"
+second = "truss.C"
+stiffness = ["1 kN/mm", 1e6, "10 N m/rad"]
+[driver.lift]
+slider = "guide"
+travel = "20 mm"
+duration = "0.1 s"
+[driver.shake]
+point = "truss.C"
+direction = [0, 1]
+amplitude = "1 mm"
+frequency = "50 Hz"
+phase = "90 deg"
+[driver.motor]
+body = "arm"
+torque = [3, 0]
+speeds = ["0 rpm", "3000 rpm"]
+[load.wind]
+at = "beam.end"
+force = [10, 0]
+follow = true
+"""
+
+
+def played(*changes: tuple[str, str]) -> str:
+    """The model of everything with texts replaced."""
+    text = PLAYGROUND
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return text

@@ -15,22 +15,37 @@ from typing import Any, ClassVar
 import pytest
 
 from model_texts import DEMO, EXAMPLES, FILES, FOUR_BAR, faults, only, with_lines
-from vfife import bodies, drivers, joints, loads, mechanism
+from vfife import bodies, drivers, joints, loads, mechanism, springs
 from vfife.laws import Ambrosio, ContactLaw, Frictionless, LankaraniNikravesh, Material, Pereira, quantity
 from vfife.mechanism import Settings, Start
 from vfife.modelfile import dump, load
 from vfife.modelfile import loads as read
+from vfife.modelfile.build import JOINTS, SPRINGS
 from vfife.schema import (
+    JOINT_TABLES,
+    SPRING_TABLES,
+    BushingTable,
+    ClearanceSliderTable,
     ClearanceTable,
-    DriverTable,
+    ExternalTable,
+    FrameTable,
+    GearTable,
+    LinearSpringTable,
     LinkTable,
     LoadTable,
     MaterialTable,
+    MemberTable,
     ModelFile,
     ParticleTable,
+    PointDriverTable,
     RigidTable,
     RunTable,
+    SectionTable,
+    SliderTable,
     StartTable,
+    StopTable,
+    TorsionalSpringTable,
+    TurningTable,
 )
 
 # ------------------------------------------------------------------------------------------------------------- meaning
@@ -379,29 +394,32 @@ def test_a_new_law_needs_no_change_here(own_law: type[ContactLaw]) -> None:
 
 def test_every_number_of_the_nouns_has_its_key() -> None:
     """A field added to a noun must not get lost between file and mechanism."""
-    renamed = {
-        "link_model": "model",
-        "extra_points": "pins",
-        "points": "pins",
-        "duration": "ramp",
-        "body": None,
-        "name": None,
-    }
+    renamed = {"link_model": "model", "extra_points": "pins", "points": "pins", "name": None}
+    target = {"body": None, "slider": None, "point": None, "direction": None, "against": None}
     pairs = [
         (bodies.Link, LinkTable, {}),
         (bodies.RigidBody, RigidTable, {}),
         (bodies.PointMass, ParticleTable, {}),
-        (joints.ClearanceRevolute, ClearanceTable, {}),
-        (drivers.Ramp, DriverTable, {}),
-        (drivers.AngleTable, DriverTable, {}),
-        (drivers.Torque, DriverTable, {}),
+        (bodies.Frame, FrameTable, {}),
+        (bodies.Member, MemberTable, {}),
+        (bodies.Section, SectionTable, {}),
+        *((noun, JOINT_TABLES[kind], {}) for kind, noun in JOINTS.items()),
+        *((noun, SPRING_TABLES[kind], {}) for kind, noun in SPRINGS.items()),
+        (joints.Gear, GearTable, {}),
+        (drivers.Driver, TurningTable, {"slider": None, "point": None, "direction": None}),
+        (drivers.Driver, PointDriverTable, {"slider": None, "body": None, "against": None}),
+        *(
+            (noun, table, target | {"duration": "ramp" if noun is drivers.Ramp else "duration", "angles": places, "torque": effort})
+            for table, places, effort in ((TurningTable, "angles", "torque"), (PointDriverTable, "travels", "force"))
+            for noun in (drivers.ConstantSpeed, drivers.Ramp, drivers.StepTo, drivers.Harmonic, drivers.AngleTable, drivers.Torque)
+        ),
         (loads.PointForce, LoadTable, {}),
         (Material, MaterialTable, {}),
         (mechanism.Start, StartTable, {}),
-        (mechanism.Settings, RunTable, {"duration": "duration"}),
+        (mechanism.Settings, RunTable, {}),
     ]
     for noun, table, exceptions in pairs:
-        names = {renamed.get(f.name, f.name) if f.name not in exceptions else f.name for f in dataclasses.fields(noun)}
+        names = {(renamed | exceptions).get(f.name, f.name) for f in dataclasses.fields(noun)}
         assert names - {None} <= set(table.model_fields), noun  # type: ignore[attr-defined]
 
 
@@ -412,6 +430,15 @@ def test_every_number_of_the_nouns_has_its_key() -> None:
         (bodies.PointMass(name="", mass=1.0), ParticleTable),
         (bodies.RigidBody(name="", mass=1.0, inertia=1.0), RigidTable),
         (joints.ClearanceRevolute(name="", bearing="", journal="", clearance=1.0, bearing_radius=2.0), ClearanceTable),
+        (joints.Slider(name="", bearing="", journal=""), SliderTable),
+        (joints.ClearanceSlider(name="", bearing="", journal="", clearance=1.0, length=1.0, height=1.0), ClearanceSliderTable),
+        (joints.ExternalContact(name="", bearing="", journal="", journal_radius=1.0), ExternalTable),
+        (bodies.Frame(name="", nodes={}, members=()), FrameTable),
+        (bodies.Member("", ""), MemberTable),
+        (springs.Spring(name="", first="", second=""), LinearSpringTable),
+        (springs.TorsionalSpring(name="", first="", second=""), TorsionalSpringTable),
+        (springs.Stop(name="", first="", second="", low=0.0, high=1.0, stiffness=1.0), StopTable),
+        (springs.Bushing(name="", first="", second="", stiffness=(1.0, 1.0, 1.0)), BushingTable),
         (Settings(), RunTable),
         (Start(), StartTable),
         (loads.PointForce(name="", at=""), LoadTable),

@@ -11,7 +11,9 @@ from . import __version__
 from .commands.check import check
 from .commands.ended import export, info, plot
 from .commands.laws import laws
+from .commands.new import new
 from .commands.run import run
+from .commands.schema import schema
 from .commands.terminal import INTERRUPTED, tell
 
 
@@ -31,7 +33,7 @@ app = typer.Typer(
     name="vfife",
     cls=Group,
     help="Planar mechanisms whose pins have play.",
-    epilog="Start with: vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own --help.",
+    epilog="Start with: vfife new, vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own --help.",
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -52,5 +54,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (run, check, info, plot, export, laws):
+for command in (new, run, check, info, plot, export, laws, schema):
     app.command()(command)

@@ -89,6 +89,8 @@ DIMENSIONS: tuple[tuple[str, str, str], ...] = (
     ("a mass per length", "kg/m", "7.8 kg/m"),
     ("a stiffness", "N/m", "2 kN/mm"),
     ("a damping coefficient", "N s/m", "5 N s/m"),
+    ("a torsional stiffness", "N m/rad", "20 N m/rad"),
+    ("a torsional damping", "N m s/rad", "0.1 N m s/rad"),
     ("a generalised stiffness", "N/m^1.5", "6.6e10 N/m^1.5"),
 )
 

@@ -87,8 +87,11 @@ class Measure(Reader):
         return " and ".join(f"{word} {limit:g}{unit}" for limit, word in parts if limit is not None)
 
     def json(self) -> dict[str, Any]:
-        """A number in SI units or a text with a unit."""
-        one = [{"type": "number"}, {"type": "string"}]
+        """A number in SI units or a text with a unit; that ``above`` itself is excluded, drafts of JSON Schema say differently."""
+        low = self.above if self.above is not None else self.low
+        bare: dict[str, Any] = {"type": "number"}
+        bare |= {key: limit for key, limit in (("minimum", low), ("maximum", self.high)) if limit is not None}
+        one: list[dict[str, Any]] = [bare, {"type": "string"}]
         more = [{"type": "array", "items": {"anyOf": one}}] if self.series else []
         return {"anyOf": [*one, *more], "x-unit": self.unit, "x-limits": self.limits()}
 
@@ -135,4 +138,4 @@ class Choice(Reader):
 
     def json(self) -> dict[str, Any]:
         """One of the words."""
-        return {"enum": [*self.options, *self.beside]}
+        return {"enum": list(self.options)}

@@ -21,7 +21,17 @@ finally:
 """
 
 
-LIGHT = [["--help"], ["--version"], ["run", "--help"], ["laws"], ["laws", "pereira", "--json"], ["run", "none.toml"]]
+LIGHT = [
+    ["--help"],
+    ["--version"],
+    ["new"],
+    ["new", "frame"],
+    ["schema"],
+    ["run", "--help"],
+    ["laws"],
+    ["laws", "pereira", "--json"],
+    ["run", "none.toml"],
+]
 
 
 @pytest.mark.parametrize("words", LIGHT, ids=" ".join)

@@ -13,22 +13,24 @@ if TYPE_CHECKING:
 
 Filled = dict[str, Any]
 
-NOUNS = ("material", "body", "joint", "driver", "load")
+NOUNS = ("material", "body", "joint", "gear", "spring", "driver", "load")
 
 
 def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken instead."""
     from ..modelfile.override import override
     from ..modelfile.tables import IDLE_KEYS
-    from ..schema import ModelFile
+    from ..schema import STATIC_ONLY, LinkTable, ModelFile
 
     raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     override(raw, items)
     model = ModelFile.model_validate(raw)
     found = [*table("", model), *table("run", model.run), *table("start", model.start)]
+    if model.run.analysis != "static":
+        found = [one for one in found if one["path"] not in {f"run.{key}" for key in STATIC_ONLY}]
     for section in NOUNS:
         for name, entry in getattr(model, section).items():
-            unused = IDLE_KEYS.get(entry.model, ()) if hasattr(entry, "length") else ()
+            unused = IDLE_KEYS.get(entry.model, ()) if isinstance(entry, LinkTable) else ()
             found += [one for one in table(f"{section}.{name}", entry) if one["path"].rpartition(".")[2] not in unused]
             if section == "joint" and hasattr(entry, "contact"):
                 found += [*law(f"joint.{name}", "contact", entry.contact), *law(f"joint.{name}", "friction", entry.friction)]
@@ -39,7 +41,7 @@ def table(path: str, model: BaseModel) -> Iterator[Filled]:
     """Keys with a default value that a table leaves out; empty tables and values that are derived are none."""
     for key, field in type(model).model_fields.items():
         told = key in model.model_fields_set or field.is_required() or field.default is None
-        if not told and not hasattr(field.default, "model_fields_set") and field.default not in ({}, ""):
+        if not told and not hasattr(field.default, "model_fields_set") and field.default not in ({}, "", ()):
             meaning = field.description or ""
             yield {"path": f"{path}.{key}".lstrip("."), "value": field.default, "unit": unit(field), "meaning": meaning}
 

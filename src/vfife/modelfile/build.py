@@ -5,28 +5,47 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..bodies import Body, Link, PointMass, RigidBody, Section
-from ..drivers import AngleTable, ConstantSpeed, Driver, Ramp, Torque
-from ..joints import ClearanceRevolute, IdealRevolute, Joint
+from .. import joints, springs
+from ..bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
+from ..drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
 from ..laws import Material
 from ..loads import PointForce
 from ..mechanism import Mechanism, Settings, Start
 from ..schema import (
     BodyTable,
-    ClearanceTable,
+    ContactTable,
     DriverTable,
-    IdealTable,
+    FrameTable,
+    JointTable,
     LinkTable,
     LoadTable,
     ModelFile,
     ParticleTable,
+    PointDriverTable,
     RigidTable,
     SectionTable,
+    SliderDriverTable,
+    Table,
 )
 from .faults import Fault, place
 from .lawtables import law_or_default, senseless
 
 Materials = Mapping[str, Material]
+
+JOINTS: dict[str, type[joints.Joint]] = {
+    "ideal": joints.IdealRevolute,
+    "slider": joints.Slider,
+    "weld": joints.Weld,
+    "clearance": joints.ClearanceRevolute,
+    "clearance-slider": joints.ClearanceSlider,
+    "contact": joints.ExternalContact,
+}
+SPRINGS: dict[str, type[springs.AnySpring]] = {
+    "linear": springs.Spring,
+    "torsional": springs.TorsionalSpring,
+    "stop": springs.Stop,
+    "bushing": springs.Bushing,
+}
 
 
 def build(model: ModelFile, source: str | None = None) -> Mechanism:
@@ -40,6 +59,8 @@ def build(model: ModelFile, source: str | None = None) -> Mechanism:
         points=dict(model.ground),
         bodies={name: body(name, entry, materials) for name, entry in model.body.items()},
         joints={name: joint(name, entry, materials) for name, entry in model.joint.items()},
+        gears={name: joints.Gear(name=name, **fields(entry)) for name, entry in model.gear.items()},
+        springs={name: spring(name, entry) for name, entry in model.spring.items()},
         drivers={name: driver(name, entry) for name, entry in model.driver.items()},
         loads={name: load(name, entry) for name, entry in model.load.items()},
         start=Start(**fields(model.start)),
@@ -53,15 +74,19 @@ def fields(table: Any) -> dict[str, Any]:
     return {name: getattr(table, name) for name in type(table).model_fields}
 
 
-def section(table: SectionTable) -> Section:
+def section(table: SectionTable | None) -> Section | None:
     """Area and second moment of area of the shape that is given."""
+    if table is None:
+        return None
     if table.square is not None:
         return Section.square(table.square)
     if table.rectangle is not None:
         return Section.rectangle(*table.rectangle)
     if table.round is not None:
         return Section.round(table.round)
-    return Section(area=table.area or 0.0, second_moment=table.second_moment or 0.0)
+    if table.tube is not None:
+        return Section.tube(*table.tube)
+    return Section(area=table.area or 0.0, second_moment=table.second_moment or 0.0, extreme_fibre=table.extreme_fibre)
 
 
 def body(name: str, table: BodyTable, materials: Materials) -> Body:
@@ -69,21 +94,26 @@ def body(name: str, table: BodyTable, materials: Materials) -> Body:
     values = fields(table) | {"name": name, "material": materials[table.material]}
     model, points = values.pop("model"), values.pop("pins", {})
     if isinstance(table, LinkTable):
-        values["section"] = section(table.section) if table.section is not None else None
-        return Link(**values, link_model=model, extra_points=dict(points))
+        return Link(**values | {"section": section(table.section)}, link_model=model, extra_points=dict(points))
     if isinstance(table, RigidTable):
         return RigidBody(**values, points=dict(points))
     if isinstance(table, ParticleTable):
         return PointMass(**values)
+    if isinstance(table, FrameTable):
+        members = tuple(
+            Member(**fields(one) | {"section": section(one.section), "material": materials[one.material] if one.material is not None else None})
+            for one in table.members
+        )
+        return Frame(**values | {"section": section(table.section), "members": members})
     raise TypeError(f"{type(table).__name__} is no table of a body")
 
 
-def joint(name: str, table: IdealTable, materials: Materials) -> Joint:
-    """An ideal joint, or one with clearance and its laws."""
+def joint(name: str, table: JointTable, materials: Materials) -> joints.Joint:
+    """A joint of the kind its table is; one with play has its laws."""
     values = fields(table) | {"name": name}
-    values.pop("kind")
-    if not isinstance(table, ClearanceTable):
-        return IdealRevolute(**values)
+    noun = JOINTS[values.pop("kind")]
+    if not isinstance(table, ContactTable):
+        return noun(**values)
     for side in ("bearing", "journal"):
         named = values[f"{side}_material"]
         # A body brings its own material; the ground is of steel, also where the file says what steel is.
@@ -92,18 +122,43 @@ def joint(name: str, table: IdealTable, materials: Materials) -> Joint:
         values[f"{side}_material"] = materials[named] if named is not None else None
     for kind in ("contact", "friction"):
         values[kind] = law_or_default(kind, values[kind])
-    return ClearanceRevolute(**values)
+    return noun(**values)
+
+
+def spring(name: str, table: Table) -> springs.AnySpring:
+    """A spring of the kind its table is."""
+    values = fields(table) | {"name": name}
+    return SPRINGS[values.pop("kind")](**values)
+
+
+def target(name: str, table: DriverTable) -> dict[str, Any]:
+    """What is driven: a slider, a point, or a body, by default that of the table's name."""
+    if isinstance(table, SliderDriverTable):
+        return {"slider": table.slider}
+    if isinstance(table, PointDriverTable):
+        return {"point": table.point, "direction": table.direction}
+    given: dict[str, Any] = fields(table)
+    return {"body": given["body"] if given["body"] is not None else name, "against": given["against"]}
 
 
 def driver(name: str, table: DriverTable) -> Driver:
     """The driver that the keys tell."""
-    if table.torque is not None:
-        return Torque(body=name, torque=table.torque, times=table.times)
-    if table.speed is not None:
+    driven, given = target(name, table), fields(table)
+    places = given.get("angles") or given.get("travels")
+    effort = given.get("torque") if given.get("torque") is not None else given.get("force")
+    if effort is not None:
+        return Torque(**driven, torque=effort, times=table.times, speeds=given.get("speeds"), angles=places)
+    if given["travel"] is not None:
+        return StepTo(**driven, travel=given["travel"], duration=given["duration"], begin=given["begin"] if given["begin"] is not None else 0.0)
+    if given["amplitude"] is not None:
+        return Harmonic(
+            **driven, amplitude=given["amplitude"], frequency=given["frequency"], phase=given["phase"] if given["phase"] is not None else 0.0
+        )
+    if given["speed"] is not None:
         if table.ramp is not None:
-            return Ramp(body=name, speed=table.speed, duration=table.ramp)
-        return ConstantSpeed(body=name, speed=table.speed)
-    return AngleTable(body=name, times=table.times or (), angles=table.angles or ())
+            return Ramp(**driven, speed=given["speed"], duration=table.ramp)
+        return ConstantSpeed(**driven, speed=given["speed"])
+    return AngleTable(**driven, times=table.times or (), angles=places or ())
 
 
 def load(name: str, table: LoadTable) -> PointForce:

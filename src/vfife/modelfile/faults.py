@@ -5,8 +5,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
+
+from ..quantities import shown
 
 Path = tuple[str | int, ...]
+MOST_TOLD = 100  # more faults than this are counted, not told
+MOST_NAMES = 1000  # names looked through for one that looks alike
 
 
 @dataclass(frozen=True)
@@ -24,7 +29,12 @@ class Fault:
         limit = f"; allowed: {self.limit}" if self.limit else ""
         remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
         end = "" if remedy.endswith(("?", ".", "!")) else "."
-        return f"{self.where}{value}: {self.what}{limit}{remedy}{end}"
+        return printable(f"{self.where}{value}: {self.what}{limit}{remedy}{end}")
+
+
+def printable(text: str) -> str:
+    """The text with signs that would not show, or would turn a terminal's writing, as escapes."""
+    return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text)
 
 
 class ModelError(ValueError):
@@ -32,9 +42,12 @@ class ModelError(ValueError):
 
     def __init__(self, faults: Sequence[Fault], file: str = "model") -> None:
         self.faults, self.file = list(faults), file
-        lines = [f"{file}, {fault}" for fault in self.faults]
-        if len(lines) > 1:
-            lines = [f"{file} has {len(lines)} faults:", *(f"  {k}. {line}" for k, line in enumerate(lines, 1))]
+        count = len(self.faults)
+        lines = [f"{file}, {fault}" for fault in self.faults[:MOST_TOLD]]
+        if count > 1:
+            lines = [f"{file} has {count} faults:", *(f"  {k}. {line}" for k, line in enumerate(lines, 1))]
+        if count > MOST_TOLD:
+            lines.append(f"  ... and {count - MOST_TOLD} more")
         super().__init__("\n".join(lines))
 
 
@@ -45,21 +58,20 @@ def place(path: Path, given: Iterable[Path] = ()) -> str:
     looks for it in the file.
     """
     parts = list(path)
-    index = ""
-    while parts and isinstance(parts[-1], int):
-        index = f"[{parts.pop()}]{index}"
-    key = f"{parts.pop()}{index}" if parts else "file"
-    table = f"[{'.'.join(map(str, parts))}]" if parts else ""
+    first = next((k for k, part in enumerate(parts) if isinstance(part, int) and k), len(parts))
+    inside = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts[first:]).rstrip(".")
+    key = f"{parts[first - 1]}{inside}" if parts else "file"
+    table = f"[{'.'.join(map(str, parts[: first - 1]))}]" if first > 1 else ""
     beside = " (given by set)" if any(path[: len(start)] == start for start in given) else ""
     return f"{table} {key}".strip() + beside
 
 
 def suggestion(name: str, known: Iterable[str], advice: str) -> str:
     """Did-you-mean with the names that look alike, else the advice and a few of the names there are."""
-    names = list(dict.fromkeys(map(str, known)))
-    near = difflib.get_close_matches(name, names, 3, 0.55)
+    names = list(dict.fromkeys(map(str, islice(known, MOST_NAMES))))
+    near = difflib.get_close_matches(name[:100], names, 3, 0.55)
     if near:
-        return "did you mean " + " or ".join(f'"{word}"' for word in near) + "?"
+        return "did you mean " + " or ".join(map(shown, near)) + "?"
     if not names:
         return advice
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

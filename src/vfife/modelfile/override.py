@@ -9,7 +9,7 @@ from typing import Any
 
 from ..laws import Material
 from ..quantities import shown
-from ..schema import CLEARANCE_ONLY
+from ..schema import JOINT_TABLES
 from .faults import Fault, Path, suggestion
 from .tables import IDLE_KEYS, LAWS, NAMED, Raw, entries, known_keys, law_fields, table
 
@@ -120,7 +120,7 @@ def paths(raw: Raw) -> Iterator[str]:
     for name, ends in connected(raw):
         yield from (f"joint.{name}.{key}" for key in known_keys(("joint", name)) or ())
         yield from (f"joint.{ends[0]}.{key}" for key in table(raw, "joint", name))
-    for section in ("body", "driver", "load"):
+    for section in ("body", "gear", "spring", "driver", "load"):
         for name, _ in entries(raw, section):
             yield from (f"{section}.{name}.{key}" for key in known_keys((section, name)) or ())
     yield from (key for key in known_keys(()) or () if not isinstance(raw.get(key), dict))
@@ -148,13 +148,13 @@ def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
 
     So `body.coupler.model = rigid` is enough, although the file gives the coupler its elements.
     """
-    holder = table(raw, *(str(part) for part in path[:-1]))
+    holder = table(raw, *path[:-1])
     value = holder.get(str(path[-1]))
     idle: Iterable[str] = ()
     if path[0] == "body" and path[2:] == ("model",):
         idle = IDLE_KEYS.get(str(value), ())
-    elif path[0] == "joint" and path[2:] == ("kind",) and value == "ideal":
-        idle = CLEARANCE_ONLY
+    elif path[0] == "joint" and path[2:] == ("kind",) and isinstance(value, str) and value in JOINT_TABLES:
+        idle = set(known_keys(("joint", "")) or ()) - set(JOINT_TABLES[value].model_fields)
     elif path[0] == "joint" and len(path) == 4 and path[3] == "law" and path[2] in LAWS:
         law = LAWS[str(path[2])].registry.get(str(value))
         idle = set(holder) - {"law", *law_fields(law)} if law else ()

@@ -12,12 +12,15 @@ from pydantic import ValidationError
 
 from ..mechanism import Mechanism
 from ..quantities import kind_of, shown
-from ..schema import CLEARANCE_ONLY, ModelFile
+from ..schema import CLEARANCE_ONLY, JOINT_TABLES, SPRING_TABLES, ModelFile, driver_kind, joint_kind, spring_kind
 from .build import build, unsuited
-from .checks import Checks
+from .check_bodies import check_body
+from .check_drivers import check_drivers, check_loads
+from .check_joints import check_gears, check_joints, check_springs
+from .checks import EFFORTS, Checks, article
 from .faults import Fault, ModelError, Path, place, suggestion
 from .override import override
-from .tables import Raw, known_keys, table
+from .tables import Raw, entries, known_keys, table
 
 Items = Iterable[tuple[str, Any]]
 
@@ -54,7 +57,7 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
         model = ModelFile.model_validate(raw)
     except ValidationError as error:
         faults += [schema_fault(raw, dict(entry), given) for entry in error.errors(include_url=False)]
-    faults += Checks(raw, given).faults
+    faults += across(raw, given)
     if model is None or faults:
         raise ModelError(faults, known_as)
     mechanism = build(model, file)
@@ -62,6 +65,21 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
     if faults:
         raise ModelError(faults, known_as)
     return mechanism
+
+
+def across(raw: Raw, given: set[Path]) -> list[Fault]:
+    """Faults that no table shows alone."""
+    checks = Checks(raw, given)
+    checks.names()
+    for name, body in entries(raw, "body"):
+        check_body(checks, name, body)
+    check_joints(checks)
+    check_gears(checks)
+    check_springs(checks)
+    check_drivers(checks)
+    check_loads(checks)
+    checks.run()
+    return checks.faults
 
 
 def syntax_fault(text: str, error: Exception) -> Fault:
@@ -108,6 +126,7 @@ WANTED = {
     "model_type": A_TABLE,
     "model_attributes_type": A_TABLE,
     "tuple_type": ("a list", "put the values in square brackets"),
+    "bool_type": ("true or false", "write it without quotes"),
 }
 
 
@@ -115,25 +134,46 @@ def unknown_key(raw: Raw, path: Path, value: Any, where: str) -> Fault:
     """A key that its table does not know, or only one of another kind."""
     key, above = str(path[-1]), path[:-1]
     known = known_keys(above) or ()
-    holder = table(raw, *(str(part) for part in above))
-    if key in CLEARANCE_ONLY and above[:1] == ("joint",):
-        return Fault(where, "an ideal joint has no such key", shown(value), "", 'set kind = "clearance", or remove it')
-    if key in known:
-        length = "with" if "length" in holder else "without"
-        what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
-        return Fault(where, what, shown(value), "", "remove it, or give the body the model and the length that go with it")
+    holder = table(raw, *above)
+    if key == "$schema" and not above:
+        return Fault(where, "a model names no schema among its keys", shown(value), "", "write it as a comment in the first line: #:schema PATH")
+    if key in known and above:
+        return Fault(where, *other_kind(str(above[0]), key, holder, shown(value)))
     what = "unknown table" if isinstance(value, dict) else "unknown key"
     return Fault(where, what, shown(value), "", suggestion(key, known, "remove it"))
+
+
+def other_kind(section: str, key: str, holder: Raw, value: str) -> tuple[str, str, str, str]:
+    """What to say of a key that only another kind of body, joint, spring or driver has: what, value, limit, remedy."""
+    if section == "joint":
+        kind = joint_kind(holder).strip("<>")
+        users = [name for name, model in JOINT_TABLES.items() if key in model.model_fields]
+        first = "clearance" if kind == "ideal" and key in CLEARANCE_ONLY else users[0]
+        more = f" (or {', '.join(name for name in users if name != first)})" if len(users) > 1 else ""
+        return f"{article(kind)} joint has no such key", value, "", f'set kind = "{first}"{more}, or remove it'
+    if section == "driver":
+        driven = driver_kind(holder).strip("<>")
+        remedy = "remove it; a force acts on a point, a torque on a body" if key in EFFORTS else "remove it"
+        return f"a driver of a {driven} has no such key", value, "", remedy
+    if section == "spring":
+        kind = spring_kind(holder).strip("<>")
+        users = [name for name, model in SPRING_TABLES.items() if key in model.model_fields]
+        return f"a spring of kind {kind} has no such key", value, "", f"remove it, or set kind to {' or '.join(users)}"
+    length = "with" if "length" in holder else "without"
+    what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
+    return what, value, "", "remove it, or give the body the model and the length that go with it"
 
 
 def missing_key(raw: Raw, path: Path, where: str) -> Fault:
     """A key, or a value of a list, that has to be there."""
     if isinstance(path[-1], int):
         return Fault(where, "this value of the list is missing", "", "", "give the list all its values")
-    key, holder = path[-1], table(raw, *(str(part) for part in path[:-1]))
+    key, holder = path[-1], table(raw, *path[:-1])
     remedy = "add it"
     if path[0] == "joint" and key == "kind":
         remedy = 'add kind = "clearance", or remove what an ideal joint does not have'
+    elif path[0] == "spring" and key == "kind":
+        remedy = f'add kind = "{spring_kind(holder).strip("<>")}"'
     elif path[0] == "body" and key == "length":
         remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
     elif path[0] == "body" and key == "inertia" and "length" not in holder:

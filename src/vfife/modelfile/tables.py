@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..quantities import QuantityError, number
 from ..schema import (
-    ClearanceTable,
-    DriverTable,
-    IdealTable,
-    LinkTable,
+    BODY_TABLES,
+    DRIVER_TABLES,
+    JOINT_TABLES,
+    SPRING_TABLES,
+    GearTable,
     LoadTable,
     MaterialTable,
+    MemberTable,
     ModelFile,
-    ParticleTable,
-    RigidTable,
     RunTable,
     SectionTable,
     StartTable,
+    Table,
     body_kind,
 )
 from .faults import Path
@@ -31,16 +32,19 @@ Raw = dict[str, Any]
 IDLE_KEYS: dict[str, tuple[str, ...]] = {
     "rigid": ("elements", "release", "stiffness_factor"),
     "elastic": ("inertia", "center_at", "pins"),
-    "two-particle": ("inertia", "center_at", "pins", "elements"),
+    "two-particle": ("inertia", "center_at", "pins", "elements", "via"),
 }
 LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
-NAMED = ("material", "ground", "body", "joint", "driver", "load")
+NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
 
 
-def table(raw: Any, *path: str) -> Raw:
+def table(raw: Any, *path: str | int) -> Raw:
     """The table at a path, empty if there is none."""
     for key in path:
-        raw = raw.get(key) if isinstance(raw, dict) else None
+        if isinstance(raw, list) and isinstance(key, int) and 0 <= key < len(raw):
+            raw = raw[key]
+        else:
+            raw = raw.get(key) if isinstance(raw, dict) else None
     return raw if isinstance(raw, dict) else {}
 
 
@@ -57,9 +61,26 @@ def amount(holder: Raw, key: str, unit: str) -> float | None:
         return None
 
 
+def amounts(value: Any, units: Iterable[str]) -> tuple[float, ...] | None:
+    """SI values of a list that has one for each of the units, None where it has not."""
+    units = tuple(units)
+    if not isinstance(value, list | tuple) or len(value) != len(units):
+        return None
+    try:
+        return tuple(number(one, unit) for one, unit in zip(value, units, strict=True))
+    except QuantityError:
+        return None
+
+
+def text(holder: Raw, key: str, default: str = "") -> str:
+    """A text of a table, the default where there is none."""
+    value = holder.get(key, default)
+    return value if isinstance(value, str) else default
+
+
 def own_pins(body: Raw) -> tuple[str, ...]:
     """Pins that a body of its kind has, whatever is wrong with it."""
-    return ("start", "end") if body_kind(body) == "<link>" else ("center",)
+    return {"<link>": ("start", "end"), "<frame>": ()}.get(body_kind(body), ("center",))
 
 
 def pins(raw: Raw, body: str) -> tuple[str, ...]:
@@ -67,7 +88,7 @@ def pins(raw: Raw, body: str) -> tuple[str, ...]:
     if body == "ground":
         return tuple(table(raw, "ground"))
     holder = table(raw, "body", body)
-    return (*own_pins(holder), *table(holder, "pins"))
+    return (*own_pins(holder), *table(holder, "nodes" if body_kind(holder) == "<frame>" else "pins"))
 
 
 def law_fields(law: type[Law]) -> tuple[str, ...]:
@@ -75,28 +96,39 @@ def law_fields(law: type[Law]) -> tuple[str, ...]:
     return tuple(field.name for field in dataclasses.fields(law))
 
 
+def keys_of(*models: type[Table]) -> tuple[str, ...]:
+    """Keys that one of the tables has."""
+    return tuple(dict.fromkeys(key for model in models for key in model.model_fields))
+
+
 def known_keys(path: Path) -> tuple[str, ...] | None:
     """Keys that the table at a path can have, of whatever kind it is; None where keys are names that the user gives."""
     match path:
         case ():
-            return tuple(ModelFile.model_fields)
+            return keys_of(ModelFile)
         case ("run",):
-            return tuple(RunTable.model_fields)
+            return keys_of(RunTable)
         case ("start",):
-            return tuple(StartTable.model_fields)
+            return keys_of(StartTable)
         case ("material", _):
-            return tuple(MaterialTable.model_fields)
+            return keys_of(MaterialTable)
         case ("body", _):
-            return tuple({**LinkTable.model_fields, **RigidTable.model_fields, **ParticleTable.model_fields})
-        case ("body", _, "section"):
-            return tuple(SectionTable.model_fields)
+            return keys_of(*BODY_TABLES.values())
+        case ("body", _, "section") | ("body", _, "members", _, "section"):
+            return keys_of(SectionTable)
+        case ("body", _, "members", _):
+            return keys_of(MemberTable)
         case ("joint", _):
-            return tuple({**IdealTable.model_fields, **ClearanceTable.model_fields})
+            return keys_of(*JOINT_TABLES.values())
         case ("joint", _, "contact" | "friction" as kind):
             fields = dict.fromkeys(name for law in LAWS[kind].registry.values() for name in law_fields(law))
             return ("law", *fields)
+        case ("gear", _):
+            return keys_of(GearTable)
+        case ("spring", _):
+            return keys_of(*SPRING_TABLES.values())
         case ("driver", _):
-            return tuple(DriverTable.model_fields)
+            return keys_of(*DRIVER_TABLES.values())
         case ("load", _):
-            return tuple(LoadTable.model_fields)
+            return keys_of(LoadTable)
     return None

@@ -8,25 +8,29 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..bodies import Body, Link, PointMass, RigidBody, Section
-from ..drivers import AngleTable, ConstantSpeed, Driver, Ramp, Torque
-from ..joints import ClearanceRevolute, Joint
+from ..bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
+from ..drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
+from ..joints import Contact, ExternalContact, Gear, IdealRevolute, Joint
 from ..laws import Law, Material
 from ..loads import PointForce
 from ..mechanism import Mechanism, Settings, Start
+from ..schema import STATIC_ONLY
+from ..springs import AnySpring, Spring
+from .build import JOINTS, SPRINGS
 from .tables import IDLE_KEYS
 
 Entries = Mapping[str, Any]
 
 # Keys of the file that are called otherwise in the nouns.
 KEYS = {"link_model": "model", "extra_points": "pins", "points": "pins"}
+NAN = float("nan")  # differs from every number, so that what a noun must have is always written
 
 
 def dump(mechanism: Mechanism) -> str:
     """TOML text of a mechanism; ``loads`` makes an equal one of it.
 
-    What equals its default is left out, and so is what a link's model has no use for. Raises ValueError where two
-    different materials share a name, and TypeError for a noun that the file has no table for.
+    What equals its default is left out, and so is what a link's model or the kind of analysis has no use for. Raises ValueError
+    where two different materials share a name, and TypeError for a noun that the file has no table for.
     """
     top: dict[str, Any] = {"name": mechanism.name}
     if mechanism.note:
@@ -41,8 +45,9 @@ def dump(mechanism: Mechanism) -> str:
 
 def tables(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
     """Headers and entries of the tables, in the order a reader wants them."""
+    idle = () if mechanism.settings.analysis == "static" else STATIC_ONLY
     for header, entries in (
-        ("run", changed(mechanism.settings, Settings())),
+        ("run", changed(mechanism.settings, Settings(), leave=idle)),
         ("start", changed(mechanism.start, Start())),
     ):
         if entries:
@@ -55,8 +60,12 @@ def tables(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
         yield from body_tables(name, body)
     for name, joint in mechanism.joints.items():
         yield from joint_tables(name, joint)
+    for name, gear in mechanism.gears.items():
+        yield dotted("gear", name), changed(gear, Gear(name=name, first="", second="", ratio=NAN), leave=("name",))
+    for name, spring in mechanism.springs.items():
+        yield dotted("spring", name), spring_entries(name, spring)
     for name, driver in mechanism.drivers.items():
-        yield dotted("driver", name), driver_entries(driver)
+        yield dotted("driver", name), driver_entries(name, driver)
     for name, load in mechanism.loads.items():
         yield dotted("load", name), changed(load, PointForce(name=load.name, at=""), leave=("name",))
 
@@ -69,56 +78,63 @@ def changed(noun: Any, default: Any, leave: tuple[str, ...] = ()) -> dict[str, A
 
 def materials(mechanism: Mechanism) -> list[Material]:
     """Every material but the predefined steel, once."""
-    used = [body.material for body in mechanism.bodies.values()]
-    for joint in mechanism.clearances.values():
-        used += [one for one in (joint.bearing_material, joint.journal_material) if one is not None]
+    used: list[Material | None] = []
+    for body in mechanism.bodies.values():
+        used.append(body.material)
+        used += [member.material for member in body.members] if isinstance(body, Frame) else []
+    for joint in mechanism.contacts.values():
+        used += [joint.bearing_material, joint.journal_material]
     known: dict[str, Material] = {}
     for material in used:
-        if known.setdefault(material.name, material) != material:
+        if material is not None and known.setdefault(material.name, material) != material:
             raise ValueError(f"two different materials are called {material.name!r}; give one of them another name")
     return [material for material in known.values() if material != Material()]
 
 
 def body_tables(name: str, body: Body) -> Iterator[tuple[str, Entries]]:
-    """The table of a body, and that of its pins."""
-    nan = float("nan")  # differs from every number, so that what a body must have is always written
+    """The table of a body, and those of its pins, nodes and masses."""
+    leave: tuple[str, ...] = ("name", "material")
+    default: Body
     if isinstance(body, Link):
-        idle = [{"pins": "extra_points"}.get(key, key) for key in IDLE_KEYS[body.link_model]]
-        entries = {
-            "model": body.link_model,
-            **changed(body, Link(name="", length=nan), leave=("name", "material", "link_model", *idle)),
-        }
+        leave = (*leave, "link_model", *({"pins": "extra_points"}.get(key, key) for key in IDLE_KEYS[body.link_model]))
+        default = Link(name="", length=NAN)
     elif isinstance(body, RigidBody):
-        entries = {
-            "model": "rigid",
-            **changed(body, RigidBody(name="", mass=nan, inertia=nan), leave=("name", "material")),
-        }
+        default = RigidBody(name="", mass=NAN, inertia=NAN)
     elif isinstance(body, PointMass):
-        entries = {"model": "particle", **changed(body, PointMass(name="", mass=nan), leave=("name", "material"))}
+        default = PointMass(name="", mass=NAN)
+    elif isinstance(body, Frame):
+        default = Frame(name="", nodes={}, members=())
     else:
         raise TypeError(f"body {name!r}: a model file has no table for {type(body).__name__}")
+    entries = {"model": body.model, **changed(body, default, leave)}
     if body.material.name != "steel":
         entries["material"] = body.material.name
-    points = entries.pop("pins", {})
+    inner = {key: entries.pop(key, {}) for key in ("pins", "nodes", "masses")}
     yield dotted("body", name), entries
-    if points:
-        yield dotted("body", name, "pins"), points
+    for key, points in inner.items():
+        if points:
+            yield dotted("body", name, key), points
 
 
 def joint_tables(name: str, joint: Joint) -> Iterator[tuple[str, Entries]]:
     """The table of a joint, and those of its laws with every parameter, so that a later default changes nothing."""
-    ends = {"bearing": joint.bearing, "journal": joint.journal}
-    if not isinstance(joint, ClearanceRevolute):
-        yield dotted("joint", name), ends
-        return
-    skip = ("name", "bearing", "journal", "contact", "friction", "bearing_material", "journal_material")
+    kind = next((kind for kind, noun in JOINTS.items() if type(joint) is noun), None)
+    if kind is None:
+        raise TypeError(f"joint {name!r}: a model file has no table for {type(joint).__name__}")
+    said = {} if isinstance(joint, IdealRevolute) else {"kind": kind}
+    skip = ("name", "contact", "friction", "bearing_material", "journal_material")
     fields = {f.name: getattr(joint, f.name) for f in dataclasses.fields(joint) if f.name not in skip}
+    if isinstance(joint, ExternalContact) and joint.bearing_radius is not None:
+        del fields["direction"]  # of a line, and there is none
+    if not isinstance(joint, Contact):
+        yield dotted("joint", name), said | fields
+        return
     for side in ("bearing_material", "journal_material"):
         material = getattr(joint, side)
         fields[side] = material.name if material is not None else None
-    yield dotted("joint", name), {"kind": "clearance", **ends, **fields}
-    for kind, law in (("contact", joint.contact), ("friction", joint.friction)):
-        yield dotted("joint", name, kind), law_entries(law)
+    yield dotted("joint", name), said | fields
+    for slot, law in (("contact", joint.contact), ("friction", joint.friction)):
+        yield dotted("joint", name, slot), law_entries(law)
 
 
 def law_entries(law: Law) -> Entries:
@@ -126,17 +142,40 @@ def law_entries(law: Law) -> Entries:
     return {"law": law.name, **vars(law)}
 
 
-def driver_entries(driver: Driver) -> Entries:
-    """Keys of a driver."""
+def spring_entries(name: str, spring: AnySpring) -> Entries:
+    """Keys of a spring."""
+    kind = next((kind for kind, noun in SPRINGS.items() if type(spring) is noun), None)
+    if kind is None:
+        raise TypeError(f"spring {name!r}: a model file has no table for {type(spring).__name__}")
+    fields = {key: value for key, value in vars(spring).items() if key != "name"}
+    return fields if isinstance(spring, Spring) else {"kind": kind, **fields}
+
+
+def driver_entries(name: str, driver: Driver) -> Entries:
+    """Keys of a driver: what it drives, unless that is the body of its name, and how."""
+    linear = bool(driver.slider or driver.point)
+    entries: dict[str, Any] = {
+        "slider": driver.slider or None,
+        "point": driver.point or None,
+        "direction": driver.direction if driver.point else None,
+        "body": driver.body if not linear and driver.body != name else None,
+        "against": driver.against if not linear and driver.against != "ground" else None,
+    }
+    places = "travels" if linear else "angles"
     if isinstance(driver, ConstantSpeed):
-        return {"speed": driver.speed}
+        return entries | {"speed": driver.speed}
     if isinstance(driver, Ramp):
-        return {"speed": driver.speed, "ramp": driver.duration}
+        return entries | {"speed": driver.speed, "ramp": driver.duration}
+    if isinstance(driver, StepTo):
+        return entries | {"travel": driver.travel, "duration": driver.duration, "begin": driver.begin}
+    if isinstance(driver, Harmonic):
+        return entries | {"amplitude": driver.amplitude, "frequency": driver.frequency, "phase": driver.phase}
     if isinstance(driver, AngleTable):
-        return {"times": driver.times, "angles": driver.angles}
+        return entries | {"times": driver.times, places: driver.angles}
     if isinstance(driver, Torque):
-        return {"torque": driver.torque, "times": driver.times}
-    raise TypeError(f"driver of {driver.body!r}: a model file has no table for {type(driver).__name__}")
+        effort = "force" if driver.point else "torque"
+        return entries | {effort: driver.torque, "times": driver.times, "speeds": driver.speeds, places: driver.angles}
+    raise TypeError(f"driver {name!r}: a model file has no table for {type(driver).__name__}")
 
 
 def assignments(entries: Entries) -> list[str]:
@@ -151,12 +190,21 @@ def value(entry: Any) -> str:
     if isinstance(entry, str):
         return quoted(entry)
     if isinstance(entry, Section):
-        return f"{{ area = {value(entry.area)}, second_moment = {value(entry.second_moment)} }}"
+        return inline(vars(entry))
+    if isinstance(entry, Member):
+        return inline({name: one.name if isinstance(one, Material) else one for name, one in vars(entry).items()})
     if isinstance(entry, tuple | list):
+        if entry and isinstance(entry[0], Member):
+            return "[\n" + "".join(f"  {value(one)},\n" for one in entry) + "]"
         return "[" + ", ".join(value(one) for one in entry) + "]"
     if isinstance(entry, int):
         return str(entry)
     return repr(float(entry))
+
+
+def inline(entries: Entries) -> str:
+    """A table in one line."""
+    return "{ " + ", ".join(assignments(entries)) + " }"
 
 
 def quoted(text: str) -> str:

@@ -1,0 +1,23 @@
+"""``vfife schema``: the JSON Schema of model files, for editors and validators."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .terminal import sentences
+
+OutOption = Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Write it into this file.", show_default=False)]
+
+
+def schema(out: OutOption = None) -> None:
+    """JSON Schema of model files, for completion and checks in an editor: every key with its meaning, unit and limits."""
+    from ..modelfile.jsonschema import text
+
+    if out is None:
+        typer.echo(text(), nl=False)
+        return
+    with sentences(str(out)):
+        out.write_text(text(), encoding="utf-8")

@@ -1,0 +1,86 @@
+"""`vfife new` writes model files to start from; `vfife schema` what editors want to know of them."""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cli.models import ROOT
+from cli.test_bad_input import refused
+from cli.test_start_up import ENVIRONMENT
+from vfife.modelfile import dump, load, loads
+
+TEMPLATES = sorted((ROOT / "src" / "vfife" / "templates").glob("*.toml"))
+NAMES = [path.stem for path in TEMPLATES]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_file_to_start_from_is_whole_and_explained(command: Callable, name: str) -> None:
+    assert command("new", name, "-o", "mine.toml").exit_code == 0
+    model = load("mine.toml")
+    assert model.bodies
+    assert loads(dump(model)) == model
+    lines = Path("mine.toml").read_text(encoding="utf-8").splitlines()
+    assert lines[0].startswith("#:schema file:///")
+    assert lines[0].endswith("/model.schema.json")
+    assert Path(lines[0].removeprefix("#:schema file://")).is_file()
+    assert sum("#" in line for line in lines) >= 7
+    assert command("new", name).stdout.splitlines() == lines
+
+
+def test_there_is_one_of_each_kind(command: Callable) -> None:
+    assert {"four-bar", "slider-crank", "pendulum", "journal-in-bearing", "six-bar", "frame"} <= set(NAMES)
+    listed = command("new").stdout
+    for path in TEMPLATES:
+        assert f" {path.stem} " in listed
+        assert path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ").split(",")[0][:60] in listed
+
+
+@pytest.mark.parametrize("name", ["pendulum", "four-bar", "six-bar", "journal-in-bearing"])
+def test_linkages_close_and_move(command: Callable, name: str) -> None:
+    command("new", name, "-o", "mine.toml")
+    found = json.loads(command("check", "mine.toml", "--json").stdout)
+    driven = any(body["driver"] for body in found["bodies"])
+    assert (found["degrees_of_freedom"]["free"], found["degrees_of_freedom"]["after_drives"]) == (1, 0 if driven else 1)
+
+
+def test_no_file_is_lost(command: Callable) -> None:
+    Path("mine.toml").write_text("dear to me")
+    refused(command("new", "pendulum", "-o", "mine.toml"), ["mine.toml", "--force"])
+    assert Path("mine.toml").read_text() == "dear to me"
+    assert command("new", "pendulum", "-o", "mine.toml", "--force").exit_code == 0
+    assert load("mine.toml").name == "pendulum"
+
+
+def test_what_cannot_be_written_is_told(command: Callable, tmp_path: Path) -> None:
+    refused(command("new", "pendulm"), ["pendulm", 'did you mean "pendulum"?'])
+    refused(command("new", "zzz"), ["four-bar", "slider-crank"])
+    refused(command("new", "-o", "mine.toml"), ["mine.toml", "pendulum"])
+    refused(command("new", "pendulum", "-o", "nowhere/mine.toml"), ["nowhere/mine.toml", "No such file"])
+    refused(command("new", "pendulum", "-o", tmp_path, "--force"), [tmp_path.name])
+    refused(command("schema", "-o", "nowhere/x.json"), ["nowhere/x.json", "No such file"])
+
+
+def test_the_schema_is_printed_or_written(command: Callable) -> None:
+    done = command("schema")
+    assert json.loads(done.stdout)["title"] == "Model file of vfife"
+    assert command("schema", "-o", "x.json").exit_code == 0
+    assert Path("x.json").read_text(encoding="utf-8") == done.stdout
+
+
+def test_a_typing_error_of_a_million_elements_is_told_within_two_seconds(tmp_path: Path) -> None:
+    text = (ROOT / "src" / "vfife" / "templates" / "frame.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(text.replace("elements = 8", "elements = 99_999").replace("elements = 6", "elements = 1_000_000", 1))
+    words = [sys.executable, "-m", "vfife", "check", str(tmp_path / "mine.toml")]
+    began = time.perf_counter()
+    done = subprocess.run(words, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    # On a busy machine the start of Python alone takes a while, so the wall clock has room.
+    assert time.perf_counter() - began < 6.0
+    assert done.returncode == 2
+    assert "100,005 elements" in done.stderr
+    assert "from 1 to 100000" in done.stderr
+    assert "Traceback" not in done.stderr
