@@ -37,6 +37,7 @@ from .kernels.arrays import (
     Topology,
 )
 from .laws import ContactLaw, FrictionLaw
+from .loading import check
 from .mechanism import Mechanism
 from .numbering import Numbering, Place
 from .prestress import prestress, wanted
@@ -101,9 +102,11 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     step. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot
     reach, StepError where the step is too large) with a sentence that names what is wrong.
     """
+    static = mechanism.settings.analysis == "static"
+    if static:
+        check(mechanism)
     numbering = Numbering(mechanism)
     seats = seated(mechanism)
-    static = mechanism.settings.analysis == "static"
     motion = ideal_motion(standing(mechanism) if static else mechanism, seats=seats)
     ideals = ideal_joints(mechanism, numbering)
     touches = contacts(mechanism, numbering, motion)
@@ -153,11 +156,10 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     filler.seat(touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     names = tuple(t.name for t in touches)
-    choice = (
-        static_choice(mechanism)
-        if static
-        else choose_step(mechanism, filler.layout, filler.state, topology, touches, step, expected, owners, **run)
-    )
+    if static:
+        choice = static_choice(mechanism)
+    else:
+        choice = choose_step(mechanism, filler.layout, filler.state, topology, touches, step, expected, owners, **run)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     pivots = tuple(joint.name for joint in numbering.pivots.values())

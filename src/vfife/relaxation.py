@@ -56,9 +56,7 @@ class Relaxation:
         free = {axis: np.flatnonzero(state[self.layout[name], 0] > 0.0) for axis, name in moving.items()}
         rates = {"x": ("u", "ax"), "y": ("v", "ay"), "theta": ("w", "aw")}
         self.places = np.concatenate([self.layout[f"particle_{axis}"][free[axis]] for axis in moving])
-        self.speeds, self.pushes = (
-            np.concatenate([self.layout[f"particle_{rates[axis][k]}"][free[axis]] for axis in moving]) for k in (0, 1)
-        )
+        self.speeds, self.pushes = (np.concatenate([self.layout[f"particle_{rates[axis][k]}"][free[axis]] for axis in moving]) for k in (0, 1))
         self.inverse = np.concatenate([self.layout[name][free[axis]] for axis, name in moving.items()])
         self.turning = np.concatenate([np.full(len(free[axis]), axis == "theta") for axis in moving])
         for block in ("u", "v", "w"):
