@@ -29,9 +29,8 @@ class Loading:
         self.loads = dict(zip(t.load_function, scaled, strict=True))
         self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
         self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]
-        self.turns = {f for f in t.driven_function if f >= 0} | {
-            f for f, kind in zip(t.ideal_function, t.kinds, strict=True) if f >= 0 and kind != TRAVEL
-        }
+        angles = [f for f, kind in zip(t.ideal_function, t.kinds, strict=True) if kind != TRAVEL]
+        self.turns = {f for f in (*t.driven_function, *angles) if f >= 0}
         self.motions = sorted({f for f in (*t.driven_function, *t.ideal_function) if f >= 0})
 
     def value(self, function: int, factor: float) -> float:
@@ -76,7 +75,7 @@ class Loading:
     def _table(self, relaxation: Relaxation, function: int, old: float, new: float, count: int, now: float) -> None:
         tables, t = relaxation.runner.functions, self.assembly.topology
         at, argument = t.function_start[function], self.arguments[function][0]
-        if argument == TIME or argument == SPEED:
+        if argument in (TIME, SPEED):
             before, after = self.value(function, old), self.value(function, new)
             linear = count > 0 and function in self.motions
             tables[at : at + 9] = 1.0, now, before if linear else after, (after - before) / count if linear else 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -110,12 +109,14 @@ def check(mechanism: Mechanism) -> None:
         faults.append(f"step = {settings.step} has no meaning, since iterations have a step of their own: leave it out")
     widest = max((abs(b - a) for a, b in pairwise((0.0, *settings.load_factors))), default=0.0)
     for name, driver in mechanism.drivers.items():
-        around = isinstance(driver, ConstantSpeed) and not driver.slider and not driver.point
-        if around and widest * abs(driver.speed) > WHOLE_TURN * (1.0 + 1e-9):
+        if not isinstance(driver, ConstantSpeed) or driver.slider or driver.point:
+            continue
+        way = widest * abs(driver.speed)
+        if way > WHOLE_TURN * (1.0 + 1e-9):
             faults.append(
-                f"driver {name!r} turns {widest * abs(driver.speed):.4g} rad from one load factor to the next (speed {driver.speed:.4g} rad/s, and "
-                f"the load factor is the time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer "
-                "together, or a dynamic analysis"
+                f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {driver.speed:.4g} rad/s, the load factor being the "
+                f"time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer together, or a dynamic "
+                "analysis"
             )
     if faults:
         raise ValueError("static analysis: " + "; ".join(faults))

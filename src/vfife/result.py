@@ -37,7 +37,8 @@ class Result:
         choice, done = self.record.assembly.choice, int(self.record.steps[-1])
         length = f"{done * choice.step:.4g} s"
         if self.record.static:
-            return f"<Result of {self.name!r}: static, {self.record.status}, {done} load factors up to {self.time[-1]:.4g}; see .data, .measures, .summary>"
+            length = f"{done} load factors up to {self.time[-1]:.4g}"
+            return f"<Result of {self.name!r}: static, {self.record.status}, {length}; see .data, .measures, .summary, .plot()>"
         if choice.turn is not None:
             length = f"{done * choice.step / choice.turn:.4g} turns"
         return (

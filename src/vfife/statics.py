@@ -1,7 +1,7 @@
 """Equilibrium under load factors, by dynamic relaxation.
 
-A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and prescribed
-angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their value at rest.
+A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and
+prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their value at rest.
 The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are followed and not
 leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
 """
@@ -56,6 +56,7 @@ def equilibrium(
     loading = Loading(assembly)
     relaxation = Relaxation(assembly, loading.force([1e-9, *settings.load_factors]), "interpreted" if loop == "interpreted" else "data-driven")
     record = Record(assembly, np.zeros(0, dtype=np.int64), np.zeros((0, len(kept))), kept, loop="data-driven")
+    relaxation.runner.advance(0, 1)  # loads the compiled loop, so that the analysis is not timed with it
     began, rows, old = time.perf_counter(), [], 0.0
     factors = (0.0, *settings.load_factors)
     try:
@@ -65,6 +66,7 @@ def equilibrium(
             if fault:
                 record.status, record.message = fault
                 break
+            stage.tell(everything=True)
             rows.append(_at_rest(assembly, relaxation, stage)[kept])
             if file is not None:
                 file.append(np.array([k], dtype=np.int64), rows[-1][None, :])
@@ -150,11 +152,7 @@ class Stage:
     def _look(self, pushes: Array, settings: Settings) -> tuple[str, str] | None:
         relaxation = self.relaxation
         self.ratio = relaxation.balance(pushes[-1]).ratio
-        now = time.perf_counter()
-        if self.progress is not None and now - self.told > LOOK_SECONDS:
-            self.told = now
-            text = f"load factor {self.new:g}: {self.done:,} iterations, unbalanced {self.ratio:.1e}"
-            self.progress(Progress(self.number, len(settings.load_factors), now - self.began, text))
+        self.tell()
         moved = np.abs(relaxation.state[relaxation.places] - self.start)[~relaxation.turning]
         if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY * relaxation.size:
             return "diverged", self._runaway()
@@ -162,6 +160,15 @@ class Stage:
             return "not converged", self._unfinished(settings)
         relaxation.reweigh()
         return None
+
+    def tell(self, everything: bool = False) -> None:
+        """Shows where the analysis stands, every now and then or where asked to."""
+        now = time.perf_counter()
+        if self.progress is not None and (everything or now - self.told > LOOK_SECONDS):
+            self.told = now
+            text = f"load factor {self.new:g}: {self.done:,} iterations, unbalanced {self.ratio:.1e}"
+            factors = len(self.loading.assembly.mechanism.settings.load_factors)
+            self.progress(Progress(self.number, factors, now - self.began, text))
 
     def _runaway(self) -> str:
         assembly = self.loading.assembly
@@ -174,8 +181,8 @@ class Stage:
 
     def _unfinished(self, settings: Settings) -> str:
         return (
-            f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the unbalanced force is {self.ratio:.2e} of the "
-            f"largest force, {settings.residual:.2e} is asked for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. "
+            f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the unbalanced force is {self.ratio:.2e} of "
+            f"the largest force, {settings.residual:.2e} is asked for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. "
             "Allow more iterations or a larger residual, put load factors closer together, or, where the load has passed a limit, prescribe the "
             "travel of a pin instead of the load."
         )

@@ -46,8 +46,8 @@ def static_warnings(result: Result) -> Iterable[str]:
         if jump > 20.0 * before and jump > 0.05 * max(moved):
             factor = record.assembly.mechanism.settings.load_factors[k]
             yield (
-                f"At load factor {factor:g} the displacement leaps by {jump:.4g} m, {jump / before:.3g} times the step before: a limit load was passed "
-                "and the structure snapped through. Put load factors closer together before it, or prescribe a travel to follow the way there."
+                f"At load factor {factor:g} the displacement leaps by {jump:.4g} m, {jump / before:.3g} times the step before: a limit load was "
+                "passed and the structure snapped through. Put load factors closer together before it, or prescribe a travel to follow the way there."
             )
             break
 

@@ -48,7 +48,7 @@ def report(result: Result, reference: Result | None = None) -> dict[str, Any]:
         "step": choice.step,
         "steps": done,
         "wall_s": record.wall,
-        "ns_per_step": 1e9 * record.wall / done if done else 0.0,
+        "ns_per_step": 1e9 * record.wall / max(int(record.block("iterations").sum()) if record.static else done, 1),
         "energy_error": None if record.static else result.ledger.error,
         "model": _model(result, measures, reference),
         "run": static_run(result) if record.static else _run(result),
