@@ -115,8 +115,8 @@ def check(mechanism: Mechanism) -> None:
         if way > WHOLE_TURN * (1.0 + 1e-9):
             faults.append(
                 f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {driver.speed:.4g} rad/s, the load factor being the "
-                f"time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer together, or a dynamic "
-                "analysis"
+                f"time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer together, or a "
+                "dynamic analysis"
             )
     if faults:
         raise ValueError("static analysis: " + "; ".join(faults))

@@ -1,9 +1,9 @@
 """Equilibrium under load factors, by dynamic relaxation.
 
 A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and
-prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their value at rest.
-The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are followed and not
-leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
+prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their
+value at rest. The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are
+followed and not leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
 """
 
 from __future__ import annotations
@@ -158,7 +158,6 @@ class Stage:
             return "diverged", self._runaway()
         if self.done > settings.iterations:
             return "not converged", self._unfinished(settings)
-        relaxation.reweigh()
         return None
 
     def tell(self, everything: bool = False) -> None:
