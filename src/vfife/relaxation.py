@@ -25,6 +25,7 @@ LOOKS = 4  # in a chunk of iterations
 ANGLE = 0.4  # rad of the slowest motion between two looks
 SHORTEST, LONGEST, FEW = 8, 4000, 50  # iterations between two looks; few of them where contacts may begin
 BEYOND = 1.1  # of the mass for which iterations are stable, OMEGA being 3.6 of 4
+LOADED = 100.0  # what nothing but loads holds is moved by a hundredth of the size in the first iteration
 NOISE = 1e-14  # of size and stiffness: forces that rounding alone makes
 HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffness has outgrown them
 
@@ -53,7 +54,7 @@ class Relaxation:
     def __init__(self, assembly: Assembly, force: float, loop: str = "data-driven") -> None:
         self.assembly, self.layout, self.force = assembly, assembly.layout, force
         state = assembly.state[:, None].copy()
-        self.size = extent(assembly, [state[self.layout[f"particle_{axis}"], 0] for axis in "xy"])
+        self.size = extent(assembly, assembly.state)
         moving = {"x": "particle_inverse_mass", "y": "particle_inverse_mass", "theta": "particle_inverse_inertia"}
         free = {axis: np.flatnonzero(state[self.layout[name], 0] > 0.0) for axis, name in moving.items()}
         rates = {"x": ("u", "ax"), "y": ("v", "ay"), "theta": ("w", "aw")}
@@ -82,7 +83,7 @@ class Relaxation:
 
     def reweigh(self) -> bool:
         """Gives particles that are too light for their stiffness more mass. True where any was so light that iterations were unstable."""
-        needed = floors(self.assembly, *demands(self.assembly, self.state, self.force, self.pressed), self.force / self.size)
+        needed = floors(self.assembly, *demands(self.assembly, self.state, self.force, self.pressed), LOADED * self.force / self.size)
         unstable, first = False, not self.mass.any()
         for name, need in zip(("mass", "inertia"), needed, strict=True):
             own = getattr(self, name)

@@ -7,8 +7,6 @@ The stable step of the central difference, 2/w, is then at least 2/sqrt(Omega): 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -95,17 +93,13 @@ def floors(assembly: Assembly, mass: Array, inertia: Array, least: float) -> tup
         reach = max([0.0, *(np.hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
         gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach**2)
     inertia = np.maximum(inertia, gyration * mass)
-    return mass, np.where(inertia > 0.0, inertia, mass * _size(assembly) ** 2)
+    return mass, np.where(inertia > 0.0, inertia, mass * extent(assembly, assembly.state) ** 2)
 
 
-def _size(assembly: Assembly) -> float:
-    """Extent of the particles at the start (m), or of a body's pins."""
-    return extent(assembly, [assembly.state[assembly.layout[f"particle_{axis}"]] for axis in "xy"])
-
-
-def extent(assembly: Assembly, places: Sequence[Array]) -> float:
+def extent(assembly: Assembly, state: Array) -> float:
     """Diagonal of the box around the particles and the points of the ground, and no less than the largest body or bearing (m)."""
     points = np.array(list(assembly.mechanism.points.values())).reshape(-1, 2)
+    places = [state[assembly.layout[f"particle_{axis}"]] for axis in "xy"]
     columns = [np.concatenate([place[1:], points[:, axis]]) for axis, place in enumerate(places)]
     box = float(np.hypot(*(column.max() - column.min() for column in columns))) if len(columns[0]) else 0.0
     pins = [float(np.hypot(*at)) for body in assembly.bodies.values() for at in body.pins.values()]
