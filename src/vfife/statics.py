@@ -176,8 +176,8 @@ class Stage:
         free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
         loose = f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold. " if free else ""
         return (
-            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or turns: nothing holds it against the loads. {loose}"
-            "Add a joint, a spring or a driver, or check the supports (vfife check)."
+            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or turns: nothing holds it against the "
+            f"loads. {loose}Add a joint, a spring or a driver, or check the supports (vfife check)."
         )
 
     def _unfinished(self, settings: Settings) -> str:

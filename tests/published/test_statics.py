@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, fsolve
+from scipy.optimize import brentq, root
 
 from vfife.assemble import assemble
 from vfife.assembly import Record
@@ -98,20 +98,13 @@ def test_cantilever_rolled_up_by_an_end_moment():
 
 
 def follower(load: float) -> tuple[float, float, float]:
-    """Tip of an inextensible cantilever under a force that stays normal to its end: shooting for the moment at the wall."""
-
-    def shoot(moment: float):
-        # theta' = kappa, kappa' = shear, with the internal force N of the end: (fx, fy) found with the end's angle, so carried along
-        def equations(s, y):
-            return [math.cos(y[2]), math.sin(y[2]), y[3], 0.0]
-
-        return equations
+    """Tip of an inextensible cantilever under a force that stays normal to its end: shot from the tip for the angle at the wall."""
 
     def tip(angle: float):
         fx, fy = -load * math.sin(angle), load * math.cos(angle)
 
         def back(s, y):  # from the tip to the wall: curvature grows as the force's moment does
-            x, height, theta, curvature = y
+            theta, curvature = y[2:]
             return [-math.cos(theta), -math.sin(theta), -curvature, -(fx * math.sin(theta) - fy * math.cos(theta))]
 
         return solve_ivp(back, (0.0, 1.0), [0.0, 0.0, angle, 0.0], rtol=1e-11, atol=1e-12)
@@ -212,6 +205,30 @@ def test_two_bar_truss_against_its_closed_form():
     assert reaction(record, "push")[:, 1] == pytest.approx(2.0 * force * y / length, rel=1e-3, abs=1e-3 * np.abs(force).max() * 0.01)
 
 
+def lee(elements: int) -> float:
+    """Limit load of Lee's frame: two legs of 120, hinged at their feet, pushed down at 24 from the corner."""
+    drops = np.linspace(44.0, 53.0, 6)
+    m = Mechanism("Lee's frame", settings=static(15.0, 30.0, *drops))
+    m.point("A", 0.0, 0.0)
+    m.point("D", 120.0, 120.0)
+    m.frame(
+        "f", nodes={"A": (0.0, 0.0), "B": (0.0, 120.0), "P": (24.0, 120.0), "D": (120.0, 120.0)},
+        members=(Member("A", "B", elements), Member("B", "P", elements // 5), Member("P", "D", 4 * elements // 5)),
+        section=Section(6.0, 2.0), material=Material(youngs_modulus=720.0),
+    )  # fmt: skip
+    m.revolute("a", "ground.A", "f.A")
+    m.revolute("d", "ground.D", "f.D")
+    m.drivers["push"] = ConstantSpeed(point="f.P", direction=(0.0, -1.0), speed=1.0)
+    return extreme(drops, -reaction(settled(m), "push")[2:, 1])[1]
+
+
+def test_limit_load_of_lees_frame():
+    """1.8552, as the literature of path following quotes it (Schweizerhof and Wriggers 1986), is what 10 and 20 elements a leg lead to."""
+    coarse, fine = lee(10), lee(20)
+    assert fine == pytest.approx(1.8552, rel=2e-3)
+    assert fine + (fine - coarse) / 3.0 == pytest.approx(1.8552, rel=5e-4)
+
+
 # ------------------------------------------------------------------------------------------------------------------ buckling
 
 
@@ -232,8 +249,8 @@ def test_lateral_stiffness_vanishes_at_the_euler_load():
         m.loads["F"] = PointForce(name="F", at="c.M", force=(0.0, aside))
         found.append(aside / at(settled(m), "c", "M")[0, 1])
     fit = np.polynomial.Polynomial.fit(np.array(shares) * critical, found, 2)
-    root = min(fit.roots().real, key=lambda r: abs(r - critical))
-    assert root == pytest.approx(critical, rel=1e-3)
+    zero = min(fit.roots().real, key=lambda r: abs(r - critical))
+    assert zero == pytest.approx(critical, rel=1e-3)
 
 
 # ------------------------------------------------------------------------------------------- indeterminate, curved, on springs
@@ -316,9 +333,9 @@ def test_rigid_body_on_springs():
             total += [*f, r[0] * f[1] - r[1] * f[0]]
         return total
 
-    q = np.array([0.1, 1.0, 0.0])
     for factor, found in zip((0.5, 1.0), at(record, "t", "center"), strict=True):
-        q = fsolve(forces, found, args=(factor,), xtol=1e-12)
+        q = root(forces, found, args=(factor,), tol=1e-13).x
+        assert np.abs(forces(q, factor)).max() < 1e-8
         assert found == pytest.approx(q, abs=1e-6)
 
 
@@ -335,6 +352,30 @@ def test_a_journal_settles_in_its_bearing():
         depth = (9.81 * factor / 6.6e10) ** (2.0 / 3.0)
         assert place[1] == pytest.approx(-1e-3 - depth, rel=1e-6)
     assert record.block("clearance_normal_force")[1:, 0] == pytest.approx([9.81, 19.62], rel=1e-5)
+
+
+def test_a_journal_finds_the_lowest_point():
+    """Under a force askew it rolls down to where the force points."""
+    m = Mechanism("journal", gravity=(5.0, -9.81), settings=static())
+    m.point("O", 0.0, 0.0)
+    m.point_mass("j", mass=1.0)
+    m.clearance("J", "ground.O", "j.center", clearance=1e-3, bearing_radius=0.01, contact=LankaraniNikravesh(stiffness=6.6e10))
+    x, y, _ = at(settled(m), "j", "center")[0]
+    assert math.atan2(x, -y) == pytest.approx(math.atan2(5.0, 9.81), abs=1e-6)
+
+
+@pytest.mark.parametrize("clear", [False, True])
+def test_a_rod_comes_to_hang(clear):
+    m = Mechanism("rod", gravity=(0.0, -9.81), settings=static())
+    m.point("O", 0.0, 0.0)
+    m.link("rod", length=1.0, mass=2.0)
+    if clear:
+        m.clearance("J", "ground.O", "rod.start", clearance=1e-3, bearing_radius=0.01, contact=LankaraniNikravesh(stiffness=6.6e10))
+    else:
+        m.revolute("J", "ground.O", "rod.start")
+    found = at(settled(m), "rod", "start")[0]
+    depth = 1e-3 + (2.0 * 9.81 / 6.6e10) ** (2.0 / 3.0) if clear else 0.0
+    assert found == pytest.approx([0.0, -0.5 - depth, -0.5 * math.pi], abs=5e-6)
 
 
 def test_a_driven_crank_holds_a_weight():
