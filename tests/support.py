@@ -13,7 +13,7 @@ from vfife.assemble import assemble
 from vfife.assembly import Assembly, Record
 from vfife.bodies import Link, RigidBody, Section
 from vfife.kernels.runner import Runner
-from vfife.laws import Ambrosio, LankaraniNikravesh
+from vfife.laws import Ambrosio, ContactLaw, LankaraniNikravesh
 from vfife.mechanism import Mechanism
 from vfife.simulation import recorded_rows, run
 
@@ -74,6 +74,28 @@ def journal_in_bearing(speed: float = 1.0, mass: float = 1.0, **joint: Any) -> M
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=mass, velocity=(speed, 0.0, 0.0))
     m.clearance("J", "ground.O", "journal.center", **{"clearance": 5e-4, "bearing_radius": 0.01, **joint})
+    return m
+
+
+CONTACT_LAWS = sorted((law for law in ContactLaw.registry.values() if law.__module__.startswith("vfife.")), key=lambda law: law.name)
+# Values of the parameters that laws have no default for.
+GIVEN = {"stiffness": 2e9, "exponent": 1.4, "damping_coefficient": 2e3, "full_damping_depth": 3e-5}
+
+
+def contact_law(law: Any, **parameters: Any) -> Any:
+    """A contact law with those of the parameters that it knows, and a value for what has no default."""
+    fields = dataclasses.fields(law)
+    needed = {f.name: GIVEN[f.name] for f in fields if f.default is dataclasses.MISSING}
+    return law(**needed | {f.name: parameters[f.name] for f in fields if f.name in parameters})
+
+
+def all_contact_laws() -> Mechanism:
+    """A journal in a bearing for each contact law: what a run is assembled beside, so that one loop is compiled for all of them."""
+    m = Mechanism("all contact laws")
+    m.point("O", 0.0, 0.0)
+    for law in CONTACT_LAWS:
+        m.point_mass(law.name, mass=1.0)
+        m.clearance(law.name, "ground.O", f"{law.name}.center", clearance=2e-4, bearing_radius=0.01, contact=contact_law(law))
     return m
 
 

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import pytest
 
 from model_texts import DEMO, EXAMPLES, FILES, FOUR_BAR, faults, only, with_lines
+from support import CONTACT_LAWS, contact_law
 from vfife import bodies, drivers, joints, loads, mechanism, springs
 from vfife.laws import Ambrosio, ContactLaw, Frictionless, LankaraniNikravesh, Material, Pereira, quantity
 from vfife.mechanism import Settings, Start
@@ -390,6 +391,31 @@ def test_a_new_law_needs_no_change_here(own_law: type[ContactLaw]) -> None:
         "[joint.C.contact] stiffness",
     ]
     assert "at most 5 N s/m" in told[0]
+
+
+@pytest.mark.parametrize("law", CONTACT_LAWS, ids=lambda law: law.name)
+def test_every_contact_law_is_read_and_written(law: type[ContactLaw]) -> None:
+    """With numbers and words other than its defaults."""
+    chosen = contact_law(law, restitution=0.7, damping="flores", effective_mass=3.0)
+    values = {key: value for key, value in vars(chosen).items() if value is not None}
+    lines = [f'law = "{law.name}"', *(f"{key} = {json.dumps(value)}" for key, value in values.items())]
+    model = read(with_lines(replace=('law = "pereira"\nrestitution = 0.5', "\n".join(lines))))
+    assert model.clearances["C"].contact == chosen
+    assert read(dump(model)) == model
+
+
+def test_a_damping_factor_that_is_none() -> None:
+    old = 'law = "pereira"\nrestitution = 0.5'
+    (told,) = faults(with_lines(replace=(old, 'law = "liu"\ndamping = "flroes"')))
+    assert told.startswith('[joint.C.contact] damping = "flroes"') and 'Did you mean "flores"?' in told
+    (told,) = faults(with_lines(replace=(old, 'law = "liu"\ndamping = 0.3')))
+    assert "a number" in told and '"hunt-crossley"' in told
+
+
+def test_surfaces_that_a_law_is_not_for_are_told_in_its_words() -> None:
+    old = 'law = "pereira"\nrestitution = 0.5'
+    text = with_lines(replace=(old, 'law = "pereira"')).replace('clearance = "0.2 mm"', "clearance = 9e-7")
+    assert any("no exponent for a clearance of 9e-07 m" in line for line in faults(text))
 
 
 def test_every_number_of_the_nouns_has_its_key() -> None:

@@ -10,7 +10,23 @@ from typing import TYPE_CHECKING, Any
 from .bodies import Link, PointMass, RigidBody, Section
 from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
-from .laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira, quantity
+from .laws import (
+    Ambrosio,
+    BrownMcPhee,
+    ContactLaw,
+    Coulomb,
+    Dahl,
+    FrictionLaw,
+    Frictionless,
+    Karnopp,
+    LankaraniNikravesh,
+    LuGre,
+    Material,
+    Pair,
+    Pereira,
+    Stribeck,
+    quantity,
+)
 from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
@@ -38,14 +54,19 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "Ambrosio",
     "AngleTable",
+    "BrownMcPhee",
     "ClearanceRevolute",
     "ConstantSpeed",
     "ContactLaw",
+    "Coulomb",
+    "Dahl",
     "FrictionLaw",
     "Frictionless",
     "IdealRevolute",
+    "Karnopp",
     "LankaraniNikravesh",
     "Link",
+    "LuGre",
     "Material",
     "Mechanism",
     "Pair",
@@ -58,6 +79,7 @@ __all__ = [
     "Section",
     "Settings",
     "Start",
+    "Stribeck",
     "Torque",
     "load",
     "quantity",

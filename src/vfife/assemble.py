@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,14 +36,14 @@ from .kernels.arrays import (
     Layout,
     Topology,
 )
-from .laws import ContactLaw, FrictionLaw
+from .laws import ContactLaw, FrictionLaw, Law
 from .loading import check
 from .mechanism import Mechanism
 from .numbering import Numbering, Place
 from .prestress import prestress, wanted
 from .springs import Bushing, Spring, Stop
 from .stability import choose_step, static_choice
-from .start import Motion, ideal_motion, seated
+from .start import Motion, cautions, ideal_motion, seated
 
 FACING = (1.0, 0.0)
 
@@ -89,18 +89,34 @@ class Load:
     follow: bool = False
 
 
-def registered(base: type, used: list[type]) -> tuple[type, ...]:
-    """All built-in laws, so that one compiled loop serves all models, then the user's own ones that this model uses."""
-    built_in = [law for law in base.registry.values() if law.__module__.startswith("vfife.")]  # type: ignore[attr-defined]
-    return tuple(sorted(built_in, key=lambda law: law.name)) + tuple(dict.fromkeys(law for law in used if law not in built_in))
+def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
+    """What the data-driven loop can tell apart: the forms of the common laws, so that one compilation serves most models, and of those in use.
+
+    Laws that differ in their parameters only are of one form. The order does not depend on that of the joints.
+    """
+    common = {law.form() for law in base.registry.values() if law.common}
+    more = {type(law).form() for law in used} - common
+    return tuple(sorted(common, key=_spelled)) + tuple(sorted(more, key=_spelled))
 
 
-def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected: Mapping[str, float] | None = None, **run: Any) -> Assembly:
+def _spelled(form: type[Law]) -> str:
+    return f"{form.__module__}.{form.__qualname__}"
+
+
+def assemble(
+    mechanism: Mechanism,
+    step: float | str | None = None,
+    *,
+    expected: Mapping[str, float] | None = None,
+    beside: Mechanism | None = None,
+    **run: Any,
+) -> Assembly:
     """Numbers the mechanism and fills its arrays.
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
-    step. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot
-    reach, StepError where the step is too large) with a sentence that names what is wrong.
+    step. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation. ``run``: ``turns``, ``duration``,
+    ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
+    large) with a sentence that names what is wrong.
     """
     static = mechanism.settings.analysis == "static"
     if static:
@@ -113,7 +129,8 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     springs = [(spring, kind_of_spring(spring), *spring_places(numbering, spring)) for spring in mechanism.springs.values()]
     driven = [driven_function(mechanism, numbering, name) for name in numbering.driven]
     applied = loads(mechanism, numbering, motion)
-    laws = [registered(ContactLaw, [type(t.joint.contact) for t in touches]), registered(FrictionLaw, [type(t.joint.friction) for t in touches])]
+    lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
+    laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
     starts, tables = tables_of(numbering.functions)
     topology = Topology(
         particles=numbering.count,
@@ -124,8 +141,8 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
         clearance_bearing=tuple(t.bearing[0] for t in touches),
         clearance_journal=tuple(t.journal[0] for t in touches),
         clearance_kind=tuple(t.kind for t in touches),
-        clearance_contact=tuple(laws[0].index(type(t.joint.contact)) for t in touches),
-        clearance_friction=tuple(laws[1].index(type(t.joint.friction)) for t in touches),
+        clearance_contact=tuple(laws[0].index(t.joint.contact.form()) for t in touches),
+        clearance_friction=tuple(laws[1].index(t.joint.friction.form()) for t in touches),
         ideal_bearing=tuple(j.bearing[0] for j in ideals),
         ideal_journal=tuple(j.journal[0] for j in ideals),
         ideal_kind=tuple(j.kind for j in ideals),
@@ -165,7 +182,7 @@ def assemble(mechanism: Mechanism, step: float | str | None = None, *, expected:
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, names, tuple(j.name for j in ideals),
-        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in touches), motion.mobility,
+        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in touches), motion.mobility, cautions(mechanism),
     )  # fmt: skip
 
 

@@ -109,6 +109,10 @@ class Record:
         order = np.argsort(self.kept, kind="stable")
         return self.rows[:, order[np.searchsorted(self.kept, layout[name], sorter=order)]]
 
+    def keeps(self, name: str) -> bool:
+        """Whether a block was recorded; a record of an older version may lack one."""
+        return bool(np.isin(self.assembly.layout[name], self.kept).all())
+
     def parameter(self, name: str) -> NDArray[np.float64]:
         """Values of a parameter block, shape (entities,)."""
         return self.assembly.state[self.assembly.layout[name]]

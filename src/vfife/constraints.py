@@ -78,7 +78,7 @@ class Constraint:
 def turned(p: Array, body: int, point: ArrayLike) -> tuple[float, float]:
     """A vector of a body's axes in space."""
     c, s = float(np.cos(p[body, 2])), float(np.sin(p[body, 2]))
-    x, y = point  # type: ignore[misc]
+    x, y = np.asarray(point, dtype=float).tolist()
     return c * x - s * y, s * x + c * y
 
 
@@ -207,7 +207,7 @@ class Gear(Constraint):
     name: str
     body_a: int
     body_b: int
-    ratio: float = 1.0  # type: ignore[assignment]
+    ratio: float = 1.0
     offset: float = 0.0
 
     @property

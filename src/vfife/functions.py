@@ -96,7 +96,7 @@ def _harmonic(driver: Harmonic, offset: float) -> Polynomials:
     h = 2.0 * math.pi / HARMONIC_PIECES
     powers = np.arange(7)
     ends = [(at, order) for at in (0.0, 1.0) for order in (0, 1, 2)] + [(0.5, 0)]
-    matrix = np.array([[math.perm(k, order) * at ** max(k - order, 0) if k >= order else 0.0 for k in powers] for at, order in ends])
+    matrix = np.array([[math.perm(k, order) * at ** (k - order) if k >= order else 0.0 for k in range(7)] for at, order in ends])
     rows, time = [], 1.0 / (driver.frequency * HARMONIC_PIECES)
     for piece in range(HARMONIC_PIECES):
         angles = [piece * h + driver.phase + at * h for at, _ in ends]

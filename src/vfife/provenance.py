@@ -49,6 +49,7 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[
         "loop": loop,
         "kept": named_rows(assembly, kept),
         "laws": laws,
+        "notes": list(assembly.notes),
     }
 
 

@@ -152,7 +152,9 @@ def reference_of(mechanism: Mechanism, turns: float | None = None, duration: flo
         return None
     if all(isinstance(driver, ConstantSpeed) for driver in moving):
         turns, duration = 1.0, None
-    return simulate(mechanism.ideal(), turns=turns, duration=duration, reference=False)
+    from .result import Result
+
+    return Result(run(assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration)))
 
 
 def simulate(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +15,8 @@ from .bodies import Point
 from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_system, travel_of
 from .joints import Contact
 from .kinematics import AssemblyError, Drive, RigidSystem, accelerations, close, velocities
-from .laws import Material, Pair
+from .laws import Law, Material, Pair
+from .lumping import rigid_properties
 from .mechanism import Mechanism
 from .mobility import Mobility, mobility
 from .placing import first_guess, local_point
@@ -59,9 +61,33 @@ class Motion:
 
 
 def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
-    """The pair of surfaces of a joint, with the materials of its bodies."""
+    """The pair of surfaces of a joint, with the materials and the effective mass of its bodies; the ground does not move."""
     materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
-    return joint.pair(*materials)
+    inverse = sum(1.0 / rigid_properties(mechanism.bodies[side[0]])[0] for side in joint.sides if side[0] != "ground")
+    return dataclasses.replace(joint.pair(*materials), effective_mass=1.0 / inverse if inverse else None)
+
+
+def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | None = None) -> tuple[str, ...]:
+    """Sentences on where the laws of the joints leave their ranges; joints that say the same share one.
+
+    Without ``found`` what is known before a run; with it, the deepest penetration (m) and the fastest impact (m/s) of each joint, what only
+    the run could tell, of the worst of those joints that have the same laws and surfaces.
+    """
+    alike: dict[tuple[Law, Pair], list[str]] = {}
+    for name, joint in mechanism.contacts.items():
+        pair = dataclasses.replace(surfaces(mechanism, joint), effective_mass=None)
+        laws: tuple[Law, ...] = (joint.contact, joint.friction)
+        for law in laws:
+            alike.setdefault((law, pair), []).append(name)
+    said: dict[str, list[str]] = {}
+    for (law, pair), names in alike.items():
+        known = law.cautions(pair)
+        if found is not None:
+            depths, speeds = zip(*(found[name] for name in names), strict=True)
+            known = tuple(one for one in law.cautions(pair, max(depths), max(speeds)) if one not in known)
+        for sentence in known:
+            said.setdefault(f"{law.name}, {sentence}.", []).extend(names)
+    return tuple(f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in said.items())
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +174,8 @@ def _closed(mechanism: Mechanism, system: RigidSystem, guess: Array) -> Array:
     """The closed position nearest the guess, solved in one of the two mirror images, so that the other one starts from the same bits."""
     hand = handedness(guess)
     flip = np.array([1.0, hand, hand])
-    return close(mirrored(system) if hand < 0.0 else system, guess * flip).position * flip
+    position: Array = close(mirrored(system) if hand < 0.0 else system, guess * flip).position * flip
+    return position
 
 
 def ideal_motion(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .analysis.forces import MODES
 from .bodies import Link
 from .laws import Law
@@ -148,11 +150,28 @@ def warnings(result: Result) -> Iterable[str]:
                 f"the deepest at {1e6 * measures[f'{name}.deepest']:.4g} µm, so their impact speeds are coarse: "
                 f"halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth if that will do."
             )
+    yield from out_of_range(result)
     if result.ledger.error > LARGEST_ERROR:
         yield (
             f"The energy ledger is open by {100.0 * result.ledger.error:.2g} % of the largest energy: "
             "take a smaller step and see whether it closes."
         )
+
+
+def out_of_range(result: Result) -> Iterable[str]:
+    """Sentences of the laws on where the run left their ranges, by its deepest penetrations and fastest impacts."""
+    from .start import cautions
+
+    record = result.record
+    if not record.assembly.clearances:
+        return ()
+    depths = record.block("clearance_penetration_max").max(axis=0)
+    speeds = record.block("clearance_fastest")[-1] if record.keeps("clearance_fastest") else np.zeros(len(depths))
+    found: dict[str, tuple[float, float]] = {}
+    for name, depth, speed in zip(record.assembly.contact_joints, depths, speeds, strict=True):
+        before = found.get(name, (0.0, 0.0))
+        found[name] = max(before[0], float(depth)), max(before[1], float(speed))
+    return cautions(record.assembly.mechanism, found)
 
 
 STATUS = {

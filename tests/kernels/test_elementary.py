@@ -1,4 +1,4 @@
-"""Sine, cosine and powers against decimal arithmetic with forty digits."""
+"""Sine, cosine, logarithm, exponential and powers against decimal arithmetic with forty digits."""
 
 import math
 from decimal import Decimal, localcontext
@@ -119,3 +119,41 @@ def test_exp2():
             part = float(rng.uniform(-0.51, 0.51))
             exact = Decimal(2) ** (Decimal(whole) + Decimal(part))
             assert abs(float(Decimal(elementary.exp2(float(whole), part)) / exact - 1)) < 4e-16
+
+
+def test_two_to_is_exact():
+    assert [elementary.two_to(float(k)) for k in range(-127, 128)] == [2.0**k for k in range(-127, 128)]
+
+
+def test_reduction_is_exact_and_its_range_kept():
+    for k in range(-95, 32):
+        for edge in (2.0**k, 2.0**k * math.sqrt(0.5)):
+            for x in (np.nextafter(edge, 0), edge, np.nextafter(edge, np.inf)):
+                if x >= 2.0**-95:
+                    m, e = elementary.reduced(float(x))
+                    assert m * 2.0**e == x and e == int(e) and math.sqrt(0.5) * (1 - EPS) <= m <= math.sqrt(2.0) * (1 + EPS)
+
+
+def test_logarithm_is_right_to_the_last_digit():
+    """Over its range, and about 1, where the relative error is the hard one."""
+    rng = np.random.default_rng(11)
+    numbers = np.concatenate([10.0 ** rng.uniform(-28, 9, 1200), rng.uniform(0.5, 2.0, 800), 1.0 + 10.0 ** rng.uniform(-15, -1, 300)])
+    worst = 0.0
+    with localcontext() as context:
+        context.prec = 40
+        for x in numbers:
+            exact = Decimal(float(x)).ln()
+            worst = max(worst, abs(float((Decimal(elementary.log(float(x))) - exact) / exact)))
+    assert worst < 2.3e-16
+    assert elementary.log(1.0) == 0.0 and elementary.log(0.0) == elementary.log(2.0**-95)
+
+
+def test_exponential():
+    rng = np.random.default_rng(13)
+    worst = 0.0
+    with localcontext() as context:
+        context.prec = 40
+        for x in np.concatenate([rng.uniform(-87.9, 87.9, 1500), rng.uniform(-1, 1, 500)]):
+            worst = max(worst, abs(float(Decimal(elementary.exp(float(x))) / Decimal(float(x)).exp() - 1)))
+    assert worst < 4e-16
+    assert elementary.exp(0.0) == 1.0

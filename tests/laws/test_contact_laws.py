@@ -11,20 +11,29 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import vfife.laws  # registers them
-from support import go, journal_in_bearing, particle
+from support import CONTACT_LAWS, all_contact_laws, contact_law, go, journal_in_bearing, particle
 from vfife.kernels.pin import normal_force
 from vfife.laws import ContactLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira
 
-LAWS = sorted(ContactLaw.registry.values(), key=lambda law: law.name)
-PAIRS = [Pair(0.01, c, 0.02) for c in (1e-4, 2e-4, 5e-4)]
-RESTITUTIONS = (0.3, 0.5, 0.7, 0.9, 1.0)
+LAWS = CONTACT_LAWS
+PAIRS = [Pair(0.01, c, 0.02, effective_mass=2.0) for c in (1e-4, 2e-4, 5e-4)]
+RESTITUTIONS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+
+
+def proportional(law: type[ContactLaw]) -> bool:
+    """Whether the damping is the elastic force times a number, at every depth: the form that the oracle holds for."""
+    p = contact_law(law, restitution=0.5).parameters(PAIRS[1])
+    elastic, damping = np.transpose([law.force(depth, 1.0, p) for depth in (1e-7, 1e-6, 1e-5, 1e-4)])
+    return bool(np.ptp(damping / elastic) <= 1e-12 * damping[0] / elastic[0])
+
 
 each_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+each_proportional_law = pytest.mark.parametrize("law", [law for law in LAWS if proportional(law)], ids=lambda law: law.name)
 
 
 def with_restitution(law: type[ContactLaw], value: float) -> ContactLaw:
     """The law at a restitution coefficient, if it has one."""
-    return law(restitution=value) if "restitution" in {f.name for f in dataclasses.fields(law)} else law()
+    return contact_law(law, restitution=value)
 
 
 def damping_factor(law: type[ContactLaw], p: tuple[float, ...]) -> float:
@@ -33,7 +42,7 @@ def damping_factor(law: type[ContactLaw], p: tuple[float, ...]) -> float:
     for depth in (1e-7, 1e-5, 1e-4):
         elastic, damping = law.force(depth, 1.0, p)
         read.append(damping / elastic)
-    assert read == pytest.approx([read[0]] * 3, rel=1e-12), "a law of another form needs an oracle of its own"
+    assert read == pytest.approx([read[0]] * 3, rel=1e-12)
     return read[0]
 
 
@@ -41,11 +50,13 @@ def oracle(chi: float) -> float:
     """Restitution that a free impact delivers: chi (1 + e) = ln[(1 + chi)/(1 - chi e)], for any mass, stiffness and exponent."""
     if chi == 0.0:
         return 1.0
-    return brentq(lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)), 1e-9, 1.0, xtol=1e-14)
+    return brentq(lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)), 1e-9, min(1.0, (1 - 1e-15) / chi), xtol=1e-14)
 
 
 def test_there_are_laws():
     assert {"lankarani-nikravesh", "pereira"} <= set(ContactLaw.registry) and vfife.laws.ContactLaw is ContactLaw
+    others = {law.name for law in LAWS if not proportional(law)}
+    assert others == {"kelvin-voigt", "anagnostopoulos", "impact"}, "a law of another form needs an oracle of its own, below"
 
 
 # ------------------------------------------------------------------------------------------------------- what a law says
@@ -68,18 +79,18 @@ def test_every_field_has_a_unit_and_a_meaning(law):
 @each_law
 @pytest.mark.parametrize("pair", PAIRS, ids=lambda pair: f"{pair.clearance:g}")
 def test_slots_name_the_parameters(law, pair):
-    p = law().parameters(pair)
+    p = contact_law(law).parameters(pair)
     assert len(p) == len(law.slots) == len(set(law.slots))
     assert all(isinstance(value, float) and math.isfinite(value) for value in p)
-    assert set(law().derived(pair)) == set(law.slots)
+    assert set(contact_law(law).derived(pair)) == set(law.slots)
 
 
 @each_law
 def test_is_a_frozen_value(law):
-    assert law() == law() and hash(law()) == hash(law())
+    assert contact_law(law) == contact_law(law) and hash(contact_law(law)) == hash(contact_law(law))
     for field in dataclasses.fields(law):
         with pytest.raises(dataclasses.FrozenInstanceError):
-            setattr(law(), field.name, 0.5)
+            setattr(contact_law(law), field.name, 0.5)
 
 
 # ------------------------------------------------------------------------------------------------------ shape of the force
@@ -89,14 +100,15 @@ def test_is_a_frozen_value(law):
 def test_nothing_at_zero_penetration(law):
     for pair in PAIRS:
         for slowness in (0.0, 1.0, 1e3):
-            assert law.force(0.0, slowness, law().parameters(pair)) == (0.0, 0.0)
+            assert law.force(0.0, slowness, contact_law(law).parameters(pair)) == (0.0, 0.0)
 
 
 @each_law
 def test_rises_continuously_and_stays_finite(law):
-    """From nothing, without a step: where the depth changes by a part in 10^9 the force changes by a few parts in 10^9."""
+    """From nothing, without a step: where the depth changes by a part in 10^9 the force changes by a few parts in 10^9 (eleven where
+    the classical line contacts stiffen before they end)."""
     for pair in PAIRS:
-        p = law().parameters(pair)
+        p = contact_law(law).parameters(pair)
         depths = np.concatenate([np.geomspace(1e-15, pair.clearance, 4000), np.linspace(1e-9, pair.clearance, 1000)])
         before = 0.0
         for depth in np.sort(depths):
@@ -104,7 +116,7 @@ def test_rises_continuously_and_stays_finite(law):
             near, _ = law.force(float(depth) * (1 + 1e-9), 2.0, p)
             assert math.isfinite(elastic) and math.isfinite(damping) and damping >= 0.0
             assert elastic >= before
-            assert near - elastic <= 4e-9 * near
+            assert near - elastic <= 1.2e-8 * near
             before = elastic
         assert law.force(1e-12, 0.0, p)[0] < 1e-3 * law.force(1e-5, 0.0, p)[0]
         assert before > 1e3
@@ -118,7 +130,7 @@ def test_rises_continuously_and_stays_finite(law):
 )  # fmt: skip
 def test_never_pulls_and_solves_its_own_relation(law, depth, speed, rate, mobility, which):
     """F = elastic + damping r with r = rate - mobility F, or nothing where that would be attractive."""
-    elastic, damping = law.force(depth, 1.0 / speed, law().parameters(which))
+    elastic, damping = law.force(depth, 1.0 / speed, contact_law(law).parameters(which))
     force, solved = normal_force(elastic, damping, rate, mobility)
     assert force >= 0.0
     assert solved == pytest.approx(rate - mobility * force, rel=1e-9, abs=1e-9 * max(abs(rate), mobility * elastic))
@@ -132,12 +144,12 @@ def test_never_pulls_and_solves_its_own_relation(law, depth, speed, rate, mobili
 @each_law
 def test_stored_energy_is_the_integral_of_the_elastic_force(law):
     for pair in PAIRS:
-        p = law().parameters(pair)
+        p = contact_law(law).parameters(pair)
         depths = np.array([1e-6, 1e-5, 5e-5, 1e-4])
-        work = [quad(lambda d, p=p: law.force(d, 0.0, p)[0], 0.0, depth, epsabs=0, epsrel=1e-11)[0] for depth in depths]
-        assert law().elastic_energy(depths, p) == pytest.approx(work, rel=1e-9)
-        assert law().elastic_energy(float(depths[1]), p) == pytest.approx(work[1], rel=1e-9)
-        assert law().elastic_energy(0.0, p) == 0.0
+        work = [quad(lambda d, p=p: law.force(d, 0.0, p)[0], 0.0, depth, epsabs=0, epsrel=1e-11, limit=500)[0] for depth in depths]
+        assert contact_law(law).elastic_energy(depths, p) == pytest.approx(work, rel=1e-9)
+        assert contact_law(law).elastic_energy(float(depths[1]), p) == pytest.approx(work[1], rel=1e-9)
+        assert contact_law(law).elastic_energy(0.0, p) == 0.0
 
 
 # ---------------------------------------------------------------------------------------------------- what an impact loses
@@ -170,33 +182,72 @@ def free_impact(law: type[ContactLaw], p: tuple[float, ...], mass: float, speed:
     return -float(run.y[1, -1]), float(run.y[2, -1])
 
 
-@each_law
+@each_proportional_law
 @pytest.mark.parametrize("restitution", RESTITUTIONS)
 def test_delivers_the_restitution_of_the_oracle(law, restitution):
+    """Rebound and hysteresis area, at ten coefficients, masses, speeds and surfaces."""
     chosen = with_restitution(law, restitution)
-    for pair, mass, speed in ((PAIRS[1], 1.0, 1.0), (PAIRS[2], 3.0, 0.2)):
-        p = chosen.parameters(pair)
-        expected = oracle(damping_factor(law, p))
-        rebound, lost = free_impact(law, p, mass, speed)
-        assert rebound / speed == pytest.approx(expected, abs=1e-5)
-        assert lost == pytest.approx(0.5 * mass * speed**2 * (1 - expected**2), abs=1e-5 * mass * speed**2)
+    pair, mass, speed = PAIRS[round(10 * restitution) % 3], 0.5 + restitution, 0.2 + 0.7 * restitution
+    p = chosen.parameters(pair)
+    expected = oracle(damping_factor(law, p))
+    rebound, lost = free_impact(law, p, mass, speed)
+    assert rebound / speed == pytest.approx(expected, abs=1e-6)
+    assert lost == pytest.approx(0.5 * mass * speed**2 * (1 - expected**2), abs=1e-6 * mass * speed**2)
 
 
-@each_law
+@pytest.mark.parametrize("restitution", [0.3, 0.9])
+def test_the_oracle_bites(restitution):
+    """A damping factor that is off by a part in ten thousand is seen."""
+    p = LankaraniNikravesh(restitution).parameters(PAIRS[1])
+    rebound, _ = free_impact(LankaraniNikravesh, (p[0], 1.0001 * p[1]), 1.0, 1.0)
+    assert abs(rebound - oracle(p[1])) > 3e-6
+
+
+def rebound_in_a_run(law: ContactLaw) -> float:
+    """Share of its speed that a journal of 2 kg, thrown against its bearing at 0.7 m/s, gets back in the step itself."""
+    m = journal_in_bearing(0.7, mass=2.0, contact=law, friction=Frictionless(), clearance=2e-4)
+    record = go(m, 1e-7, duration=2e-3, outputs=100, beside=all_contact_laws())
+    onsets, depth = record.block("clearance_onsets")[:, 0], record.block("clearance_penetration")[:, 0]
+    assert onsets.tolist().count(1.0) > 5
+    parted = np.flatnonzero((onsets == 1) & (depth < 0))
+    parted = parted[parted > np.argmax(onsets == 1)]
+    return float(-particle(record, "journal")["u"][parted[0]] / 0.7)
+
+
+@each_proportional_law
 @pytest.mark.parametrize("restitution", [0.5, 0.9])
 def test_delivers_it_in_a_run(law, restitution):
     """The step itself, dissipation solved in closed form and the onset located: a journal thrown against its bearing."""
     chosen = with_restitution(law, restitution)
-    m = journal_in_bearing(0.7, mass=2.0, contact=chosen, friction=Frictionless(), clearance=2e-4)
-    record = go(m, 1e-7, duration=2e-3, outputs=100)
-    expected = oracle(damping_factor(law, chosen.parameters(Pair(0.01, 2e-4, 0.02))))
-    assert record.block("clearance_onsets")[:, 0].tolist().count(1.0) > 5
-    parted = np.flatnonzero((record.block("clearance_onsets")[:, 0] == 1) & (record.block("clearance_penetration")[:, 0] < 0))
-    parted = parted[parted > np.argmax(record.block("clearance_onsets")[:, 0] == 1)]
-    assert -particle(record, "journal")["u"][parted[0]] / 0.7 == pytest.approx(expected, abs=1e-4)
+    expected = oracle(damping_factor(law, chosen.parameters(PAIRS[1])))
+    assert rebound_in_a_run(chosen) == pytest.approx(expected, abs=1e-4)
 
 
 # ----------------------------------------------------------------------------------------------------- published numbers
+
+# chi as the literature prints it, for every restitution coefficient e.
+PRINTED = {
+    "hertz": lambda e: 0.0,
+    "hunt-crossley": lambda e: 3 / 2 * (1 - e),
+    "herbert-mcwhannell": lambda e: 6 * (1 - e) / ((2 * e - 1) ** 2 + 3),
+    "lee-wang": lambda e: 3 / 4 * (1 - e),
+    "lankarani-nikravesh": lambda e: 3 / 4 * (1 - e**2),
+    "gonthier": lambda e: (1 - e**2) / e,
+    "zhiying-qishao": lambda e: 3 / 4 * (1 - e**2) * math.exp(2 * (1 - e)),
+    "flores": lambda e: 8 * (1 - e) / (5 * e),
+    "hu-guo": lambda e: 3 * (1 - e) / (2 * e),
+}
+
+
+@each_proportional_law
+@pytest.mark.parametrize("restitution", RESTITUTIONS)
+def test_damping_factor_of_the_literature(law, restitution):
+    """That of the law's name; cylinders take Lankarani and Nikravesh's unless another is named."""
+    p = with_restitution(law, restitution).parameters(PAIRS[1])
+    printed = PRINTED.get(law.name, PRINTED["lankarani-nikravesh"])
+    assert law.name in PRINTED or "damping" in {f.name for f in dataclasses.fields(law)}
+    assert damping_factor(law, p) == pytest.approx(printed(restitution), rel=1e-12, abs=1e-15)
+
 
 # Delivered restitution, from method.md (section 3) to five digits: law, c_r, e.
 DELIVERED = [
@@ -205,11 +256,12 @@ DELIVERED = [
     ("flores", 0.5, 0.47044), ("flores", 0.9, 0.89392),
     ("gonthier", 0.5, 0.48774), ("gonthier", 0.9, 0.87644),
     ("hu-guo", 0.5, 0.48774), ("hu-guo", 0.9, 0.89990),
-    ("pereira", 0.5, 0.72524), ("pereira", 0.9, 0.91318),
+    *((name, *pair) for name in ("pereira", "johnson", "radzimovsky", "goldsmith", "dubowsky-freudenstein", "esdu-78035", "liu")
+      for pair in ((0.5, 0.72524), (0.9, 0.91318))),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "restitution", "delivered"), [row for row in DELIVERED if row[0] in ContactLaw.registry])
+@pytest.mark.parametrize(("name", "restitution", "delivered"), DELIVERED)
 def test_delivered_restitution_of_the_literature(name, restitution, delivered):
     law = ContactLaw.registry[name]
     p = with_restitution(law, restitution).parameters(PAIRS[1])
@@ -217,10 +269,14 @@ def test_delivered_restitution_of_the_literature(name, restitution, delivered):
 
 
 # Elastic force (N) at 10 and 50 micrometres: dR = 0.5 mm, R_B = 10 mm, L = 20 mm, steel of 207 GPa; printed to four digits.
-FORCES = {"lankarani-nikravesh": (2090, 23370), "pereira": (12460, 80930)}
+FORCES = {
+    "hertz": (2090, 23370), "lankarani-nikravesh": (2090, 23370), "pereira": (12460, 80930), "johnson": (11700, 87150),
+    "radzimovsky": (9861, 67030), "esdu-78035": (8477, 54370), "goldsmith": (4202, 23370), "dubowsky-freudenstein": (8419, 53880),
+    "liu": (3538, 38090),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [name for name in FORCES if name in ContactLaw.registry])
+@pytest.mark.parametrize("name", FORCES)
 def test_forces_of_the_literature(name):
     law = ContactLaw.registry[name]
     p = law().parameters(Pair(0.01, 5e-4, 0.02))

@@ -36,8 +36,9 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     """Largest absolute values over the last full crank turn, from the extremes within the output intervals; counts of
     the whole run.
 
-    ``<joint>.force.max`` (N), ``<joint>.penetration.max`` (m), ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
-    ``<joint>.deepest`` (m), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
+    ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers), ``<joint>.penetration.max`` (m),
+    ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
+    ``<joint>.deepest`` (m), ``.fastest`` (m/s), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
     ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
     ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
     """
@@ -48,6 +49,9 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     forces = joint_force_max(record)[window]
     for k, name in enumerate(joint_rows(record)):
         found[f"{name}.force.max"] = float(forces[:, k].max())
+    for index, name in enumerate(record.assembly.ideals):
+        if (moment := record.block("ideal_moment_max")[window, index].max()) > 0.0:
+            found[f"{name}.moment.max"] = float(moment)
     found |= _clearances(record, window) | _bodies(record, window)
     if reference is not None:
         driven = [body.name for body in record.assembly.bodies.values() if body.driven is not None]
@@ -60,8 +64,8 @@ def _clearances(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     if not record.assembly.clearances:
         return found
     depth = record.block("clearance_penetration_max")[window]
-    counts = {"impacts": "onsets", "grazing": "grazing", "deep": "deep", "deepest": "deepest"}
-    totals = {name: record.block(f"clearance_{row}")[-1] for name, row in counts.items()}
+    counts = {"impacts": "onsets", "grazing": "grazing", "deep": "deep", "deepest": "deepest", "fastest": "fastest"}
+    totals = {name: record.block(f"clearance_{row}")[-1] for name, row in counts.items() if record.keeps(f"clearance_{row}")}
     parts = shares(record)
     for k, name in enumerate(record.assembly.clearances):
         found[f"{name}.penetration.max"] = float(depth[:, k].max())

@@ -115,7 +115,7 @@ def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
 
 def law(kind: str, entry: Mapping[str, Any]) -> str:
     """A law in words: what is set, and what follows from it."""
-    given = ", ".join(f"{name} {value:g}" for name, value in entry["parameters"].items() if value is not None)
+    given = ", ".join(f"{name} {shown(value)}" for name, value in entry["parameters"].items() if value is not None)
     derived = ", ".join(f"{name} {value}" for name, value in entry["derived"].items())
     return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; in SI units {derived}" if derived else "")
 

@@ -12,7 +12,7 @@ NANOSECONDS = {
     "data-driven": {"step": 20.0, "clearance": 50.0, "ideal": 115.0, "element": 18.0},
     "generated": {"step": 10.0, "clearance": 38.0, "ideal": 40.0, "element": 5.0},
 }
-DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models; kept on disk
+DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
 
 
 def estimate(assembly: Assembly) -> dict[str, Any]:

@@ -80,7 +80,7 @@ def run(
     elif not quiet:
         show(result, place, figures)
     elif result.record.status == "complete":
-        for warning in result.summary["warnings"]:
+        for warning in (*result.summary["run"]["notes"], *result.summary["warnings"]):
             tell("warning", warning)
     end(result, place)
 

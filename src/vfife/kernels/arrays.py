@@ -23,6 +23,7 @@ Role = Literal["state", "memory", "extreme", "parameter", "scratch"]
 
 CONTACT_SLOTS = 8
 FRICTION_SLOTS = 8
+FRICTION_MEMORY = 3
 
 
 class Fields:
@@ -91,7 +92,7 @@ BLOCKS: tuple[Block, ...] = (
         clearance_friction_force | N | friction force F_T at step n, along t on the journal
         clearance_penetration | m | signed penetration e - c at step n
         clearance_slowness | s/m | inverse of the impact speed at the last onset, 0 in free flight
-        clearance_memory | m | bristle deflection or other friction memory
+        clearance_memory | unit of the law | what the friction law remembers: a bristle's deflection, sliding velocities ... | 3
         clearance_damping_power | W | power lost in normal damping at step n
         clearance_friction_power | W | power lost in friction at step n
         clearance_damping_work | J | energy lost in normal damping up to step n + 1/2
@@ -100,6 +101,7 @@ BLOCKS: tuple[Block, ...] = (
         clearance_grazing | 1 | onsets slower than the floor of the impact speed
         clearance_deep | 1 | onsets that landed deeper than the landing depth
         clearance_deepest | m | deepest first landing
+        clearance_fastest | m/s | fastest impact
         clearance_contact_steps | 1 | steps in continuous contact"""),
     *_blocks("state", "ideal", """
         ideal_fx | N | force on the journal at step n
@@ -141,7 +143,8 @@ BLOCKS: tuple[Block, ...] = (
         clearance_force_squared_max | N^2 | largest squared joint force since the last output
         clearance_penetration_max | m | largest signed penetration since the last output"""),
     *_blocks("extreme", "ideal", """
-        ideal_force_squared_max | N^2 | largest squared joint force since the last output"""),
+        ideal_force_squared_max | N^2 | largest squared joint force since the last output
+        ideal_moment_max | N m | largest absolute moment since the last output"""),
     *_blocks("extreme", "driven", """
         driven_force_squared_max | N^2 | largest squared ground force since the last output
         driven_torque_max | N m | largest absolute torque since the last output"""),
@@ -265,7 +268,7 @@ TIME, TURNED, SPEED = range(3)
 
 # Records of the integer array: rows of S and kinds.
 JE = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
-JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "kind"))
+JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kind"))
 JR = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function", "rows"))
 JQ = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
 JG = Fields((name, 1) for name in ("row", "first", "second", "kind"))

@@ -58,6 +58,7 @@ def land(S, j, b, k, depth, start, p, h):
     S[j + C.grazing] += 1.0 if slow else 0.0
     S[j + C.deep] += 1.0 if depth > S[j + C.landing] else 0.0
     S[j + C.deepest] = larger(S[j + C.deepest], depth)
+    S[j + C.fastest] = larger(S[j + C.fastest], located)
     S[j + C.contact_steps] -= 1.0
 
 
@@ -125,8 +126,29 @@ def mobilities(S, I, j, b, k, constrained):
     return gn, gt, gm
 
 
-def answer(S, I, span, h):
-    """Normal and friction force of every clearance joint at t_n, each solved in closed form, in turn where joints share a body."""
+def onward(S, i, b, k):
+    """Velocity at t_(n+1/2) of a particle under the forces so far, as ``kick`` will make it; a driven one turns as prescribed."""
+    im = S[i + P.inverse_mass]
+    ii = S[i + P.inverse_inertia]
+    w = b * S[i + P.w] + k * (ii * S[i + P.mz]) if ii > 0.0 else S[i + P.w] + 0.5 * S[Y.step] * S[i + P.aw]
+    return b * S[i + P.u] + k * (im * S[i + P.fx]), b * S[i + P.v] + k * (im * S[i + P.fy]), w
+
+
+def slip_after(S, j, bearing, journal, b, k):
+    """Sliding velocity of joint j at t_(n+1/2) under the forces so far."""
+    bu, bv, bw = onward(S, bearing, b, k)
+    ku, kv, kw = onward(S, journal, b, k)
+    return S[j + C.nx] * (kv - bv) - S[j + C.ny] * (ku - bu) + S[j + C.jt] * kw - S[j + C.bt] * bw
+
+
+def answer(S, I, span, central):
+    """Normal and friction force of every clearance joint at t_n, each solved in closed form, in turn where joints share a body.
+
+    Most friction laws are solved with the velocity at t_n. A set-valued one must make the half-step velocity zero to stick: at t_n it would
+    only turn that round, and the body would tremble. ``ahead`` marks such a joint.
+    """
+    half, decay, gain, p = central
+    h = p * half
     for m in range(I[H.clearance_count]):
         r = I[H.clearance] + JC.SIZE * m
         j = I[r + JC.row]
@@ -135,6 +157,8 @@ def answer(S, I, span, h):
         nx = S[j + C.nx]
         ny = S[j + C.ny]
         gn, gt, gm = mobilities(S, I, j, b, k, I[r + JC.constrained])
+        ahead_t = gain * gt
+        ahead_m = gain * gm
         gn = h * gn
         gt = h * gt
         gm = h * gm
@@ -145,16 +169,12 @@ def answer(S, I, span, h):
         normal, rate = normal_force(S[j + C.elastic], S[j + C.damping_coefficient], rate + gn * S[j + C.normal], gn)
         more = normal - S[j + C.normal]
         loose = slip - gm * more - gt * S[j + C.friction]
-        friction, memory = friction_law(
-            I[r + JC.friction],
-            normal,
-            loose,
-            gt,
-            S[j + C.memory],
-            S[Y.step],
-            S,
-            j + C.friction_slots,
-        )
+        free = loose
+        mobility = gt
+        if I[r + JC.ahead] != 0:
+            free = slip_after(S, j, b, k, decay, gain) - ahead_m * more - ahead_t * S[j + C.friction]
+            mobility = ahead_t
+        friction = friction_law(I[r + JC.friction], normal, free, mobility, S[Y.step], S, j + C.friction_slots, j + C.memory)
         slip = loose + gt * friction
         press(S, j, b, k, more, friction - S[j + C.friction])
         if I[r + JC.constrained] != 0:
@@ -163,7 +183,6 @@ def answer(S, I, span, h):
             shove(S, j, b, k, h, more, friction - S[j + C.friction])
         S[j + C.normal_force] = normal
         S[j + C.friction_force] = friction
-        S[j + C.memory] = memory
         lost = (normal - S[j + C.elastic]) * rate
         rubbed = -friction * slip
         S[j + C.damping_power] = lost

@@ -129,7 +129,8 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
         "element": records("element", bodies(nodes[:, 0]), bodies(nodes[:, 1]), t.element_release, units),
         "clearance": records(
             "clearance", bodies(t.clearance_bearing), bodies(t.clearance_journal), graph.shared, graph.constrained,
-            t.clearance_contact, t.clearance_friction, t.clearance_kind or [0] * len(t.clearance_bearing),
+            t.clearance_contact, t.clearance_friction, [int(t.friction_laws[kind].set_valued) for kind in t.clearance_friction],  # type: ignore[attr-defined]
+            t.clearance_kind or [0] * len(t.clearance_bearing),
         ),
         "ideal": records(
             "ideal", bodies(t.ideal_bearing), bodies(t.ideal_journal), t.kinds, [row(k) if rows else 0 for k in t.row_starts[:-1]],

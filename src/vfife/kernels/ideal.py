@@ -11,6 +11,7 @@ one across its guide and one for the angle, a weld all three, gears and prescrib
 from .arrays import ANGLE, GEAR, JD, JK, JQ, JR, REVOLUTE, SLIDER, TRAVEL, WELD, C, D, F, H, P, Q, R
 from .elementary import sincos, small_turn
 from .pin import arm
+from .step import larger
 
 
 def row(S, q, nx, ny, jb, jk):
@@ -274,6 +275,13 @@ def close(S, I, dt, b, k, fresh):
                 pull(S, q + c * Q.SIZE, b_, k_, scale * S[at + c])
 
 
+def turn_with(S, i, moment):
+    """Moment of a joint at t_n, and the largest."""
+    S[i + R.moment] = moment
+    at = i + R.moment_max
+    S[at] = larger(S[at], abs(moment))
+
+
 def reaction(S, I, r):
     """Force and moment on the journal at t_n, from the constraints of a joint."""
     i = I[r + JR.row]
@@ -281,17 +289,17 @@ def reaction(S, I, r):
     kind = I[r + JR.kind]
     force = S[q + Q.force]
     if kind == GEAR or kind == ANGLE:
-        S[i + R.moment] = force
+        turn_with(S, i, force)
     elif kind == REVOLUTE or kind == WELD:
         S[i + R.fx] = force
         S[i + R.fy] = S[q + Q.SIZE + Q.force]
         if kind == WELD:
-            S[i + R.moment] = S[q + 2 * Q.SIZE + Q.force]
+            turn_with(S, i, S[q + 2 * Q.SIZE + Q.force])
     else:
         S[i + R.fx] = force * S[q + Q.nx]
         S[i + R.fy] = force * S[q + Q.ny]
         if kind == SLIDER:
-            S[i + R.moment] = S[q + Q.SIZE + Q.force]
+            turn_with(S, i, S[q + Q.SIZE + Q.force])
 
 
 def spread(S, I, w, y, b, k, fx, fy, mk, mb):

@@ -15,7 +15,7 @@ from types import FunctionType
 from typing import Any
 
 from . import loop
-from .arrays import CONTACT_SLOTS, FRICTION_SLOTS, Fields
+from .arrays import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS, Fields
 
 
 class SourceError(ValueError):
@@ -118,25 +118,43 @@ class _Literal(ast.NodeTransformer):
 
 
 def law_name(kind: str, law: type) -> str:
-    """Name of a law's function in a gathered text."""
-    return f"{kind}_{law.name.replace('-', '_')}"  # type: ignore[attr-defined]
+    """Name of the function of a form of law in a gathered text."""
+    return f"{kind}_{(law.__dict__.get('name') or law.__name__).replace('-', '_')}"
 
 
 def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
-    """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law``."""
-    signature = {"contact": "depth, slowness", "friction": "normal, free, mobility, memory, dt"}[kind]
-    room = {"contact": CONTACT_SLOTS, "friction": FRICTION_SLOTS}[kind]
-    rest = "0.0" if kind == "contact" else "memory"
-    lines = ["@jit", f"def {kind}_law(kind, {signature}, S, base):", "    first = 0.0", f"    second = {rest}"]
+    """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law(kind, ..., S, base, memory)``.
+
+    The friction law's memory lies in the rows from ``memory`` and is wiped where no normal force holds the surfaces together.
+    """
+    friction = kind == "friction"
+    given = "normal, free, mobility, dt" if friction else "depth, slowness"
+    lines = ["@jit", f"def {kind}_law(kind, {given}, S, base{', memory' if friction else ''}):", "    first = 0.0", "    second = 0.0"]
     for number, law in enumerate(laws):
-        count = len(law.slots)  # type: ignore[attr-defined]
-        if count > room:
-            raise SourceError(f"law {law.name!r} has {count} parameters; a law may have {room}")  # type: ignore[attr-defined]
+        count, rows = room(kind, law)
         name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
         slots = "".join(f"S[base + {k}], " for k in range(count))
-        lines += [f"    {'el' if number else ''}if kind == {number}:", f"        first, second = {name}({signature}, ({slots}))"]
-    lines.append("    return first, second")
+        held = [f"S[memory + {k}]" for k in range(rows)]
+        one = held[0] if rows == 1 else f"({', '.join(held)})" if held else "0.0"
+        arguments = f"normal, free, mobility, {one}, dt" if friction else given
+        lines += [f"    {'el' if number else ''}if kind == {number}:", f"        first, second = {name}({arguments}, ({slots}))"]
+        if rows > 1:
+            lines[-1] = lines[-1].replace("second", "kept", 1)
+        values = ["second"] if rows == 1 else [f"kept[{k}]" for k in range(rows)]
+        lines += [f"        {row} = {value} if normal > 0.0 else 0.0" for row, value in zip(held, values, strict=True)]
+    lines.append("    return first" if friction else "    return first, second")
     return "\n".join(lines) + "\n"
+
+
+def room(kind: str, law: Any) -> tuple[int, int]:
+    """How many parameters and rows of memory a law takes; SourceError where there are not that many."""
+    slots, memory = {"contact": (CONTACT_SLOTS, 0), "friction": (FRICTION_SLOTS, FRICTION_MEMORY)}[kind]
+    count, rows = len(law.slots), len(law.memory) if kind == "friction" else 0
+    if count > slots:
+        raise SourceError(f"law {law.name or law.__name__!r} has {count} parameters; a law may have {slots}")
+    if rows > memory:
+        raise SourceError(f"law {law.name or law.__name__!r} remembers {rows} numbers; a law may remember {memory}")
+    return count, rows
 
 
 def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:

@@ -8,6 +8,9 @@ relation: given the normal force, the sliding velocity without friction, and the
 from __future__ import annotations
 
 import dataclasses
+import difflib
+import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -29,7 +32,11 @@ class Material:
 
 @dataclass(frozen=True)
 class Pair:
-    """The two surfaces that meet: bearing radius, clearance and axial length (m), and their materials."""
+    """The two surfaces that meet: radii, clearance and axial length (m), and their materials.
+
+    A journal of radius R_J = R_B - c inside a bearing; or, with an ``opposite_radius``, two rounds side by side (external contact), of which
+    the first may be straight (``bearing_radius = math.inf``). ``effective_mass`` (kg) is m_i m_j/(m_i + m_j) of the two bodies, where it is known.
+    """
 
     bearing_radius: float
     clearance: float
@@ -37,16 +44,39 @@ class Pair:
     bearing: Material = Material()
     journal: Material = Material()
     opposite_radius: float | None = None
+    effective_mass: float | None = None
+
+    @property
+    def external(self) -> bool:
+        """Whether the two rounds touch from outside."""
+        return self.opposite_radius is not None
 
     @property
     def journal_radius(self) -> float:
-        """R_J = R_B - c (m), Eq. 18."""
-        return self.bearing_radius - self.clearance
+        """R_J = R_B - c (m), Eq. 18; outside, the opposite radius."""
+        return self.bearing_radius - self.clearance if self.opposite_radius is None else self.opposite_radius
+
+    @property
+    def radius_difference(self) -> float:
+        """dR = R_B - R_J inside, which is the clearance; R_B + R_J outside (m)."""
+        return self.clearance if self.opposite_radius is None else self.bearing_radius + self.opposite_radius
+
+    @property
+    def relative_radius(self) -> float:
+        """R_B R_J/(R_B - R_J) inside, R_B R_J/(R_B + R_J) outside (m)."""
+        if math.isinf(self.bearing_radius):
+            return self.journal_radius
+        return self.bearing_radius * self.journal_radius / self.radius_difference
 
     @property
     def composite_modulus(self) -> float:
         """E* with 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j (Pa); Eq. 28 for equal materials."""
         return 1.0 / (self.bearing.compliance + self.journal.compliance)
+
+    @property
+    def wave_speed(self) -> float:
+        """sqrt(E/rho) of the slower of the two materials (m/s)."""
+        return min(math.sqrt(one.youngs_modulus / one.density) for one in (self.bearing, self.journal))
 
 
 def quantity(
@@ -57,19 +87,28 @@ def quantity(
     low: float | None = None,
     high: float | None = None,
     above: float | None = None,
+    choices: Collection[str] | None = None,
 ) -> Any:
-    """A field of a law: its unit ("1" if it has none), meaning and default, and its limits: at least ``low``, at most ``high``, ``above``."""
-    return dataclasses.field(default=default, metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "above": above})
+    """A field of a law: its unit ("1" if it has none), meaning and default, and its limits: at least ``low``, at most ``high``, ``above``.
+
+    A field that is a word is one of its ``choices``.
+    """
+    metadata = {"unit": unit, "meaning": meaning, "low": low, "high": high, "above": above, "choices": choices}
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 @dataclass(frozen=True)
 class Law:
-    """Shared by contact and friction laws. Subclasses register themselves by ``name``."""
+    """Shared by contact and friction laws. Subclasses register themselves by ``name``.
+
+    A law that is ``common`` is part of every data-driven loop, used or not, so that one compilation serves most models.
+    """
 
     name: ClassVar[str] = ""
     source: ClassVar[str] = ""
     formula: ClassVar[str] = ""
     slots: ClassVar[tuple[str, ...]] = ()
+    common: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -77,9 +116,31 @@ class Law:
         if cls.__dict__.get("name"):
             cls.registry[cls.name] = cls
 
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            choices, value = field.metadata.get("choices"), getattr(self, field.name)
+            if choices and value not in choices:
+                near = difflib.get_close_matches(str(value), choices, 1)
+                told = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(choices)}"
+                raise ValueError(f"{field.name} {value!r} of the law {self.name!r} is unknown; {told}")
+
+    @classmethod
+    def form(cls) -> type[Law]:
+        """The first class with this law's ``force`` and ``slots``: laws of one form differ in their parameters only and are compiled once."""
+        force = cls.force  # type: ignore[attr-defined]
+        alike = [one for one in cls.__mro__ if issubclass(one, Law) and getattr(one, "force", None) is force and one.slots == cls.slots]
+        return alike[-1]
+
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """The numbers of ``slots``, derived from the fields and the two surfaces."""
         raise NotImplementedError
+
+    def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
+        """Sentences, without a full stop, on where the law leaves the range of its source for this pair, and what it does there.
+
+        With the deepest penetration (m) and the fastest impact (m/s) of a run also those on what only the run can tell.
+        """
+        return ()
 
     def derived(self, pair: Pair) -> dict[str, str]:
         """Numbers worth printing, by slot name."""
@@ -107,11 +168,21 @@ class ContactLaw(Law):
 
 @dataclass(frozen=True)
 class FrictionLaw(Law):
-    """Friction law."""
+    """Friction law.
+
+    ``memory`` names what the law remembers from step to step, with units: up to three numbers, all zero at the start and again wherever the
+    normal force is zero, because bristles spring back when nothing presses on them. ``set_valued``: the law holds two surfaces together
+    without sliding by any force up to a limit; it then receives the sliding velocity half a step on, where sticking means exactly zero.
+    """
 
     registry: ClassVar[dict[str, type[Law]]] = {}
+    memory: ClassVar[tuple[str, ...]] = ()
+    set_valued: ClassVar[bool] = False
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force."""
+    def force(normal_force: float, free_velocity: float, mobility: float, memory: Any, dt: float, p: tuple[float, ...]) -> tuple[float, Any]:
+        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force.
+
+        ``memory`` is a number where the law names one, a tuple where it names several, 0 where it names none.
+        """
         raise NotImplementedError

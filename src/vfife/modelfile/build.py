@@ -27,6 +27,7 @@ from ..schema import (
     SliderDriverTable,
     Table,
 )
+from ..start import surfaces
 from .faults import Fault, place
 from .lawtables import law_or_default, senseless
 
@@ -170,9 +171,8 @@ def unsuited(mechanism: Mechanism) -> list[Fault]:
     """Laws that make no sense for the surfaces they are given, which only the law itself can tell."""
     faults = []
     for name, joint in mechanism.clearances.items():
-        sides = [mechanism.bodies[side].material if side != "ground" else Material() for side, _ in joint.sides]
         for kind in ("contact", "friction"):
-            what = senseless(getattr(joint, kind), joint.pair(*sides))
+            what = senseless(getattr(joint, kind), surfaces(mechanism, joint))
             if what:
                 size = f"{joint.clearance:g} m"
                 remedy = "check clearance, bearing_radius, axial_length and materials, or take another law"

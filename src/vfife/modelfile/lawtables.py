@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 from ..joints import ClearanceRevolute
 from ..laws import ContactLaw, FrictionLaw, Law, Pair
 from ..quantities import kind_of, shown
-from ..readers import Measure, refuse
+from ..readers import Choice, Measure, refuse
 from .faults import Fault, Path, place, suggestion
 from .tables import LAWS, Raw, law_fields
 
@@ -64,6 +64,8 @@ def read_field(field: dataclasses.Field[Any], value: Any) -> Any:
             unit = "1"
         above, low, high = (field.metadata.get(limit) for limit in ("above", "low", "high"))
         return Measure(unit, above=above, low=low, high=high).read(value)
+    if choices := field.metadata.get("choices"):
+        return Choice(tuple(choices)).read(value)
     if not isinstance(value, wanted):
         raise refuse(value, kind_of(value), kind_of(wanted()), f"write {kind_of(wanted())}")
     return value
@@ -95,7 +97,11 @@ def senseless(law: Law, pair: Pair) -> str:
     """What a law cannot make of these two surfaces, or nothing: its numbers must be real and finite."""
     try:
         values = [float(value) for value in law.parameters(pair)]
-    except (ArithmeticError, TypeError, ValueError):
+    except ValueError as error:  # the law's own sentence, if it has one
+        if law.name in str(error):
+            return str(error)
+        values = [float("nan")]
+    except (ArithmeticError, TypeError):
         values = [float("nan")]
     if all(abs(value) < float("inf") for value in values):
         return ""

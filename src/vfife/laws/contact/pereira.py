@@ -1,55 +1,55 @@
-"""Pereira, Ramalho and Ambrosio 2011: the enhanced cylindrical contact force, internal contact."""
+"""Pereira, Ramalho and Ambrosio 2011: the enhanced cylindrical contact force."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from ...kernels.elementary import power
-from ..law import ContactLaw, Pair, quantity
-from .damping import lankarani_nikravesh
+from ..law import Pair
+from .cylinder import OVERVIEW, PowerLaw
+
+SMALLEST, LARGEST = 0.005, 10.0  # mm, the clearances of the fit inside a bearing
 
 
 @dataclass(frozen=True)
-class Pereira(ContactLaw):
-    """F_N = (a dR + b) L E*/dR delta^n [1 + 3 (1 - c_e^2)/4 * rate/impact_speed], Eq. 26-28 of the VFIFE paper.
+class Pereira(PowerLaw):
+    """F_N = (a dR + b) L E*/dR delta^n [1 + chi rate/impact_speed], Eq. 26-28 of the VFIFE paper.
 
     The law is written for mm, MPa and N (dR, delta and L in mm); in metres, with n kept, the stiffness is multiplied by 10^(3n).
-    a = 0.965, b = 0.0965, n = Y dR^-0.005, Y = 1.51 [ln(1000 dR)]^-0.151 below dR = 0.34954 mm and 0.0151 dR + 1.151 from there.
+    Inside a bearing dR = R_i - R_j, a = 0.965, b = 0.0965, n = Y dR^-0.005, Y = 1.51 [ln(1000 dR)]^-0.151 below dR = 0.34954 mm and
+    0.0151 dR + 1.151 from there; side by side dR = R_i + R_j, a = 0.39, b = 0.85, n = 1.094. chi = 3/4 (1 - c_e^2) unless another is named.
     """
 
     name: ClassVar[str] = "pereira"
     source: ClassVar[str] = (
         "Pereira, Ramalho, Ambrosio: An enhanced cylindrical contact force model. Multibody System Dynamics 35 (2015) 277-298; "
-        "coefficients from Pereira, Ramalho, Ambrosio: A critical overview of internal and external cylinder contact force models. "
-        "Nonlinear Dynamics 63 (2011) 681-697"
+        f"coefficients from {OVERVIEW}"
     )
     formula: ClassVar[str] = "F = (a dR + b) L E*/dR d^n (1 + 3/4 (1 - e^2) d'/d'0), mm, MPa, N"
-    slots: ClassVar[tuple[str, ...]] = ("stiffness", "exponent_beyond_1", "damping_factor")
-
-    restitution: float = quantity("1", "restitution coefficient c_e", 0.9, above=0.0, high=1.0)
+    common: ClassVar[bool] = True
 
     def exponent(self, pair: Pair) -> float:
         """Exponent n for the clearance (Eq. 27c, d)."""
-        gap = 1e3 * pair.clearance
+        gap = 1e3 * pair.radius_difference
+        if pair.external:
+            return 1.094
+        if gap <= 1e-3:
+            raise ValueError(f'the law "pereira" has no exponent for a clearance of {pair.clearance:.4g} m; its fit begins at 5e-06 m')
         y = 1.51 * math.log(1000.0 * gap) ** -0.151 if gap < 0.34954 else 0.0151 * gap + 1.151
         return y * gap**-0.005
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Stiffness (N/m^n), n - 1 (1) and damping factor (1)."""
-        gap, length, modulus = 1e3 * pair.clearance, 1e3 * pair.axial_length, 1e-6 * pair.composite_modulus
+        gap, length, modulus = 1e3 * pair.radius_difference, 1e3 * pair.axial_length, 1e-6 * pair.composite_modulus
+        a, b = (0.39, 0.85) if pair.external else (0.965, 0.0965)
         n = self.exponent(pair)
-        stiffness = (0.965 * gap + 0.0965) * length * modulus / gap * 10.0 ** (3.0 * n)
-        return stiffness, n - 1.0, lankarani_nikravesh(self.restitution)
+        return (a + b / gap) * length * modulus * 10.0 ** (3.0 * n), n - 1.0, self.damping_factor
 
-    @staticmethod
-    def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Elastic force (N) and damping coefficient (N s/m)."""
-        stiffness, exponent_beyond_1, damping_factor = p
-        elastic = stiffness * penetration * power(penetration, exponent_beyond_1)
-        return elastic, elastic * damping_factor * slowness
-
-    def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
-        """K delta^(n + 1)/(n + 1) (J)."""
-        return p[0] * penetration ** (p[1] + 2.0) / (p[1] + 2.0)
+    def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
+        """Beside the restitution: clearances outside the fit."""
+        gap, found = 1e3 * pair.clearance, super().cautions(pair, penetration, impact_speed)
+        if pair.external or SMALLEST <= gap <= LARGEST:
+            return found
+        told = f"the clearance of {gap:.4g} mm is outside the {SMALLEST:g} to {LARGEST:g} mm of the fit, whose formula is taken as it stands"
+        return (*found, told)

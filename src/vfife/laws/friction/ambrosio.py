@@ -18,6 +18,7 @@ class Ambrosio(FrictionLaw):
         "In: Virtual Nonlinear Multibody Systems, NATO Science Series 103 (2003) 57-81"
     )
     formula: ClassVar[str] = "F = -f c_d N sign(v), c_d a ramp from 0 at v0 to 1 at v1"
+    common: ClassVar[bool] = True
     slots: ClassVar[tuple[str, ...]] = ("coefficient", "v0", "ramp")
 
     coefficient: float = quantity("1", "friction coefficient c_f", 0.1, low=0.0)

@@ -15,6 +15,7 @@ class Frictionless(FrictionLaw):
     name: ClassVar[str] = "none"
     source: ClassVar[str] = "definition"
     formula: ClassVar[str] = "F = 0"
+    common: ClassVar[bool] = True
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Nothing."""

@@ -1,0 +1,29 @@
+"""ESDU 78035, 1978: the tribology data item of the Engineering Sciences Data Unit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..law import Pair
+from .cylinder import OVERVIEW
+from .line import LineContact
+
+
+@dataclass(frozen=True)
+class Esdu78035(LineContact):
+    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(4 L dR/(F_e s)) + 1], s = (sigma_i + sigma_j)/pi, sigma = (1 - nu^2)/E."""
+
+    name: ClassVar[str] = "esdu-78035"
+    source: ClassVar[str] = (
+        "ESDU 78035: Contact phenomena I: stresses, deflections and contact dimensions for normally-loaded "
+        f"unlubricated elastic components. Engineering Sciences Data Unit (1978); as in {OVERVIEW}"
+    )
+    formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(4 L dR/(F_e s)) + 1), s = 1/(pi E*)"
+
+    def relation(self, pair: Pair) -> tuple[float, float]:
+        """alpha (m/N) and beta (N); see line.py."""
+        self.inside(pair)
+        s = 1.0 / (math.pi * pair.composite_modulus)
+        return s / pair.axial_length, 4.0 * math.e * pair.axial_length * pair.clearance / s

@@ -1,0 +1,20 @@
+"""Flores, Machado, Silva and Martins 2011: for the whole range of restitution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from .point import PointContact
+
+
+@dataclass(frozen=True)
+class Flores(PointContact):
+    """F_N = K delta^1.5 [1 + chi rate/impact_speed], chi = 8 (1 - c_e)/(5 c_e), K as Hertz'."""
+
+    name: ClassVar[str] = "flores"
+    source: ClassVar[str] = (
+        "Flores, Machado, Silva, Martins: On the continuous contact force models for soft materials in multibody dynamics. "
+        "Multibody System Dynamics 25 (2011) 357-375"
+    )
+    formula: ClassVar[str] = "F = K d^1.5 (1 + 8 (1 - e)/(5 e) d'/d'0)"

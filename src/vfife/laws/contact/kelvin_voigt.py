@@ -1,0 +1,25 @@
+"""Kelvin and Voigt: a linear spring and a linear damper side by side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..law import Pair, quantity
+from .linear import Linear
+
+
+@dataclass(frozen=True)
+class KelvinVoigt(Linear):
+    """F_N = k delta + c rate, cut where it would pull."""
+
+    name: ClassVar[str] = "kelvin-voigt"
+    source: ClassVar[str] = "definition"
+    formula: ClassVar[str] = "F = k d + c d'"
+
+    stiffness: float = quantity("N/m", "stiffness k", above=0.0)
+    damping_coefficient: float = quantity("N s/m", "damping coefficient c", low=0.0)
+
+    def parameters(self, pair: Pair) -> tuple[float, ...]:
+        """k (N/m) and c (N s/m)."""
+        return self.stiffness, self.damping_coefficient

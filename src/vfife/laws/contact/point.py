@@ -1,0 +1,54 @@
+"""Contact in a point: Hertz' elastic force of two spheres, which the field uses for journals as well, with any hysteresis damping."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ..law import Pair, quantity
+from .damping import Damped
+
+SLOWEST_WAVE = 1e-5  # of sqrt(E/rho): the fastest impact of Hertz' quasi-static theory (Love, Mathematical Theory of Elasticity, 1944)
+
+
+@dataclass(frozen=True)
+class PointContact(Damped):
+    """F_N = K delta^1.5 [1 + chi rate/impact_speed].
+
+    K = 4 E*/3 sqrt(R_B R_J/(R_B -+ R_J)) unless given, minus for a journal in a bearing, plus for two rounds side by side.
+    """
+
+    slots: ClassVar[tuple[str, ...]] = ("stiffness", "damping_factor")
+
+    stiffness: float | None = quantity("N/m^1.5", "generalised stiffness K; from radii and materials if left out", None, above=0.0)
+
+    def parameters(self, pair: Pair) -> tuple[float, ...]:
+        """Stiffness (N/m^1.5) and damping factor (1)."""
+        stiffness = self.stiffness
+        if stiffness is None:
+            stiffness = 4.0 / 3.0 * pair.composite_modulus * math.sqrt(pair.relative_radius)
+        return float(stiffness), self.damping_factor
+
+    @staticmethod
+    def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
+        """Elastic force (N) and damping coefficient (N s/m)."""
+        stiffness, damping_factor = p
+        elastic = stiffness * penetration * math.sqrt(penetration)
+        return elastic, elastic * damping_factor * slowness
+
+    def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
+        """2/5 K delta^2.5 (J)."""
+        return 0.4 * p[0] * penetration**2.5
+
+    def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
+        """Beside the restitution: impacts faster than Hertz' theory allows, 1e-5 sqrt(E/rho)."""
+        found = super().cautions(pair, penetration, impact_speed)
+        limit = SLOWEST_WAVE * pair.wave_speed
+        if impact_speed is None or impact_speed <= limit:
+            return found
+        return (
+            *found,
+            f"impacts of up to {impact_speed:.3g} m/s are faster than 1e-5 sqrt(E/rho) = {limit:.3g} m/s, up to which Hertz' theory may "
+            "leave waves and yielding out; the force is taken as it stands",
+        )

@@ -1,0 +1,20 @@
+"""Zhiying and Qishao 2006."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from .point import PointContact
+
+
+@dataclass(frozen=True)
+class ZhiyingQishao(PointContact):
+    """F_N = K delta^1.5 [1 + chi rate/impact_speed], chi = 3/4 (1 - c_e^2) exp[2 (1 - c_e)], K as Hertz'."""
+
+    name: ClassVar[str] = "zhiying-qishao"
+    source: ClassVar[str] = (
+        "Zhiying, Qishao: Analysis of non-linear damping models for collisions of multibody systems. "
+        "Chinese Journal of Computational Mechanics 23 (2006)"
+    )
+    formula: ClassVar[str] = "F = K d^1.5 (1 + 3/4 (1 - e^2) exp(2 (1 - e)) d'/d'0)"

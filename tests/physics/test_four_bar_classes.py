@@ -1,0 +1,78 @@
+"""Grashof's classes, checked by turning the links, and the sentences of the check."""
+
+import math
+
+import pytest
+
+from vfife.commands.check import freedom
+from vfife.fourbar import classified, grashof
+from vfife.mechanism import Mechanism
+from vfife.start import ideal_motion
+
+
+@pytest.mark.parametrize(
+    ("lengths", "said"),
+    [
+        ((0.15, 0.40, 0.26, 0.46), "double crank"),
+        ((0.40, 0.10, 0.35, 0.30), "crank-rocker"),
+        ((0.40, 0.30, 0.35, 0.10), "crank-rocker"),
+        ((0.40, 0.30, 0.10, 0.35), "double rocker"),
+        ((0.60, 0.30, 0.20, 0.35), "triple rocker"),
+        ((0.30, 0.20, 0.30, 0.20), "parallelogram"),
+        ((0.30, 0.30, 0.20, 0.20), "deltoid"),
+        ((0.40, 0.10, 0.35, 0.15), "change-point"),
+    ],
+)
+def test_classes(lengths, said):
+    assert said in classified(*lengths)
+    assert classified(*(1e3 * length for length in lengths)) == classified(*lengths)
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_a_class_says_which_grounded_links_turn_fully(seed):
+    """A grounded link turns fully if the gap between its tip and the other foot stays within what the other two can reach."""
+    import random
+
+    draw = random.Random(seed)
+    ground, first, coupler, second = (draw.uniform(0.1, 1.0) for _ in range(4))
+    if 2.0 * max(ground, first, coupler, second) > ground + first + coupler + second:
+        return  # it cannot be assembled
+    turns = [abs(coupler - other) < abs(ground - link) and ground + link < coupler + other for link, other in ((first, second), (second, first))]
+    said = classified(ground, first, coupler, second)
+    assert sum(turns) == {"double crank": 2, "crank-rocker": 1}.get(said.split(" (")[0].split(",")[0], 0)
+
+
+def four_bar(ground, first, coupler, second):
+    m = Mechanism("four-bar")
+    m.point("A", 0.0, 0.0)
+    m.point("D", ground, 0.0)
+    m.link("crank", length=first, mass=1.0)
+    m.link("coupler", length=coupler, mass=1.0)
+    m.link("follower", length=second, mass=1.0)
+    m.revolute("A", "ground.A", "crank.start")
+    m.revolute("B", "coupler.start", "crank.end")
+    m.clearance("C", "coupler.end", "follower.end", clearance=1e-4, bearing_radius=0.01)
+    m.revolute("D", "follower.start", "ground.D")
+    return m
+
+
+def test_a_four_bar_is_found_with_its_lengths():
+    assert grashof(four_bar(0.15, 0.4, 0.26, 0.46)) == (
+        "double crank (drag link), a Grashof four-bar: ground 150 mm, crank 400 mm, coupler 260 mm, follower 460 mm"
+    )
+    m = four_bar(0.15, 0.4, 0.26, 0.46)
+    del m.joints["C"]
+    assert grashof(m) is None
+
+
+def test_the_check_tells_a_change_point():
+    flat = ideal_motion(four_bar(0.3, 0.2, 0.3, 0.2)).mobility
+    said = " ".join(freedom({**vars(flat), "four_bar": "parallelogram"}))
+    assert "singular position" in said
+    assert flat.singular
+    m = four_bar(0.3, 0.2, 0.3, 0.2)
+    for name in ("crank", "follower"):
+        object.__setattr__(m.bodies[name], "angle", math.radians(40.0))
+    away = ideal_motion(m).mobility
+    assert away.singular == ()
+    assert "singular" not in " ".join(freedom({**vars(away), "four_bar": None}))
