@@ -10,17 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
+from .drives import standing
 from .fill import Filler, touch_rows
 from .functions import Polynomials
 from .joints import ClearanceRevolute
 from .kernels.arrays import Layout, Topology
 from .laws import ContactLaw, FrictionLaw, Law
 from .laws.trial import try_out
+from .loading import check
 from .mechanism import Mechanism
 from .numbering import Numbering
 from .parts import Parts, in_bearing, parts_of, turning
 from .prestress import prestress, wanted
-from .stability import choose_step
+from .stability import choose_step, static_choice
 from .start import cautions, ideal_motion, seated, surfaces
 
 
@@ -53,13 +55,16 @@ def assemble(
     ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
     large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
+    static = mechanism.settings.analysis == "static"
+    if static:
+        check(mechanism)
     numbering = Numbering(mechanism)
     lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
     laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
     pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
     try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
     seats = seated(mechanism)
-    motion = ideal_motion(mechanism, seats=seats)
+    motion = ideal_motion(standing(mechanism) if static else mechanism, seats=seats)
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
@@ -71,7 +76,10 @@ def assemble(
     filler.drivers_and_loads(parts.loads)
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
-    choice = choose_step(mechanism, filler.layout, filler.state, topology, parts.touches, step, expected, owners, **run)
+    if static:
+        choice = static_choice(mechanism)
+    else:
+        choice = choose_step(mechanism, filler.layout, filler.state, topology, parts.touches, step, expected, owners, **run)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     pivots = tuple(joint.name for joint in numbering.pivots.values())

@@ -194,7 +194,7 @@ class _Lane:
         layout = self.assembly.layout
         extreme = set(layout.of("extreme"))
         self.extreme = np.array([int(row) in extreme for row in self.kept])
-        rows = {row for name in REPEATED for row in range(*layout[name].indices(layout.rows))}
+        rows = {row for name in REPEATED for row in layout[name].tolist()}
         self.repeated = self.extreme | np.array([int(row) in rows for row in self.kept])
         self.rows = np.zeros((0, len(self.kept)))
 
