@@ -23,7 +23,7 @@ from .numbering import Numbering
 from .parts import Parts, in_bearing, parts_of, turning
 from .prestress import prestress, wanted
 from .stability import choose_step, static_choice
-from .start import cautions, ideal_motion, seated, surfaces
+from .start import Given, cautions, ideal_motion, seated, surfaces
 
 
 def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
@@ -46,13 +46,14 @@ def assemble(
     *,
     expected: Mapping[str, float] | None = None,
     beside: Mechanism | None = None,
+    given: Given | None = None,
     **run: Any,
 ) -> Assembly:
     """Numbers the mechanism and fills its arrays.
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
-    step. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation. ``run``: ``turns``, ``duration``,
-    ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
+    step. ``given``: a start from known positions. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation.
+    ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
     large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     static = mechanism.settings.analysis == "static"
@@ -64,11 +65,11 @@ def assemble(
     pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
     try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
     seats = seated(mechanism)
-    motion = ideal_motion(standing(mechanism) if static else mechanism, seats=seats)
+    motion = ideal_motion(standing(mechanism) if static else mechanism, seats=seats, given=given)
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
-    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism, seats) if wanted(mechanism) else None)
+    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism, seats) if wanted(mechanism) and given is None else None)
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)

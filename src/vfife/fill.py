@@ -196,7 +196,7 @@ class Filler:
                 held = self.numbering.held(name) - where.particles[0]
                 mesh = self.numbering.meshes[name]
                 mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
-            self.put("driven_angle", self.mechanism.bodies[name].angle, index)
+            self.put("driven_angle", self.motion.datum.angle.get(name, self.mechanism.bodies[name].angle), index)
             self.put("driven_speed", driver.speed if isinstance(driver, ConstantSpeed) else 0.0, index)
             self.put("driven_inertia", inertia, index)
             self.put("driven_moment_x", mass * rx, index)

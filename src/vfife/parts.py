@@ -198,7 +198,7 @@ def parts_of(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> Part
         ideal_joints(mechanism, numbering),
         contacts(mechanism, numbering, motion),
         [(spring, kind_of_spring(spring), *spring_places(numbering, spring)) for spring in mechanism.springs.values()],
-        tuple(driven_function(mechanism, numbering, name) for name in numbering.driven),
+        tuple(driven_function(mechanism, numbering, motion, name) for name in numbering.driven),
         loads(mechanism, numbering, motion),
     )
 
@@ -216,12 +216,12 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     return tuple(sorted(armed - {0}))
 
 
-def driven_function(mechanism: Mechanism, numbering: Numbering, name: str) -> int:
+def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, name: str) -> int:
     """Function of a driven body's angle; -1 at constant speed."""
     driver = kinematic_drivers(mechanism)[name]
     if isinstance(driver, ConstantSpeed):
         return -1
-    return numbering.function(motion_function(driver, mechanism.bodies[name].angle))
+    return numbering.function(motion_function(driver, motion.datum.angle.get(name, mechanism.bodies[name].angle)))
 
 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:
