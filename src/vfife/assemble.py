@@ -42,7 +42,7 @@ from .mechanism import Mechanism
 from .numbering import Numbering, Place
 from .prestress import prestress, wanted
 from .springs import Bushing, Spring, Stop
-from .stability import choose_step, static_choice
+from .stability import choose_step
 from .start import Motion, cautions, ideal_motion, seated
 
 FACING = (1.0, 0.0)
@@ -118,12 +118,10 @@ def assemble(
     ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
     large) with a sentence that names what is wrong.
     """
-    static = mechanism.settings.analysis == "static"
-    if static:
-        check(mechanism)
+    check(mechanism)
     numbering = Numbering(mechanism)
     seats = seated(mechanism)
-    motion = ideal_motion(standing(mechanism) if static else mechanism, seats=seats)
+    motion = ideal_motion(standing(mechanism), seats=seats)
     ideals = ideal_joints(mechanism, numbering)
     touches = contacts(mechanism, numbering, motion)
     springs = [(spring, kind_of_spring(spring), *spring_places(numbering, spring)) for spring in mechanism.springs.values()]
@@ -159,7 +157,7 @@ def assemble(
         function_start=starts,
         function_argument=tuple(numbering.arguments),
         path_unit=mechanism.settings.path_unit,
-        damped=mechanism.settings.damping > 0.0 or static,
+        damped=mechanism.settings.damping > 0.0 or mechanism.settings.analysis == "static",
         weightless=not any(mechanism.gravity),
         contact_laws=laws[0],
         friction_laws=laws[1],
@@ -173,10 +171,7 @@ def assemble(
     filler.seat(touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     names = tuple(t.name for t in touches)
-    if static:
-        choice = static_choice(mechanism)
-    else:
-        choice = choose_step(mechanism, filler.layout, filler.state, topology, touches, step, expected, owners, **run)
+    choice = choose_step(mechanism, filler.layout, filler.state, topology, touches, step, expected, owners, **run)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
