@@ -11,6 +11,7 @@ from .bodies import Link, PointMass, RigidBody, Section
 from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
 from .laws import (
+    MATERIALS,
     Ambrosio,
     BrownMcPhee,
     ContactLaw,
@@ -18,6 +19,7 @@ from .laws import (
     Dahl,
     FrictionLaw,
     Frictionless,
+    Hydrodynamic,
     Karnopp,
     LankaraniNikravesh,
     LuGre,
@@ -31,13 +33,15 @@ from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
+    from .comparison import compare
+    from .laws.own import load_laws
     from .modelfile import load
     from .result import Result
     from .simulation import simulate
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile"}
+_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile", "load_laws": "laws.own", "compare": "comparison"}
 
 
 def __getattr__(name: str) -> Any:
@@ -52,6 +56,7 @@ def __getattr__(name: str) -> Any:
 
 
 __all__ = [
+    "MATERIALS",
     "Ambrosio",
     "AngleTable",
     "BrownMcPhee",
@@ -62,6 +67,7 @@ __all__ = [
     "Dahl",
     "FrictionLaw",
     "Frictionless",
+    "Hydrodynamic",
     "IdealRevolute",
     "Karnopp",
     "LankaraniNikravesh",
@@ -81,7 +87,9 @@ __all__ = [
     "Start",
     "Stribeck",
     "Torque",
+    "compare",
     "load",
+    "load_laws",
     "quantity",
     "simulate",
 ]

@@ -97,7 +97,9 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     before is kept.
     """
     from .kernels.runner import Runner
+    from .laws.recorded import refuse_recorded
 
+    refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     kept = recorded_rows(assembly)
     chosen = choose_loop(assembly, loop)
     runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)

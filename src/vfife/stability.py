@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .analysis.energy import elastic_energy
 from .assembly import StepChoice
 from .functions import turning_speed
 from .kernels.arrays import Layout, Topology
 from .mechanism import Mechanism
 
 if TYPE_CHECKING:
-    from .assemble import Touch
+    from .parts import Touch
 
 Array = NDArray[np.float64]
 
@@ -125,7 +126,7 @@ def _impact_force(joint: object, slots: tuple[float, ...], state: Array, layout:
     energy = 0.5 * speed**2 / max(mobility, 1e-12)
     depth = 1e-9
     law = joint.contact  # type: ignore[attr-defined]
-    while law.elastic_energy(depth, slots) < energy and depth < 1.0:
+    while float(elastic_energy(law, np.array([depth]), slots)[0]) < energy and depth < 1.0:
         depth *= 1.1
     return float(law.force(depth, 0.0, slots)[0])
 

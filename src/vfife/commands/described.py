@@ -76,13 +76,15 @@ def clearance(assembly: Assembly, joint: Joint) -> dict[str, Any]:
     noun = assembly.mechanism.clearances[joint.name]
     pair = surfaces(assembly.mechanism, noun)
     sizes = {key: getattr(noun, key) for key in ("clearance", "bearing_radius", "axial_length", "friction_moment", "landing")}
-    return sizes | {kind: law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
+    found = sizes | {kind: law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
+    found["contact"] |= {"modulus": pair.composite_modulus, "exponent": noun.contact.exponent_at(0.05 * pair.clearance, pair)}
+    return found | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
 
 
 def law(noun: Any, pair: Any) -> dict[str, Any]:
     """A law with its parameters and what is derived from them and the two surfaces."""
     given = {field.name: getattr(noun, field.name) for field in dataclasses.fields(noun)}
-    return {"law": noun.name, "parameters": given, "derived": noun.derived(pair)}
+    return {"law": noun.name, "parameters": given, "derived": noun.derived(pair), "units": noun.units(pair)}
 
 
 def step(assembly: Assembly) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .options import JsonOption, ModelArgument, SetOption, read_model, with_options
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .terminal import DIVERGED, INTERRUPTED, json_text, output, print_json, sentences, tell
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ def run(
     model: ModelArgument,
     folder: Folder = None,
     set_: SetOption = None,
+    laws: LawsOption = None,
     step: Step = None,
     turns: Turns = None,
     duration: Duration = None,
@@ -66,7 +67,7 @@ def run(
         from .folder import refuse_foreign
 
         refuse_foreign(folder)
-        mechanism = with_options(read_model(model, set_), step, turns, duration, outputs)
+        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs)
     result, place = simulated(mechanism, model, folder, loop.value, reference, force_step, quiet)
     notes = [*place.notes, *result.summary["run"]["notes"], *result.summary["warnings"]]
     (place.path / "summary.json").write_text(json_text(result.summary) + "\n", encoding="utf-8")

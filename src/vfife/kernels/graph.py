@@ -130,6 +130,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
         "clearance": records(
             "clearance", bodies(t.clearance_bearing), bodies(t.clearance_journal), graph.shared, graph.constrained,
             t.clearance_contact, t.clearance_friction, [int(t.friction_laws[kind].set_valued) for kind in t.clearance_friction],  # type: ignore[attr-defined]
+            [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.clearance_contact],
             t.clearance_kind or [0] * len(t.clearance_bearing),
         ),
         "ideal": records(
