@@ -22,7 +22,7 @@ from .mechanism import Mechanism
 from .numbering import Numbering
 from .parts import Parts, in_bearing, parts_of, turning
 from .prestress import prestress, wanted
-from .stability import choose_step, static_choice
+from .stability import choose_step
 from .start import Given, cautions, ideal_motion, seated, surfaces
 
 
@@ -53,19 +53,17 @@ def assemble(
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
     step. ``given``: a start from known positions. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation.
-    ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
-    large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
+    ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach,
+    StepError where the step is too large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
-    static = mechanism.settings.analysis == "static"
-    if static:
-        check(mechanism)
+    check(mechanism)
     numbering = Numbering(mechanism)
     lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
     laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
     pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
     try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
     seats = seated(mechanism)
-    motion = ideal_motion(standing(mechanism) if static else mechanism, seats=seats, given=given)
+    motion = ideal_motion(standing(mechanism), seats=seats, given=given)
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
@@ -77,10 +75,7 @@ def assemble(
     filler.drivers_and_loads(parts.loads)
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
-    if static:
-        choice = static_choice(mechanism)
-    else:
-        choice = choose_step(mechanism, filler.layout, filler.state, topology, parts.touches, step, expected, owners, **run)
+    choice = choose_step(mechanism, filler.layout, filler.state, topology, parts.touches, step, expected, owners, **run)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     pivots = tuple(joint.name for joint in numbering.pivots.values())

@@ -157,6 +157,8 @@ def choose_step(
     "auto" takes 0.9 of the stable step, at most 1/80 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
     StepError for a larger one than stable unless ``force_step``.
     """
+    if mechanism.settings.analysis == "static":
+        return static_choice(mechanism)
     limits = _limits(touches, layout, state, topology, expected or {}, owners)
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     turn = turn_of(mechanism)
