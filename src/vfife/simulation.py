@@ -34,6 +34,7 @@ class Progress:
     done: int
     steps: int
     seconds: float
+    text: str = ""
 
     @property
     def share(self) -> float:
