@@ -15,6 +15,7 @@ from .commands.new import new
 from .commands.run import run
 from .commands.schema import schema
 from .commands.terminal import INTERRUPTED, tell
+from .commands.verify import verify
 
 
 class Group(TyperGroup):
@@ -54,5 +55,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, check, info, plot, export, laws, schema):
+for command in (new, run, check, info, plot, export, laws, schema, verify):
     app.command()(command)

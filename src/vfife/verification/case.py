@@ -96,7 +96,7 @@ class Register:
         return enter
 
 
-case = Register()
+verified = Register()
 
 
 def entry(one: Case, row: Row) -> dict[str, Any]:

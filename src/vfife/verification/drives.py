@@ -9,7 +9,7 @@ import numpy as np
 from ..drivers import Harmonic, Ramp, StepTo, Torque
 from ..loads import PointForce
 from ..mechanism import Mechanism
-from .case import Nudge, Row, Rows, case
+from .case import Nudge, Row, Rows, verified
 from .seen import run
 
 CLOSED = "closed form"
@@ -22,7 +22,7 @@ def wheel(m: Mechanism, name: str, inertia: float, x: float = 0.0, speed: float 
     m.revolute(f"pivot {name}", f"ground.{name}", f"{name}.center")
 
 
-@case("Gear pair with a torque", "closed form: α = T/(I₁ + r² I₂), moment of the gear r I₂ α", nudges={"inertia": 1.01, "ratio": 1.01})
+@verified("Gear pair with a torque", "closed form: α = T/(I₁ + r² I₂), moment of the gear r I₂ α", nudges={"inertia": 1.01, "ratio": 1.01})
 def gear_pair(nudge: Nudge) -> Rows:
     """2 N m on a wheel that turns another backwards at 0.4 of its speed."""
     i1, i2, r, torque = 0.02, 0.3, -0.4, 2.0
@@ -38,9 +38,9 @@ def gear_pair(nudge: Nudge) -> Rows:
     yield Row("moment of the gear on the second", "N m", r * i2 * alpha, float(seen.ideal("gear", "moment")[-1]), 1e-4)
 
 
-@case("Planetary train", "closed form from the energy of the train (Willis)", nudges={"inertia": 1.1})
+@verified("Planetary train", "closed form from the energy of the train (Willis)", nudges={"inertia": 1.1})
 def planetary_train(nudge: Nudge) -> Rows:
-    """A planet on an arm rolls on a fixed sun of the same size: it turns twice as fast as the arm, and an arm's torque meets I_arm + m l² + 4 I_planet."""
+    """A planet on an arm rolls on a fixed sun of its size and turns twice as fast as the arm, whose torque meets I_arm + m l² + 4 I_planet."""
     arm, l, mass, planet, torque = 0.05, 0.2, 1.0, 0.004, 0.7
     m = Mechanism("planetary train")
     m.point("O", 0.0, 0.0)
@@ -60,7 +60,7 @@ def planetary_train(nudge: Nudge) -> Rows:
     yield Row("force towards the middle in the planet's pin at 1 s", "N", pull, float(inward[-1]), 1e-3)
 
 
-@case("Motor with a falling torque", "closed form: ω = ω₀ [1 - exp(-T₀ t/(I ω₀))]", nudges={"inertia": 1.01})
+@verified("Motor with a falling torque", "closed form: ω = ω₀ [1 - exp(-T₀ t/(I ω₀))]", nudges={"inertia": 1.01})
 def motor_curve(nudge: Nudge) -> Rows:
     """5 N m at rest that falls to nothing at 100 rad/s."""
     m = Mechanism("motor")
@@ -71,7 +71,7 @@ def motor_curve(nudge: Nudge) -> Rows:
         yield Row(f"speed at {time:g} s", "rad/s", 100.0 * (1.0 - math.exp(-time)), seen.at(time, seen.speed("rotor", "w")), 1e-3)
 
 
-@case("Torque over the angle", "closed form: θ = ω₀ sin(pt)/p, p² = k/I", nudges={"inertia": 1.02})
+@verified("Torque over the angle", "closed form: θ = ω₀ sin(pt)/p, p² = k/I", nudges={"inertia": 1.02})
 def torque_over_angle(nudge: Nudge) -> Rows:
     """A torque that falls with the angle as a spring's does: counted from a start angle of 0.7 rad."""
     m = Mechanism("torque over angle")
@@ -85,7 +85,7 @@ def torque_over_angle(nudge: Nudge) -> Rows:
         yield Row(f"angle at {time:g} s", "rad", 6.0 / p * math.sin(p * time), seen.at(time, seen.body("rotor") - 0.7), 1e-3, 6.0 / p)
 
 
-@case("Following force", "closed form", nudges={"force": 1.01})
+@verified("Following force", "closed form", nudges={"force": 1.01})
 def following_force(nudge: Nudge) -> Rows:
     """A force at the centre of a spinning body, which goes round with it; one across the end of a rod on a pivot, which spins it up."""
     m = Mechanism("following forces")
@@ -102,7 +102,7 @@ def following_force(nudge: Nudge) -> Rows:
     yield Row("turn of the rod at 1 s", "rad", 0.5 * 4.0 * 0.5 / (1.2 * 0.25 / 3.0), float(seen.body("rod")[-1] - 0.4), 1e-3)
 
 
-@case("Driven point", "closed form: reaction m a, work ½ m v²", nudges={"mass": 1.01, "gravity": 1.01, "amplitude": 1.001})
+@verified("Driven point", "closed form: reaction m a, work ½ m v²", nudges={"mass": 1.01, "gravity": 1.01, "amplitude": 1.001})
 def driven_point(nudge: Nudge) -> Rows:
     """A mass moved to and fro along a slanted line, free across it, with gravity: force of the driver."""
     amplitude, f, mass, g = 0.02, 5.0, 3.0, 9.81
@@ -122,7 +122,7 @@ def driven_point(nudge: Nudge) -> Rows:
     yield Row("place along the line at 0.33 s", "m", amplitude * math.sin(w * 0.33), seen.at(0.33, along), 1e-4)
 
 
-@case("Prescribed turns", "closed form: fifth-order steps", nudges={"travel": 1.001})
+@verified("Prescribed turns", "closed form: fifth-order steps", nudges={"travel": 1.001})
 def prescribed_turns(nudge: Nudge) -> Rows:
     """A ramp to a speed, and a step by an angle: angle, speed and torque."""
     m = Mechanism("prescribed turns")

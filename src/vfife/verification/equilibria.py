@@ -12,7 +12,7 @@ from ..drivers import AngleTable
 from ..laws import Material
 from ..loads import PointForce
 from ..mechanism import Mechanism
-from .case import Nudge, Row, Rows, case
+from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run
 
@@ -42,7 +42,7 @@ def cantilever(stiffness: float = 1.0, elements: int = 20, **load: object) -> Me
     return m
 
 
-@case("Cantilever under a dead tip load", ELASTICA, nudges={"stiffness": 1.02}, quick=False)
+@verified("Cantilever under a dead tip load", ELASTICA, nudges={"stiffness": 1.02}, quick=False)
 def elastica(nudge: Nudge) -> Rows:
     """1 - x/L and y/L of the tip at P L^2/(E I) = 0.5, 1, 2, 5, 10."""
     table = {
@@ -55,7 +55,7 @@ def elastica(nudge: Nudge) -> Rows:
         yield Row(f"y/L at P L²/EI = {load:g}", "1", y, float(tip[k, 1]), 1e-3)
 
 
-@case(
+@verified(
     "Cantilever bent to a circle by an end moment", "closed form: x/L = sin(2πq)/(2πq), y/L = (1 - cos 2πq)/(2πq)", nudges={"stiffness": 1.02},
     quick=False,
 )  # fmt: skip
@@ -101,7 +101,7 @@ def limits(elements: int, stiffness: float) -> tuple[float, float]:
     return found[0], found[1]
 
 
-@case("Williams' toggle frame", WILLIAMS, nudges={"stiffness": 1.005}, quick=False)
+@verified("Williams' toggle frame", WILLIAMS, nudges={"stiffness": 1.005}, quick=False)
 def williams_toggle(nudge: Nudge) -> Rows:
     """Both limit loads, with 20 and with 4 elements a side."""
     for elements, upper, lower in ((4, 35.66, 32.91), (20, 33.94, 31.35)):
@@ -144,7 +144,12 @@ def right_angle(load: float, stiffness: float = 1.0, elements: int = 20) -> Mech
     return m
 
 
-@case("Two-bar frame under a follower load", "inextensible elastica integrated from the tip inwards (order 8)", nudges={"stiffness": 1.01}, quick=False)
+@verified(
+    "Two-bar frame under a follower load",
+    "inextensible elastica integrated from the tip inwards (order 8)",
+    nudges={"stiffness": 1.01},
+    quick=False,
+)
 def follower_frame(nudge: Nudge) -> Rows:
     """P L²/EI = 0.5: place and rotation of the tip."""
     load = 0.5
@@ -156,7 +161,12 @@ def follower_frame(nudge: Nudge) -> Rows:
     yield Row("rotation of the tip", "rad", turned, float(turn[-1] - turn[0]), 1e-3)
 
 
-@case("Rigid arm welded to the end of a cantilever", "closed form: P L³/3EI + P a L²/2EI, P L²/2EI + P a L/EI", nudges={"stiffness": 1.005, "load": 1.005}, quick=False)
+@verified(
+    "Rigid arm welded to the end of a cantilever",
+    "closed form: P L³/3EI + P a L²/2EI, P L²/2EI + P a L/EI",
+    nudges={"stiffness": 1.005, "load": 1.005},
+    quick=False,
+)
 def welded_arm(nudge: Nudge) -> Rows:
     """A small force at the end of a rigid arm of 0.5 m beyond the tip: deflection, rotation, moment and force of the clamp and of the weld."""
     p, arm = 1e-3, 0.5
@@ -169,3 +179,19 @@ def welded_arm(nudge: Nudge) -> Rows:
     yield Row("rotation of the arm", "rad", 0.5 * p + p * arm, float(seen.body("arm")[-1]), 1e-3)
     yield Row("moment of the weld on the arm", "N m", -p * arm, float(seen.ideal("tip", "moment")[-1]), 1e-3)
     yield Row("moment of the clamp on the beam", "N m", -p * (1.0 + arm), float(seen.ideal("O", "moment")[-1]), 1e-3)
+
+
+@verified("Guide on the end of a cantilever", "closed form: P L³/3EI + P a L²/2EI", nudges={"stiffness": 1.005, "load": 1.005}, quick=False)
+def elastic_guide(nudge: Nudge) -> Rows:
+    """A block in a guide that an elastic beam carries, held along it by a spring: what a force across it does to the beam, moment of the guide."""
+    p, away = 1e-3, 0.2
+    m = cantilever(nudge("stiffness"))
+    m.rigid_body("block", mass=1.0, inertia=0.1, position=(1.0 + away, 0.0))
+    m.slider("guide", "beam.end", "block.center")
+    m.point("far", 2.0, 0.0)
+    m.spring("hold", "ground.far", "block.center", stiffness=1.0)
+    m.loads["load"] = PointForce(name="load", at="block.center", force=(0.0, p * nudge("load")))
+    seen = run(static(m, 1.0))
+    yield Row("deflection of the tip", "m", p / 3.0 + 0.5 * p * away, float(seen.pin("beam", "end")[-1, 1]), 1e-3)
+    yield Row("rotation of the block", "rad", 0.5 * p + p * away, float(seen.body("block")[-1]), 1e-3)
+    yield Row("force of the guide on the block", "N", -p, float(seen.ideal("guide", "fy")[-1]), 1e-3)

@@ -1,4 +1,4 @@
-"""Independent integration of pinned rigid bodies: Lagrange's equations of the first kind in absolute coordinates, by an explicit Runge-Kutta of order 8.
+"""Independent integration of pinned rigid bodies: Lagrange's equations of the first kind, by an explicit Runge-Kutta of order 8.
 
 Shares no code with the kernels: constraints by their Jacobian, [M G^T; G 0][a; l] = [F; -dG/dt v], to a relative tolerance of 1e-12.
 """
@@ -25,7 +25,9 @@ class Pin:
     q: tuple[float, float]
 
 
-def integrate(mass: Sequence[float], inertia: Sequence[float], pins: Sequence[Pin], forces: Forces, start: Array, speed: Array, times: Array) -> Array:
+def integrate(
+    mass: Sequence[float], inertia: Sequence[float], pins: Sequence[Pin], forces: Forces, start: Array, speed: Array, times: Array
+) -> Array:
     """Positions and velocities at the times, shape (times, 2, bodies, 3), from a closed start."""
     from scipy.integrate import solve_ivp
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ..mechanism import Mechanism
-from .case import Nudge, Row, Rows, case
+from .case import Nudge, Row, Rows, verified
 from .seen import run
 
 CLOSED = "closed form"
@@ -21,7 +21,7 @@ def damped(time: float, stiffness: float, damping: float, inertia: float, x: flo
     return math.exp(-z * time) * (x * math.cos(w * time) + (v + z * x) / w * math.sin(w * time))
 
 
-@case("Mass on a spring and damper", CLOSED, nudges={"stiffness": 1.01, "damping": 1.3})
+@verified("Mass on a spring and damper", CLOSED, nudges={"stiffness": 1.01, "damping": 1.3})
 def spring_mass_damper(nudge: Nudge) -> Rows:
     """2 kg, 800 N/m, 4 N s/m, 0.1 m from rest: place at four times, energy lost in the damper."""
     m = Mechanism("spring, mass and damper")
@@ -36,7 +36,7 @@ def spring_mass_damper(nudge: Nudge) -> Rows:
     yield Row("energy lost by 1 s", "J", 4.0 - 400.0 * x * x - v * v, float(seen.ledger.terms["spring_loss"][-1]), 1e-3)
 
 
-@case("Stiff damper", "closed form: rest after m v/c", nudges={"damping": 30.0})
+@verified("Stiff damper", "closed form: rest after m v/c", nudges={"damping": 30.0})
 def stiff_damper(nudge: Nudge) -> Rows:
     """A mass is brought to rest within m v/c, also where the step is forty time constants of the damper long."""
     m = Mechanism("stiff damper")
@@ -48,7 +48,7 @@ def stiff_damper(nudge: Nudge) -> Rows:
     yield Row("speed left after 0.1 s with a step of 1 ms", "m/s", 0.0, float(coarse.speed("mass", "u")[-1]), 1e-3, 1.0)
 
 
-@case("Torsional spring and damper", CLOSED, nudges={"stiffness": 1.01, "damping": 1.3})
+@verified("Torsional spring and damper", CLOSED, nudges={"stiffness": 1.01, "damping": 1.3})
 def torsional_oscillator(nudge: Nudge) -> Rows:
     """A uniform rod on its pivot: 3 N m/rad, 0.02 N m s/rad, from rest at 0.5 rad beyond the free angle."""
     m = Mechanism("torsional oscillator")
@@ -61,7 +61,7 @@ def torsional_oscillator(nudge: Nudge) -> Rows:
         yield Row(f"angle at {time:g} s", "rad", damped(time, 3.0, 0.02, 0.12, 0.5, 0.0), seen.at(time, seen.body("rod") - 0.3), 1e-3, 0.5)
 
 
-@case("Body on a bushing", CLOSED, nudges={"x": 1.01, "y": 1.01, "turn": 1.01})
+@verified("Body on a bushing", CLOSED, nudges={"x": 1.01, "y": 1.01, "turn": 1.01})
 def bushing_oscillator(nudge: Nudge) -> Rows:
     """Three uncoupled vibrations of a body held at its centre of mass, each with a stiffness and a damping of its own."""
     m = Mechanism("bushing")
@@ -78,7 +78,9 @@ def bushing_oscillator(nudge: Nudge) -> Rows:
             yield Row(f"{axis} at {time:g} s", unit, reference, seen.at(time, seen.body("body", axis)), 1e-3, abs(v) / math.sqrt(stiff / inertia))
 
 
-@case("Rebound from a rotational stop", "closed form of a spring and damper that never pull", nudges={"stiffness": 1.02, "damping": 1.05, "loss": 0.1})
+@verified(
+    "Rebound from a rotational stop", "closed form of a spring and damper that never pull", nudges={"stiffness": 1.02, "damping": 1.05, "loss": 0.1}
+)
 def stop_rebound(nudge: Nudge) -> Rows:
     """A disc meets its stop at 10 rad/s: rebound, deepest turn into it, and time of contact without damping."""
     inertia, k, w = 0.01, 400.0, 10.0
@@ -105,7 +107,7 @@ def stop_rebound(nudge: Nudge) -> Rows:
     yield Row("rebound with damping", "rad/s", left, float(lossy.speed("disc", "w")[-1]), 1e-3)
 
 
-@case("Mass-proportional damping", "closed form: v = v0 exp(-ζt), and a damped spring", nudges={"damping": 1.02, "step": 30.0})
+@verified("Mass-proportional damping", "closed form: v = v0 exp(-ζt), and a damped spring", nudges={"damping": 1.02, "step": 30.0})
 def mass_proportional_damping(nudge: Nudge) -> Rows:
     """A free particle slows down, a body turns ever slower, a mass on a spring rings out."""
     zeta = 3.0

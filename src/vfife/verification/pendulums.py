@@ -8,7 +8,7 @@ import numpy as np
 
 from ..drivers import Harmonic
 from ..mechanism import Mechanism
-from .case import Nudge, Row, Rows, case
+from .case import Nudge, Row, Rows, verified
 from .lagrange import Pin, integrate, solved
 from .seen import run
 
@@ -26,7 +26,7 @@ def pendulum(length: float = 1.0) -> Mechanism:
     return m
 
 
-@case("Simple pendulum from the horizontal", A01, nudges={"length": 1.001})
+@verified("Simple pendulum from the horizontal", A01, nudges={"length": 1.001})
 def simple_pendulum(nudge: Nudge) -> Rows:
     """1 kg at 1 m from (-1, 0): places at 1 and 5 s, and the period."""
     seen = run(pendulum(nudge("length")), step=1e-4, duration=5.0, outputs=2500)
@@ -66,7 +66,7 @@ def weight(*masses: float):  # type: ignore[no-untyped-def]
     return lambda time, q, v: np.array([[0.0, -m * G, 0.0] for m in masses])
 
 
-@case("Double pendulum", "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)", nudges={"mass": 1.01})
+@verified("Double pendulum", "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)", nudges={"mass": 1.01})
 def double_pendulum(nudge: Nudge) -> Rows:
     """Two uniform rods from rest at 0.3 and 0.9 rad: angles after 1.5 s, energy."""
     angles, inertia = [0.3, 0.9], 0.25 / 12.0
@@ -79,7 +79,7 @@ def double_pendulum(nudge: Nudge) -> Rows:
             yield Row(f"angle of rod {body + 1} at {time:g} s", "rad", theirs[k, 0, body, 2], value, 1e-4)
 
 
-@case("Closed chain", "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)", nudges={"mass": 1.01})
+@verified("Closed chain", "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)", nudges={"mass": 1.05})
 def closed_chain(nudge: Nudge) -> Rows:
     """A four-bar of three rods that falls freely: angles after 0.8 s, largest force of its last joint."""
     angles = [1.9, 0.4, -1.2]
@@ -113,7 +113,7 @@ def double_four_bar(mass: float = 1.0) -> Mechanism:
     return m
 
 
-@case("Double four-bar through its singular positions", A02, nudges={"mass": 1.01}, quick=False)
+@verified("Double four-bar through its singular positions", A02, nudges={"mass": 1.01}, quick=False)
 def double_four_bar_turns(nudge: Nudge) -> Rows:
     """3 m l^2/3 + 2 m l^2 = 3 kg m^2 turned by its weight for 10 s: place of the first top joint, drift of energy."""
     ours = run(double_four_bar(nudge("mass")), step=1e-4, duration=10.0, outputs=1000)
@@ -127,7 +127,7 @@ def double_four_bar_turns(nudge: Nudge) -> Rows:
     yield Row("largest drift of energy", "J", 0.0, float(np.abs(energy - energy[0]).max()), 1e-3, 3.5 * G)
 
 
-@case("Motor between two rods", "independent integration of the one equation that is left", nudges={"amplitude": 1.01})
+@verified("Motor between two rods", "independent integration of the one equation that is left", nudges={"amplitude": 1.01})
 def motor_between_two_rods(nudge: Nudge) -> Rows:
     """The relative angle of a double pendulum goes to and fro as prescribed; the rest swings."""
     a, f = 0.6, 1.5
@@ -146,7 +146,21 @@ def motor_between_two_rods(nudge: Nudge) -> Rows:
 
     # At the start the driver turns already: what the joints and the driver leave free takes up its impulse.
     speed = float(ours.speed("rod1", "w")[0])
-    for time, (angle, _) in zip((0.5, 1.0), solved(rates, [-1.2, speed], np.array([0.5, 1.0])), strict=True):
+    for time, (angle, _) in zip((0.4, 0.9), solved(rates, [-1.2, speed], np.array([0.4, 0.9])), strict=True):
         yield Row(f"angle of rod 1 at {time:g} s", "rad", angle, ours.at(time, ours.body("rod1")), 1e-3)
         turned = 0.5 + a * math.sin(w * time)
         yield Row(f"angle between the rods at {time:g} s", "rad", turned, ours.at(time, ours.body("rod2") - ours.body("rod1")), 1e-5)
+
+
+@verified("Convergence in the step", "order 2 of the central difference; independent integration of Lagrange's equations", nudges={"coarse": 1.25})
+def convergence_in_steps(nudge: Nudge) -> Rows:
+    """Order from the errors of a double pendulum's angles after 0.5 s with 1 ms and half of it."""
+    angles, inertia = [0.3, 0.9], 0.25 / 12.0
+    pins = [Pin(0, (-0.25, 0.0), -1, (0.0, 0.0)), Pin(1, (-0.25, 0.0), 0, (0.25, 0.0))]
+    theirs = integrate([1.0, 1.0], [inertia] * 2, pins, weight(1.0, 1.0), placed(angles), np.zeros((2, 3)), np.array([0.5]))[0, 0, :, 2]
+    errors = []
+    for step in (1e-3 * nudge("coarse"), 5e-4):
+        seen = run(rods(*angles), step=step, duration=0.5, outputs=100)
+        errors.append([abs(seen.at(0.5, seen.body(f"rod{k + 1}")) - theirs[k]) for k in (0, 1)])
+    for k in (0, 1):
+        yield Row(f"order of the angle of rod {k + 1}", "1", 2.0, math.log2(errors[0][k] / errors[1][k]), 1e-2)

@@ -77,17 +77,20 @@ def run(mechanism: Mechanism, **options: Any) -> Seen:
         record = equilibrium(assemble(mechanism))
     else:
         record = simulate(mechanism, reference=False, loop="data-driven", **options).record
+    if record.status == "interrupted":  # a run keeps what it has; a case has no use for half of it
+        raise KeyboardInterrupt
     if record.status != "complete":
         raise RuntimeError(f"the run of {mechanism.name!r} ended {record.status}: {record.message}")
     return Seen(record)
 
 
 def frequency(time: Array, values: Array, near: float) -> float:
-    """Frequency (Hz) of a vibration near one that is expected: the peak of a Hann-windowed spectrum, a parabola through its logarithm."""
+    """Frequency (Hz) of a vibration near one that is expected: the peak of the spectrum under a Gaussian window, whose logarithm is a parabola."""
     values = values - np.polyval(np.polyfit(time, values, 2), time)
-    size = np.abs(np.fft.rfft(values * np.hanning(len(values))))
+    window = np.exp(-0.5 * (np.linspace(-5.0, 5.0, len(values))) ** 2)
+    size = np.abs(np.fft.rfft(values * window))
     rate = np.fft.rfftfreq(len(values), time[1] - time[0])
-    window = np.flatnonzero((rate > 0.8 * near) & (rate < 1.2 * near))
-    k = int(window[np.argmax(size[window])])
+    close = np.flatnonzero((rate > 0.8 * near) & (rate < 1.2 * near))
+    k = int(close[np.argmax(size[close])])
     a, b, c = np.log(size[k - 1 : k + 2])
     return float(rate[k] + 0.5 * (a - c) / (a - 2.0 * b + c) * (rate[1] - rate[0]))
