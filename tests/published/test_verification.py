@@ -66,3 +66,14 @@ def test_a_model_that_cannot_run_is_a_failed_case() -> None:
     found = Case("broken", "Broken", "none", "tests", rows, {}).check()
     assert [row.passed for row in found] == [True, False]
     assert "diverged" in found[-1].note
+
+
+def test_page_is_made_of_the_cases() -> None:
+    from vfife.verification.page import FAMILIES, tables
+
+    assert {one.family for one in CASES.values()} == set(FAMILIES)
+    text = tables([CASES["gear-pair"], CASES["motor-curve"], CASES["andrews-squeezer"]])
+    assert text.count("## Gears, motors and prescribed motion") == 1
+    assert "| beta at 0.03 s | rad | 15.8108 | 15.8108 |" in text
+    with pytest.raises(RuntimeError, match="'broken'"):
+        tables([Case("broken", "Broken", "none", "tests", lambda nudge: iter([Row("x", "m", 1.0, 2.0, 1e-3)]), {})])

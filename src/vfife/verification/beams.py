@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ ROOTS = (1.8751040687, 4.6940911330)  # cos x cosh x = -1
 FREE_ROOTS = (4.7300407449, 7.8532046241)  # cos x cosh x = 1
 
 
-def pulse(end: float) -> dict[str, tuple[float, ...]]:
+def pulse(end: float) -> dict[str, Any]:
     """Factors sin² over the time from 0 to ``end``, and none from there on; knots close enough that the spline between them does not ring."""
     share = [k / 100.0 for k in range(141)]
     factors = [math.sin(math.pi * x) ** 2 if x < 1.0 else 0.0 for x in share]

@@ -6,6 +6,7 @@ import dataclasses
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..bodies import Member, Section
 from ..drivers import AngleTable
@@ -15,6 +16,8 @@ from ..mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run
+
+Array = NDArray[np.float64]
 
 SLENDER = 4.8e5  # E A L^2/(E I)
 ELASTICA = "inextensible elastica by elliptic integrals (Bisshopp, Drucker: Large deflection of cantilever beams. Q. Appl. Math. 3 (1945) 272-275)"
@@ -96,7 +99,7 @@ def limits(elements: int, stiffness: float) -> tuple[float, float]:
     sign = 1.0 if load[0] > 0.0 else -1.0
     found = []
     for part in (slice(0, 3), slice(3, 6)):
-        a, b, c = np.polyfit(np.array(drops[part]) - drops[part][1], sign * load[part], 2)
+        a, b, c = np.polyfit(np.array(drops[part]) - drops[part.start + 1], sign * load[part], 2)
         found.append(float(c - b * b / (4.0 * a)))
     return found[0], found[1]
 
@@ -118,7 +121,7 @@ def follower_shape(load: float) -> tuple[float, float, float]:
     x = y = angle = moment = 0.0
     for corner in (0.5 * math.pi, 0.0):
 
-        def rates(s: float, state: np.ndarray) -> np.ndarray:
+        def rates(s: float, state: Array) -> Array:
             _, _, a, bend = state
             # Outwards the direction is (cos a, sin a); inwards x and y go back, and so does the angle.
             return np.array([-math.cos(a), -math.sin(a), -bend, load * math.cos(a)])
