@@ -12,12 +12,14 @@ from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
 from .laws import (
     Ambrosio,
+    BengisuAkay,
     BrownMcPhee,
     ContactLaw,
     Coulomb,
     Dahl,
     FrictionLaw,
     Frictionless,
+    Gonthier,
     Karnopp,
     LankaraniNikravesh,
     LuGre,
@@ -25,6 +27,7 @@ from .laws import (
     Pair,
     Pereira,
     Stribeck,
+    Threlfall,
     quantity,
 )
 from .loads import PointForce
@@ -54,6 +57,7 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "Ambrosio",
     "AngleTable",
+    "BengisuAkay",
     "BrownMcPhee",
     "ClearanceRevolute",
     "ConstantSpeed",
@@ -62,6 +66,7 @@ __all__ = [
     "Dahl",
     "FrictionLaw",
     "Frictionless",
+    "Gonthier",
     "IdealRevolute",
     "Karnopp",
     "LankaraniNikravesh",
@@ -80,6 +85,7 @@ __all__ = [
     "Settings",
     "Start",
     "Stribeck",
+    "Threlfall",
     "Torque",
     "load",
     "quantity",
