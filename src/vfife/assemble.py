@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .drivers import ConstantSpeed, Torque
-from .drives import constraint_drivers
+from .drives import constraint_drivers, standing
 from .fill import Filler
 from .functions import Polynomials, constant, motion_function, spline, torque_function
 from .joints import ClearanceSlider, Contact, ExternalContact, IdealRevolute, Joint, Slider, Weld
@@ -37,11 +37,12 @@ from .kernels.arrays import (
     Topology,
 )
 from .laws import ContactLaw, FrictionLaw, Law
+from .loading import check
 from .mechanism import Mechanism
 from .numbering import Numbering, Place
 from .prestress import prestress, wanted
 from .springs import Bushing, Spring, Stop
-from .stability import choose_step
+from .stability import choose_step, static_choice
 from .start import Motion, cautions, ideal_motion, seated
 
 FACING = (1.0, 0.0)
@@ -117,9 +118,12 @@ def assemble(
     ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach, StepError where the step is too
     large) with a sentence that names what is wrong.
     """
+    static = mechanism.settings.analysis == "static"
+    if static:
+        check(mechanism)
     numbering = Numbering(mechanism)
     seats = seated(mechanism)
-    motion = ideal_motion(mechanism, seats=seats)
+    motion = ideal_motion(standing(mechanism) if static else mechanism, seats=seats)
     ideals = ideal_joints(mechanism, numbering)
     touches = contacts(mechanism, numbering, motion)
     springs = [(spring, kind_of_spring(spring), *spring_places(numbering, spring)) for spring in mechanism.springs.values()]
@@ -155,7 +159,7 @@ def assemble(
         function_start=starts,
         function_argument=tuple(numbering.arguments),
         path_unit=mechanism.settings.path_unit,
-        damped=mechanism.settings.damping > 0.0 or mechanism.settings.analysis == "static",
+        damped=mechanism.settings.damping > 0.0 or static,
         weightless=not any(mechanism.gravity),
         contact_laws=laws[0],
         friction_laws=laws[1],
@@ -169,7 +173,10 @@ def assemble(
     filler.seat(touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     names = tuple(t.name for t in touches)
-    choice = choose_step(mechanism, filler.layout, filler.state, topology, touches, step, expected, owners, **run)
+    if static:
+        choice = static_choice(mechanism)
+    else:
+        choice = choose_step(mechanism, filler.layout, filler.state, topology, touches, step, expected, owners, **run)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     pivots = tuple(joint.name for joint in numbering.pivots.values())

@@ -84,6 +84,8 @@ class Assembly:
 class Record:
     """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps * step.
 
+    A static analysis leaves its equilibria: step k is that under load factor k, counted from 1; 0 is the start, without loads.
+
     Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0.
     """
 
@@ -94,6 +96,12 @@ class Record:
     wall: float = 0.0
     loop: str = ""
     status: str = "complete"
+    message: str = ""
+
+    @property
+    def static(self) -> bool:
+        """Whether the outputs are equilibria under load factors."""
+        return self.assembly.mechanism.settings.analysis == "static"
 
     def block(self, name: str) -> NDArray[np.float64]:
         """Recorded values of a block, shape (outputs, entities)."""

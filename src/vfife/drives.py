@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from .applied import Datum, driven_body
 from .constraints import AnyDrive, AnyJoint, Drive, Gear, Pin, Slide, Travel, Weld
-from .drivers import Driver, Torque
+from .drivers import AngleTable, Driver, Torque
 from .functions import motion_function
 from .joints import ExternalContact, IdealRevolute, Joint
 from .joints import Slider as SliderNoun
@@ -43,6 +44,16 @@ def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
         for name, driver in mechanism.drivers.items()
         if not isinstance(driver, Torque) and (driver.against != "ground" or not driven_body(name, driver))
     }
+
+
+def standing(mechanism: Mechanism) -> Mechanism:
+    """What a static analysis starts from: driven bodies held at their angles at time 0, no travels or paths, no loads and no springs."""
+    drivers: dict[str, Driver] = {}
+    for body, driver in kinematic_drivers(mechanism).items():
+        angle = motion_function(driver, 0.0)(0.0)[0]
+        drivers[body] = AngleTable(body=body, times=(0.0, 1.0), angles=(angle, angle))
+    bodies = {name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()}
+    return dataclasses.replace(mechanism, bodies=bodies, drivers=drivers, loads={}, springs={})
 
 
 def pivot_of(mechanism: Mechanism, body: str) -> Joint:

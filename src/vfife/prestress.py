@@ -53,7 +53,8 @@ def elastic_links(mechanism: Mechanism) -> dict[str, Link]:
 def wanted(mechanism: Mechanism) -> bool:
     """Whether the start is to be prestressed: elastic links, a consistent start, and joints that press from the beginning."""
     pressed = not mechanism.contacts or mechanism.start.journals == "seated"
-    return bool(elastic_links(mechanism)) and mechanism.start.mode == "consistent" and pressed
+    moving = mechanism.settings.analysis == "dynamic"
+    return moving and bool(elastic_links(mechanism)) and mechanism.start.mode == "consistent" and pressed
 
 
 def as_rigid(link: Link, shape: Shape) -> RigidBody:

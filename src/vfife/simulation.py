@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -34,6 +35,7 @@ class Progress:
     done: int
     steps: int
     seconds: float
+    text: str = ""
 
     @property
     def share(self) -> float:
@@ -66,6 +68,8 @@ def compilation(assembly: Assembly) -> float:
 
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
     """The loop of a run: straight-line code where it saves more time than its compilation costs, or is compiled already."""
+    if assembly.mechanism.settings.analysis == "static":
+        return "interpreted" if loop == "interpreted" else "data-driven"
     if loop != "auto":
         return loop
     if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1:
@@ -141,6 +145,8 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
 
 def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
+    if mechanism.settings.analysis == "static":
+        return None
     moving = [driver for driver in mechanism.drivers.values() if not isinstance(driver, Torque)]
     if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
         return None
@@ -168,12 +174,21 @@ def simulate(
 
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; ``outputs`` per turn (per run without a crank); ``loop`` "auto",
     "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run the ideal mechanism to compare with.
-    An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. Raises ValueError for a
+    A mechanism whose settings ask for a static analysis is brought to equilibrium instead (:func:`~vfife.statics.equilibrium`); it takes none of
+    ``turns``, ``duration`` and ``step``. An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. Raises ValueError for a
     mechanism that cannot be assembled and StepError for too large a step.
     """
     from .provenance import provenance
     from .result import Result
 
+    if mechanism.settings.analysis == "static":
+        from .statics import equilibrium
+
+        settings = dataclasses.replace(
+            mechanism.settings, turns=turns or mechanism.settings.turns, duration=duration or mechanism.settings.duration
+        )
+        settings = dataclasses.replace(settings, step=settings.step if step is None else step)
+        return Result(equilibrium(assemble(dataclasses.replace(mechanism, settings=settings)), loop=loop, progress=progress, file=file))
     ideal = reference if not isinstance(reference, bool) else reference_of(mechanism, turns, duration) if reference else None
     expected = expected_forces(ideal)
     options: dict[str, Any] = {"turns": turns, "duration": duration, "outputs": outputs, "force_step": force_step}

@@ -185,6 +185,11 @@ def choose_step(
     return StepChoice(size, stable, culprit, wanted == "auto", tuple(limits), turn, every, count)
 
 
+def static_choice(mechanism: Mechanism) -> StepChoice:
+    """One step for each load factor, and no limit: the iterations of a static analysis have a step of their own."""
+    return StepChoice(1.0, math.inf, "fictitious masses", True, (), None, 1, len(mechanism.settings.load_factors))
+
+
 def _limits(
     touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]
 ) -> list[tuple[str, float]]:

@@ -10,6 +10,7 @@ import numpy as np
 from .analysis.forces import MODES
 from .bodies import Link
 from .laws import Law
+from .staticsummary import print_static, static_run, static_warnings
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -49,15 +50,15 @@ def report(result: Result, reference: Result | None = None) -> dict[str, Any]:
         "step": choice.step,
         "steps": done,
         "wall_s": record.wall,
-        "ns_per_step": 1e9 * record.wall / done if done else 0.0,
-        "energy_error": result.ledger.error,
+        "ns_per_step": 1e9 * record.wall / max(int(record.block("iterations").sum()) if record.static else done, 1),
+        "energy_error": None if record.static else result.ledger.error,
         "model": _model(result, measures, reference),
-        "run": _run(result),
-        "energy": {"largest": result.ledger.largest, "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()}},
+        "run": static_run(result) if record.static else _run(result),
+        "energy": {} if record.static else {"largest": result.ledger.largest, "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()}},
         "joints": _joints(measures, reference),
         "lip": {name.removeprefix("lip."): value for name, value in measures.items() if name.startswith("lip.")},
         "laws": _laws(result),
-        "warnings": list(warnings(result)),
+        "warnings": list(static_warnings(result) if record.static else warnings(result)),
         "measures": measures,
     }
 
@@ -184,4 +185,8 @@ def show(console: Console, result: Result, reference: Result | None = None) -> N
     """Prints the summary as tables for people."""
     from .tables import print_report
 
-    print_report(console, report(result, reference))
+    told = report(result, reference)
+    if result.record.static:
+        print_static(console, told)
+    else:
+        print_report(console, told)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..assembly import Record
 from ..bodies import PointMass
+from .equilibria import static_measures
 from .forces import joint_force_max, joint_rows, shares
 from .influence import influence
 
@@ -41,6 +42,8 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
     ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
     """
+    if record.static:
+        return static_measures(record)
     window = last_turn(record)
     found: dict[str, float] = {}
     forces = joint_force_max(record)[window]

@@ -12,7 +12,9 @@ AXES = (("x", "u", "ax"), ("y", "v", "ay"), ("theta", "w", "aw"))  # position, v
 
 
 def times(record: Record) -> Array:
-    """Times of the outputs (s), shape (outputs,)."""
+    """Times of the outputs (s), or load factors of a static analysis, shape (outputs,)."""
+    if record.static:
+        return np.array([0.0, *record.assembly.mechanism.settings.load_factors])[record.steps]
     return np.asarray(record.steps * record.assembly.choice.step, dtype=float)
 
 

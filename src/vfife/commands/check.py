@@ -46,6 +46,7 @@ def examine(model: Path, texts: list[str] | None) -> dict[str, Any]:
         "bodies": described.bodies(assembly),
         "joints": described.joints(assembly, expected),
         "degrees_of_freedom": described.freedom(assembly),
+        "load_factors": list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else [],
         "step": described.step(assembly),
         "steps": choice.steps,
         "outputs": choice.outputs + 1,
@@ -69,7 +70,8 @@ def show(console: Console, found: Mapping[str, Any]) -> None:
     console.print()
     show_bodies(console, found["bodies"])
     show_joints(console, found["joints"])
-    for sentence in (*freedom(found["degrees_of_freedom"]), *steps(found), *cost(found["estimate"])):
+    lasting = statics(found) if found["load_factors"] else (*steps(found), *cost(found["estimate"]))
+    for sentence in (*freedom(found["degrees_of_freedom"]), *lasting):
         console.print(Text(sentence))
     show_defaults(console, found["defaults"])
 
@@ -146,6 +148,14 @@ def steps(found: Mapping[str, Any]) -> list[str]:
         *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
         f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
     ]
+
+
+def statics(found: Mapping[str, Any]) -> list[str]:
+    """What a static analysis goes through, in words."""
+    factors = found["load_factors"]
+    if len(factors) == 1:
+        return [f"Static analysis: equilibrium under load factor {factors[0]:g}, by dynamic relaxation."]
+    return [f"Static analysis: equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}, by dynamic relaxation."]
 
 
 def cost(found: Mapping[str, Any]) -> list[str]:

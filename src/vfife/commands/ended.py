@@ -54,6 +54,7 @@ def contents(path: Path) -> dict[str, Any]:
         "loop": meta.get("loop"),
         "step": meta.get("step"),
         "steps": int(steps[-1]) if len(steps) else 0,
+        "static": tomllib.loads(meta.get("model", "")).get("run", {}).get("analysis") == "static",
         "steps_planned": choice.get("outputs", 0) * choice.get("outputs_every", 0),
         "turn": choice.get("turn"),
         "outputs": len(steps),
@@ -74,6 +75,9 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     ending = f", finished {found['finished']}" if found["finished"] else ": killed, or still at work; what it wrote is whole"
     yield "Status", f"{found['status']}; begun {found['created']}{ending}"
     if found["step"]:
+        if found["static"]:
+            yield "Load factors", f"{found['steps']:,} of {found['steps_planned']:,}"
+    if found["step"] and not found["static"]:
         time = found["steps"] * found["step"]
         turns = f" = {time / found['turn']:.4g} turns" if found["turn"] else ""
         yield "Steps", f"{found['steps']:,} of {found['steps_planned']:,}, of {found['step']:.6g} s: {time:.6g} s{turns}"

@@ -60,7 +60,7 @@ def run(
     """Run a model: a progress line, a summary, and a run folder.
 
     The folder holds the run file, the model as it was run, the summary, and figures where they are asked for. Exit codes: 2 for
-    input that cannot be used, 3 where the numbers became infinite, 130 after Ctrl-C, which keeps what was computed.
+    input that cannot be used, 3 where the numbers became infinite or no equilibrium was found, 130 after Ctrl-C, which keeps what was computed.
     """
     with sentences(str(model)):
         from .folder import refuse_foreign
@@ -162,6 +162,11 @@ def show(result: Result, place: RunFolder, figures: bool) -> None:
 def end(result: Result, place: RunFolder) -> None:
     """Says how a run ended that did not come to its end, and ends with its exit code."""
     status, choice = result.record.status, result.record.assembly.choice
+    if result.record.message:
+        done = max(len(result.record.steps) - 1, 0)
+        kept = f"The {done} load factors before are kept in {place.path}." if done else f"The start is kept in {place.path}."
+        tell(status, f"{result.record.message} {kept}", "bold red")
+        raise typer.Exit(INTERRUPTED if status == "interrupted" else DIVERGED)
     if status == "interrupted":
         done = int(result.record.steps[-1])
         tell("interrupted", f"{done:,} of {choice.steps:,} steps were made; they are kept in {place.path}.")

@@ -136,7 +136,9 @@ BLOCKS: tuple[Block, ...] = (
         damping_power | W | power lost in mass-proportional damping at step n
         damping_work | J | energy lost in mass-proportional damping up to step n + 1/2
         external_power | W | power of time-dependent loads at step n
-        external_work | J | work of time-dependent loads up to step n + 1/2"""),
+        external_work | J | work of time-dependent loads up to step n + 1/2
+        iterations | 1 | iterations that a load factor took in a static analysis
+        unbalanced | 1 | unbalanced force that is left there, over the largest force"""),
     *_blocks("extreme", "clearance", """
         clearance_force_squared_max | N^2 | largest squared joint force since the last output
         clearance_penetration_max | m | largest signed penetration since the last output"""),

@@ -32,7 +32,7 @@ def figures(result: Result, reference: Result | None = None) -> dict[str, Figure
             found["orbits"] = orbits(result)
         for name, figure in (
             ("forces", force_curves(result, reference)),
-            ("accelerations", acceleration_curves(result, reference)),
+            ("accelerations", None if result.record.static else acceleration_curves(result, reference)),
         ):
             if figure is not None:
                 found[name] = figure

@@ -48,7 +48,7 @@ def _force(result: Result, name: str) -> Series | None:
     joints = list(result.record.assembly.mechanism.joints)
     if name not in joints:
         return None
-    return result.channels["joint_force_max"].values[:, joints.index(name)], None
+    return result.channels["joint_force" if result.record.static else "joint_force_max"].values[:, joints.index(name)], None
 
 
 def _acceleration(result: Result, name: str) -> Series | None:
@@ -72,12 +72,12 @@ def _figure(result: Result, reference: Result | None, names: Sequence[str], curv
             _panel(ax, result, reference, (found, None if reference is None else curve(reference, name)), (what, unit))
             ax.set_title(f"{kind}{name}")
         if k >= len(names) - columns:
-            ax.set_xlabel("time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)")
+            ax.set_xlabel(_axis(result))
             ax.tick_params(labelbottom=True)
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     one_legend(figure, axes)
-    turn = "" if result.crank is None or result.last_turn.all() else ", last turn"
+    turn = "" if result.crank is None or result.record.static or result.last_turn.all() else ", last turn"
     heading(figure, f"{result.name}: {what}{turn}")
     return figure
 
@@ -106,18 +106,26 @@ def _panel(
     ax.plot(x, factor * line, color=BLUE, lw=1.1, label=label, zorder=4)
     ax.set_ylabel(f"{quantity[0]}\n({unit})")
     ax.margins(x=0.0)
-    if result.crank is not None and 300.0 < abs(x[-1] - x[0]) <= 361.0:
+    if result.crank is not None and not result.record.static and 300.0 < abs(x[-1] - x[0]) <= 361.0:
         ax.set_xticks(np.arange(np.ceil(min(x) / 60.0 - 1e-6) * 60.0, max(x) + 1e-6, 60.0))
 
 
+def _axis(result: Result) -> str:
+    if result.record.static:
+        return "load factor"
+    return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"
+
+
 def abscissa(result: Result) -> Array:
-    """Crank angle (degrees), or time (ms) without a crank, at the outputs."""
+    """Crank angle (degrees), or time (ms) without a crank, at the outputs; load factors of a static analysis."""
+    if result.record.static:
+        return result.time
     return 1e3 * result.time if result.crank_angle is None else result.crank_angle
 
 
 def _one_turn(angle: Array, result: Result) -> tuple[Array, float]:
     """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they are."""
-    if result.crank is None:
+    if result.crank is None or result.record.static:
         return angle, 0.0
     origin = 360.0 * np.floor(min(angle[0], angle[-1]) / 360.0 + 1e-6)
     return angle - origin, float(origin)
