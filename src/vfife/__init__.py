@@ -31,13 +31,14 @@ from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
+    from . import gallery
     from .modelfile import load
     from .result import Result
     from .simulation import simulate
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile"}
+_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile", "gallery": ""}
 
 
 def __getattr__(name: str) -> Any:
@@ -45,7 +46,7 @@ def __getattr__(name: str) -> Any:
     if name in _LAZY:
         from importlib import import_module
 
-        value = getattr(import_module(f".{_LAZY[name]}", __name__), name)
+        value = getattr(import_module(f".{_LAZY[name]}", __name__), name) if _LAZY[name] else import_module(f".{name}", __name__)
         globals()[name] = value
         return value
     raise AttributeError(f"module 'vfife' has no attribute {name!r}")
@@ -81,6 +82,7 @@ __all__ = [
     "Start",
     "Stribeck",
     "Torque",
+    "gallery",
     "load",
     "quantity",
     "simulate",
