@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import math
 
-from ..joints import Slider
+from ..loads import PointForce
 from ..mechanism import Mechanism, Settings
 
 
 def six_bar_press(*, speed: float = 2.0 * math.pi, turns: float = 1.0) -> Mechanism:
-    """A crank-rocker whose rocker, lengthened beyond its coupler pin, pushes a ram by a rod; speed of the crank in rad/s."""
+    """A crank-rocker whose hanging rocker, lengthened beyond its coupler pin, pushes a ram to and fro by a rod; speed of the crank in rad/s."""
     m = Mechanism("six-bar press", gravity=(0.0, -9.81), settings=Settings(turns=turns))
     m.point("A", 0.0, 0.0)
     m.point("D", 0.35, 0.05)
-    m.point("guide", 0.65, -0.30)
+    m.point("guide", 0.70, -0.22)
     m.link("crank", length=0.08, mass=1.2)
-    m.link("coupler", length=0.32, mass=3.0, angle=math.radians(50.0))
-    m.link("rocker", length=0.30, mass=5.0, angle=math.radians(70.0), extra_points={"pin": (0.22, 0.0)})
-    m.link("rod", length=0.45, mass=4.0, angle=math.radians(-60.0))
-    m.rigid_body("ram", mass=20.0, inertia=0.1, position=(0.65, -0.10))
+    m.link("coupler", length=0.32, mass=3.0, angle=math.radians(-30.0))
+    m.link("rocker", length=0.30, mass=5.0, angle=math.radians(-100.0), extra_points={"pin": (0.22, 0.0)})
+    m.link("rod", length=0.45, mass=4.0, angle=0.0)
+    m.rigid_body("ram", mass=20.0, inertia=0.1, position=(0.70, -0.22))
     m.revolute("A", "ground.A", "crank.start")
     m.revolute("B", "crank.end", "coupler.start")
     m.revolute("C", "coupler.end", "rocker.pin")
     m.revolute("D", "ground.D", "rocker.start")
     m.revolute("E", "rocker.end", "rod.start")
     m.revolute("F", "rod.end", "ram.center")
-    m.joints["ram"] = Slider(name="ram", bearing="ground.guide", journal="ram.center", direction=(0.0, 1.0))
+    m.slider("guide", "ground.guide", "ram.center")
     m.drive("crank", speed=speed)
     return m
 
@@ -35,8 +35,6 @@ def toggle_press(*, arm: float = 0.20, angle: float = math.radians(20.0), force:
 
     A static analysis under a quarter, a half and the whole of the force.
     """
-    from ..loads import PointForce
-
     m = Mechanism("toggle press", settings=Settings(analysis="static", load_factors=(0.25, 0.5, 0.75, 1.0)))
     reach = 2.0 * arm * math.cos(angle)
     m.point("top", 0.0, 0.0)
