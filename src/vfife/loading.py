@@ -40,15 +40,14 @@ class Loading:
             return factor * float(polynomial(self.assembly.tables, start, 0.0)[0])
         return float(polynomial(self.assembly.tables, start, factor)[0])
 
-    def force(self, factors: Sequence[float]) -> float:
-        """Sum of all loads at the largest factor (N), moments by the mechanism's size left out."""
+    def force(self, factors: Sequence[float], size: float) -> float:
+        """Sum of all loads at the largest factor (N), moments as forces on a lever of ``size`` (m)."""
         state, t = self.assembly.state, self.assembly.topology
-        weight = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(abs(f) for f in factors)
+        total = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(abs(f) for f in factors)
         for k, function in enumerate(t.load_function):
-            size = np.hypot(state[self.layout.row("load_fx", k)], state[self.layout.row("load_fy", k)])
-            if self.arguments[function][0] == TIME:
-                weight += float(size) * max(abs(self.value(function, f)) for f in factors)
-        return weight
+            fx, fy, moment = (float(state[self.layout.row(f"load_{axis}", k)]) for axis in ("fx", "fy", "m"))
+            total += (float(np.hypot(fx, fy)) + abs(moment) / size) * max(abs(self.value(function, f)) for f in factors)
+        return total
 
     def motion(self, old: float, new: float) -> tuple[float, float]:
         """Largest turn (rad) and travel (m) of the drivers between two load factors."""
@@ -115,8 +114,8 @@ def check(mechanism: Mechanism) -> None:
         if way > WHOLE_TURN * (1.0 + 1e-9):
             faults.append(
                 f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {driver.speed:.4g} rad/s, the load factor being the "
-                f"time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer together, or a dynamic "
-                "analysis"
+                f"time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer together, or a "
+                "dynamic analysis"
             )
     if faults:
         raise ValueError("static analysis: " + "; ".join(faults))

@@ -174,9 +174,9 @@ def simulate(
 
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; ``outputs`` per turn (per run without a crank); ``loop`` "auto",
     "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run the ideal mechanism to compare with.
-    A mechanism whose settings ask for a static analysis is brought to equilibrium instead (:func:`~vfife.statics.equilibrium`); it takes none of
-    ``turns``, ``duration`` and ``step``. An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. Raises ValueError for a
-    mechanism that cannot be assembled and StepError for too large a step.
+    An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. A mechanism whose settings ask for
+    a static analysis is brought to equilibrium instead (:func:`~vfife.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
+    ``step``. Raises ValueError for a mechanism that cannot be assembled and StepError for too large a step.
     """
     from .provenance import provenance
     from .result import Result
@@ -184,11 +184,10 @@ def simulate(
     if mechanism.settings.analysis == "static":
         from .statics import equilibrium
 
-        settings = dataclasses.replace(
-            mechanism.settings, turns=turns or mechanism.settings.turns, duration=duration or mechanism.settings.duration
-        )
-        settings = dataclasses.replace(settings, step=settings.step if step is None else step)
-        return Result(equilibrium(assemble(dataclasses.replace(mechanism, settings=settings)), loop=loop, progress=progress, file=file))
+        given = {"turns": turns, "duration": duration, "step": step}
+        asked: Any = {name: value for name, value in given.items() if value is not None}
+        still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **asked))
+        return Result(equilibrium(assemble(still), loop=loop, progress=progress, file=file))
     ideal = reference if not isinstance(reference, bool) else reference_of(mechanism, turns, duration) if reference else None
     expected = expected_forces(ideal)
     options: dict[str, Any] = {"turns": turns, "duration": duration, "outputs": outputs, "force_step": force_step}

@@ -1,9 +1,9 @@
 """Equilibrium under load factors, by dynamic relaxation.
 
 A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and
-prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their value at rest.
-The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are followed and not
-leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
+prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their
+value at rest. The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are
+followed and not leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from .loading import Loading
 from .mechanism import Settings
 from .relaxation import Relaxation
 from .simulation import Progress, recorded_rows
+from .stiffness import extent
 
 if TYPE_CHECKING:
     from .runfile import RunFile
@@ -54,7 +55,8 @@ def equilibrium(
     settings = assembly.mechanism.settings
     kept = recorded_rows(assembly)
     loading = Loading(assembly)
-    relaxation = Relaxation(assembly, loading.force([1e-9, *settings.load_factors]), "interpreted" if loop == "interpreted" else "data-driven")
+    force = loading.force([0.0, *settings.load_factors], extent(assembly, assembly.state))
+    relaxation = Relaxation(assembly, force, "interpreted" if loop == "interpreted" else "data-driven")
     record = Record(assembly, np.zeros(0, dtype=np.int64), np.zeros((0, len(kept))), kept, loop="data-driven")
     relaxation.runner.advance(0, 1)  # loads the compiled loop, so that the analysis is not timed with it
     began, rows, old = time.perf_counter(), [], 0.0
@@ -153,12 +155,11 @@ class Stage:
         relaxation = self.relaxation
         self.ratio = relaxation.balance(pushes[-1]).ratio
         self.tell()
-        moved = np.abs(relaxation.state[relaxation.places] - self.start)[~relaxation.turning]
-        if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY * relaxation.size:
+        moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(relaxation.turning, 2.0 * np.pi, relaxation.size)
+        if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY:
             return "diverged", self._runaway()
         if self.done > settings.iterations:
             return "not converged", self._unfinished(settings)
-        relaxation.reweigh()
         return None
 
     def tell(self, everything: bool = False) -> None:
@@ -173,10 +174,10 @@ class Stage:
     def _runaway(self) -> str:
         assembly = self.loading.assembly
         free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
-        loose = f"it has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold; " if free else ""
+        loose = f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold. " if free else ""
         return (
-            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size: nothing holds it against the loads. {loose}"
-            "Add a joint, a spring or a driver, or check the supports (vfife check)."
+            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or turns: nothing holds it against the "
+            f"loads. {loose}Add a joint, a spring or a driver, or check the supports (vfife check)."
         )
 
     def _unfinished(self, settings: Settings) -> str:

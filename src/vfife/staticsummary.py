@@ -47,7 +47,7 @@ def static_warnings(result: Result) -> Iterable[str]:
             factor = record.assembly.mechanism.settings.load_factors[k]
             yield (
                 f"At load factor {factor:g} the displacement leaps by {jump:.4g} m, {jump / before:.3g} times the step before: a limit load was "
-                "passed and the structure snapped through. Put load factors closer together before it, or prescribe a travel to follow the way there."
+                "passed and the structure snapped through. Put load factors closer together before it, or prescribe a travel to follow the way."
             )
             break
 

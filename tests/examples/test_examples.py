@@ -20,6 +20,8 @@ MODELS = {
     "four_bar_case_b": ("C.force.max", 65794.78, 70.0),
     "four_bar_case_c": ("follower.angular_acceleration.max", 38153.31, 190.0),
     "journal_in_bearing": ("O.force.max", 23221.0, 2.3),
+    "elastica_circle": ("clamp.moment.max", 134.0413, 0.001),
+    "williams_toggle": ("push.force.max", 236.35, 0.24),
 }
 
 

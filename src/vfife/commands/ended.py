@@ -74,10 +74,9 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "Model", f"{found['model']}" + (f", from {found['source']}" if found["source"] else "")
     ending = f", finished {found['finished']}" if found["finished"] else ": killed, or still at work; what it wrote is whole"
     yield "Status", f"{found['status']}; begun {found['created']}{ending}"
-    if found["step"]:
-        if found["static"]:
-            yield "Load factors", f"{found['steps']:,} of {found['steps_planned']:,}"
-    if found["step"] and not found["static"]:
+    if found["step"] and found["static"]:
+        yield "Load factors", f"{found['steps']:,} of {found['steps_planned']:,}"
+    elif found["step"]:
         time = found["steps"] * found["step"]
         turns = f" = {time / found['turn']:.4g} turns" if found["turn"] else ""
         yield "Steps", f"{found['steps']:,} of {found['steps_planned']:,}, of {found['step']:.6g} s: {time:.6g} s{turns}"
