@@ -63,7 +63,11 @@ def lee_frame(*, elements: int = 10, drops: tuple[float, ...] = (0.1, 0.2, 0.3, 
     m.frame(
         "frame",
         nodes={"foot": (0.0, 0.0), "corner": (0.0, side), "load": (0.2 * side, side), "head": (side, side)},
-        members=(Member("foot", "corner", elements), Member("corner", "load", max(2, elements // 5)), Member("load", "head", elements - elements // 5)),
+        members=(
+            Member("foot", "corner", elements),
+            Member("corner", "load", max(2, elements // 5)),
+            Member("load", "head", elements - elements // 5),
+        ),
         section=Section(area=6e-4, second_moment=2e-8),
         material=Material(youngs_modulus=7.2e9, poissons_ratio=0.3, density=2700.0),
     )

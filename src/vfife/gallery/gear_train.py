@@ -23,7 +23,7 @@ def gear_train(
         m.point(name, x, 0.0)
         m.rigid_body(name, mass=1.0, inertia=inertia, position=(x, 0.0))
         m.revolute(name, f"ground.{name}", f"{name}.center")
-    m.gear("first stage", "motor", "middle", ratio=ratios[0])
-    m.gear("second stage", "middle", "flywheel", ratio=ratios[1])
+    m.gear("first-stage", "motor", "middle", ratio=ratios[0])
+    m.gear("second-stage", "middle", "flywheel", ratio=ratios[1])
     m.drivers["curve"] = Torque(body="motor", torque=(stall_torque, 0.0), speeds=(0.0, idle_speed))
     return m

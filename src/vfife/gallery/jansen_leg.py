@@ -22,15 +22,15 @@ def jansen_leg(*, unit: float = 0.01, speed: float = 2.0 * math.pi, turns: float
     m.point("crank", 0.0, 0.0)
     m.point("frame", -n["a"], -n["l"])
     m.link("crank", length=n["m"], mass=density * n["m"])
-    for name, letter, angle in (("upper rod", "j", 141.0), ("lower rod", "k", -133.0), ("strut", "c", -74.0), ("tie", "f", -67.0)):
+    for name, letter, angle in (("upper-rod", "j", 141.0), ("lower-rod", "k", -133.0), ("strut", "c", -74.0), ("tie", "f", -67.0)):
         m.link(name, length=n[letter], mass=density * n[letter], angle=math.radians(angle))
     frame, knee = (-n["a"], -n["l"]), (-27.0 * unit, -45.5 * unit)
     _plate(m, "shoulder", (n["b"], n["d"], n["e"]), frame, math.radians(70.0), density)
     _plate(m, "foot", (n["g"], n["i"], n["h"]), knee, math.radians(152.0), density)
     for name, bearing, journal in (
-        ("O", "ground.crank", "crank.start"), ("J", "crank.end", "upper rod.start"), ("K", "crank.end", "lower rod.start"),
-        ("B", "upper rod.end", "shoulder.second"), ("D", "ground.frame", "shoulder.first"), ("C", "ground.frame", "strut.start"),
-        ("F", "shoulder.third", "tie.start"), ("G", "lower rod.end", "strut.end"), ("H", "strut.end", "foot.first"),
+        ("O", "ground.crank", "crank.start"), ("J", "crank.end", "upper-rod.start"), ("K", "crank.end", "lower-rod.start"),
+        ("B", "upper-rod.end", "shoulder.second"), ("D", "ground.frame", "shoulder.first"), ("C", "ground.frame", "strut.start"),
+        ("F", "shoulder.third", "tie.start"), ("G", "lower-rod.end", "strut.end"), ("H", "strut.end", "foot.first"),
         ("I", "tie.end", "foot.second"),
     ):  # fmt: skip
         m.revolute(name, bearing, journal)
@@ -43,7 +43,10 @@ def _plate(m: Mechanism, name: str, sides: tuple[float, float, float], at: tuple
     base, left, right = sides
     x = (base**2 + left**2 - right**2) / (2.0 * base)
     corners = {"first": (0.0, 0.0), "second": (base, 0.0), "third": (x, math.sqrt(left**2 - x**2))}
-    edges = [(density * math.dist(corners[i], corners[j]), corners[i], corners[j]) for i, j in (("first", "second"), ("first", "third"), ("second", "third"))]
+    edges = [
+        (density * math.dist(corners[i], corners[j]), corners[i], corners[j])
+        for i, j in (("first", "second"), ("first", "third"), ("second", "third"))
+    ]
     mass = sum(edge[0] for edge in edges)
     cx, cy = (sum(m * 0.5 * (a[k] + b[k]) for m, a, b in edges) / mass for k in (0, 1))
     inertia = sum(m * (math.dist(a, b) ** 2 / 12.0 + (0.5 * (a[0] + b[0]) - cx) ** 2 + (0.5 * (a[1] + b[1]) - cy) ** 2) for m, a, b in edges)

@@ -29,7 +29,13 @@ def double_pendulum(
 
 
 def elastic_pendulum(
-    *, length: float = 1.2, diameter: float = 0.04, youngs_modulus: float = 0.7e6, density: float = 1100.0, elements: int = 12, duration: float = 0.8
+    *,
+    length: float = 1.2,
+    diameter: float = 0.04,
+    youngs_modulus: float = 0.7e6,
+    density: float = 1100.0,
+    elements: int = 12,
+    duration: float = 0.8,
 ) -> Mechanism:
     """A round rod of soft rubber (m, Pa, kg/m^3), let go at rest from the horizontal."""
     m = Mechanism("elastic pendulum", gravity=GRAVITY, settings=Settings(duration=duration, outputs=400))

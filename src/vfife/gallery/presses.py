@@ -47,6 +47,6 @@ def toggle_press(*, arm: float = 0.20, angle: float = math.radians(20.0), force:
     m.revolute("knee", "upper.end", "lower.start")
     m.revolute("wrist", "lower.end", "ram.center")
     m.slider("guide", "ground.guide", "ram.center", direction=(0.0, 1.0))
-    m.spring("work piece", "ground.table", "ram.center", stiffness=stiffness)
+    m.spring("work-piece", "ground.table", "ram.center", stiffness=stiffness)
     m.loads["hand"] = PointForce(name="hand", at="upper.end", force=(force, 0.0))
     return m

@@ -7,7 +7,9 @@ import math
 from ..mechanism import Mechanism, Settings
 
 
-def quick_return(*, crank: float = 0.10, distance: float = 0.25, rocker: float = 0.50, speed: float = 2.0 * math.pi, turns: float = 1.0) -> Mechanism:
+def quick_return(
+    *, crank: float = 0.10, distance: float = 0.25, rocker: float = 0.50, speed: float = 2.0 * math.pi, turns: float = 1.0
+) -> Mechanism:
     """A crank (m) turns at ``distance`` (m) above the pivot of a slotted rocker (m), which moves a ram through a link; speed in rad/s.
 
     The guide moves: the slot is on the rocker. Times of stroke and return are as (pi + 2 asin(crank/distance)) to (pi - 2 asin(crank/distance)).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..bodies import RigidBody
 from ..laws import Ambrosio, Frictionless, LankaraniNikravesh
 from ..mechanism import Mechanism, Settings
 
@@ -16,7 +17,9 @@ def slider_crank(*, speed: float = 100.0, turns: float = 1.0) -> Mechanism:
     return m
 
 
-def slider_crank_loose_pin(*, clearance: float = 0.5e-3, restitution: float = 0.9, friction: float = 0.0, speed: float = 100.0, turns: float = 0.5) -> Mechanism:
+def slider_crank_loose_pin(
+    *, clearance: float = 0.5e-3, restitution: float = 0.9, friction: float = 0.0, speed: float = 100.0, turns: float = 0.5
+) -> Mechanism:
     """Slider-crank whose pin between rod and block has play (m)."""
     m = _crank_and_rod("slider-crank with a loose pin", speed, turns)
     rub = Ambrosio(friction, 1e-4, 1e-2) if friction else Frictionless()
@@ -29,10 +32,11 @@ def slider_crank_loose_pin(*, clearance: float = 0.5e-3, restitution: float = 0.
 def slider_crank_loose_guide(
     *, clearance: float = 0.5e-3, restitution: float = 0.9, friction: float = 0.0, speed: float = 100.0, turns: float = 0.5
 ) -> Mechanism:
-    """Slider-crank whose block, 60 mm by 30 mm, has play (m, on each side) in its guide."""
+    """Slider-crank whose block, 60 mm by 30 mm, has play (m, on each side) in its guide; the pin lies 10 mm behind the middle of the block."""
     m = _crank_and_rod("slider-crank with a loose guide", speed, turns)
     rub = Ambrosio(friction, 1e-4, 1e-2) if friction else Frictionless()
-    m.revolute("pin", "rod.end", "block.center")
+    m.bodies["block"] = RigidBody(name="block", mass=0.14, inertia=1.0e-4, position=(CRANK + ROD + 0.010, 0.0), points={"pin": (-0.010, 0.0)})
+    m.revolute("pin", "rod.end", "block.pin")
     options = {"length": 0.060, "height": 0.030, "contact": LankaraniNikravesh(restitution=restitution), "friction": rub}
     m.clearance_slider("guide", "ground.O", "block.center", clearance=clearance, **options)
     return m
