@@ -11,6 +11,7 @@ from .bodies import Link, PointMass, RigidBody, Section
 from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
 from .laws import (
+    MATERIALS,
     Ambrosio,
     BrownMcPhee,
     ContactLaw,
@@ -18,6 +19,7 @@ from .laws import (
     Dahl,
     FrictionLaw,
     Frictionless,
+    Hydrodynamic,
     Karnopp,
     LankaraniNikravesh,
     LuGre,
@@ -32,13 +34,22 @@ from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
     from . import gallery
+    from .comparison import compare
+    from .laws.own import load_laws
     from .modelfile import load
     from .result import Result
     from .simulation import simulate
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile", "gallery": ""}
+_LAZY = {
+    "compare": "comparison",
+    "gallery": "",
+    "load": "modelfile",
+    "load_laws": "laws.own",
+    "Result": "result",
+    "simulate": "simulation",
+}
 
 
 def __getattr__(name: str) -> Any:
@@ -53,6 +64,7 @@ def __getattr__(name: str) -> Any:
 
 
 __all__ = [
+    "MATERIALS",
     "Ambrosio",
     "AngleTable",
     "BrownMcPhee",
@@ -63,6 +75,7 @@ __all__ = [
     "Dahl",
     "FrictionLaw",
     "Frictionless",
+    "Hydrodynamic",
     "IdealRevolute",
     "Karnopp",
     "LankaraniNikravesh",
@@ -82,8 +95,10 @@ __all__ = [
     "Start",
     "Stribeck",
     "Torque",
+    "compare",
     "gallery",
     "load",
+    "load_laws",
     "quantity",
     "simulate",
 ]

@@ -97,7 +97,9 @@ def _scaled(assembly: Assembly) -> list[bool]:
 
 
 def check(mechanism: Mechanism) -> None:
-    """ValueError, all faults at once, for settings and drivers that a static analysis has no use for."""
+    """ValueError, all faults at once, for settings and drivers that a static analysis, if there is to be one, has no use for."""
+    if mechanism.settings.analysis != "static":
+        return
     settings, faults = mechanism.settings, []
     if not settings.load_factors:
         faults.append("load_factors is empty: give one or more, as in load_factors = [0.5, 1]")

@@ -175,6 +175,9 @@ class Result:
         with RunFile.open(path) as file:
             where = str(file.path)
             result = cls(restored(file.meta, file.steps, file.rows, where))
+            last = file.last_checkpoint()
+            if last is not None and last[0] == file.steps[-1] and len(last[1]) == result.record.assembly.layout.rows:
+                result.record.final = last[1]
             kept = file.reference()
             if kept is not None:
                 result.reference = cls(restored(*kept, where=where))

@@ -80,6 +80,7 @@ def equilibrium(
         rows = [assembly.state[kept]]
     record.rows, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall = time.perf_counter() - began
+    record.final = relaxation.state.copy() if record.status == "complete" else None
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record

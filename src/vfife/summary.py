@@ -122,7 +122,7 @@ def _laws(result: Result) -> dict[str, dict[str, Any]]:
     for name, joint in mechanism.contacts.items():
         pair = surfaces(mechanism, joint)
         found[name] = {
-            kind: {"law": law.name, "formula": law.formula, "source": law.source, "derived": law.derived(pair)}
+            kind: {"law": law.name, "formula": law.formula, "source": law.source, "derived": law.derived(pair), "units": law.units(pair)}
             for kind, law in _named(("contact", joint.contact), ("friction", joint.friction))
         }
     return found

@@ -99,7 +99,8 @@ def _law_lines(told: dict[str, Any]) -> Iterable[str]:
     for joint, laws in told["laws"].items():
         said = []
         for law in laws.values():
-            numbers = ", ".join(f"{name} {value}" for name, value in law["derived"].items())
+            units = {name: unit for name, unit in law.get("units", {}).items() if unit != "1"}
+            numbers = ", ".join(f"{name} {value} {units.get(name, '')}".rstrip() for name, value in law["derived"].items())
             said.append(law["law"] + (f" ({numbers})" if numbers else ""))
         lines.setdefault("; ".join(said), []).append(joint)
     for text, joints in lines.items():

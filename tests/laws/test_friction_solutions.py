@@ -163,8 +163,8 @@ def test_brown_mcphee_solves_its_relation(normal, mobility, free, kinetic, exces
 
 @settings(deadline=None, max_examples=1000)
 @given(
-    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0), bent=st.floats(-1.0, 1.0).filter(lambda w: w == 0.0 or abs(w) > 1e-200),
-    dt=st.floats(1e-8, 1e-3),
+    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0),
+    bent=st.floats(-1.0, 1.0).filter(lambda w: w == 0.0 or abs(w) > 1e-200), dt=st.floats(1e-8, 1e-3),
 )  # fmt: skip
 def test_bristles_solve_their_relation(normal, mobility, free, last, bent, dt):
     """The exact step of the deflection at the mean velocity, and the force that causes this velocity."""
@@ -273,3 +273,26 @@ def test_lugre_stick_slip_is_that_of_scipy():
     ours = 0.1 * times - pulled(law, 2e-4, end)[::500]
     late = times > 15.0
     assert np.ptp(ours[late]) == pytest.approx(np.ptp(stretch[late]), rel=2e-3)
+
+
+@pytest.mark.parametrize(("share", "coefficient"), [(0.0, 0.0), (0.99, 0.3), (1.01, 0.2), (50.0, 0.2)])
+def test_karnopp_band_ends_at_its_speed(share, coefficient):
+    """Nothing moves (mobility 0): static friction inside, kinetic friction outside."""
+    law = Karnopp(0.2, 0.3, 1e-3)
+    for sign in (1.0, -1.0):
+        force, _ = law.force(500.0, sign * share * 1e-3, 0.0, 0.0, 1e-6, law.parameters(PAIR))
+        assert force == pytest.approx(-sign * coefficient * 500.0, rel=1e-15)
+
+
+def test_brown_mcphee_converges_from_flat_to_steep():
+    """A grid over all that has one solution: mobility times force up to 500 speeds, from nothing to far beyond the peak."""
+    worst = 0.0
+    for kinetic in np.geomspace(1e-4, 500.0, 30):
+        for peak in {0.0, 0.3 * min(kinetic, 6.0), min(kinetic, 2.0)}:
+            law = BrownMcPhee(float(kinetic), float(kinetic + peak), 1.0)
+            for rho in [*np.linspace(0.02, 1.6, 80) * (kinetic + peak), *np.geomspace(1e-6, 1e3, 20)]:
+                force, _ = law.force(1.0, float(rho), 1.0, 0.0, 1e-6, law.parameters(PAIR))
+                x = rho + force
+                curve = kinetic * math.tanh(4 * x) + peak * x / (x * x / 4 + 0.75) ** 2
+                worst = max(worst, abs(x + curve - rho) / rho)
+    assert worst < 1e-10

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from .options import JsonOption, ModelArgument, SetOption, overrides, read_model
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
 from .terminal import amount_of_bytes, grid, output, print_json, row, sentences, span
 
 if TYPE_CHECKING:
@@ -14,22 +14,22 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-def check(model: ModelArgument, set_: SetOption = None, as_json: JsonOption = False) -> None:
+def check(model: ModelArgument, set_: SetOption = None, laws: LawsOption = None, as_json: JsonOption = False) -> None:
     """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
 
     Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to expect.
     """
     with sentences(str(model)):
-        found = examine(model, set_)
+        found = examine(model, set_, laws)
     if as_json:
         print_json(found)
     else:
         show(output(), found)
 
 
-def examine(model: Path, texts: list[str] | None) -> dict[str, Any]:
+def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None) -> dict[str, Any]:
     """Everything that is known before a run."""
-    mechanism = read_model(model, texts)
+    mechanism = read_model(model, texts, laws)
     from ..assemble import assemble
     from ..simulation import expected_forces, reference_of
     from . import described
@@ -127,10 +127,17 @@ def show_couplings(console: Console, couplings: list[dict[str, str]]) -> None:
 
 
 def law(kind: str, entry: Mapping[str, Any]) -> str:
-    """A law in words: what is set, and what follows from it."""
+    """A law in words: what is set, and what follows from it and the surfaces."""
     given = ", ".join(f"{name} {shown(value)}" for name, value in entry["parameters"].items() if value is not None)
-    derived = ", ".join(f"{name} {value}" for name, value in entry["derived"].items())
-    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; in SI units {derived}" if derived else "")
+    derived = [f"{name} {with_unit(value, entry['units'].get(name, ''))}" for name, value in entry["derived"].items()]
+    if "modulus" in entry:
+        derived += [f"exponent {entry['exponent']:.4g}", f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa"]
+    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; {', '.join(derived)}" if derived else "")
+
+
+def with_unit(value: str, unit: str) -> str:
+    """A number with its unit, if it has one."""
+    return value if unit in ("", "1") else f"{value} {unit}"
 
 
 def freedom(found: Mapping[str, Any]) -> list[str]:

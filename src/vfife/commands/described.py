@@ -90,7 +90,9 @@ def contact(assembly: Assembly, joint: Joint) -> dict[str, Any]:
     noun = assembly.mechanism.contacts[joint.name]
     pair = surfaces(assembly.mechanism, noun)
     sizes = {key: getattr(noun, key) for key in SIZES if getattr(noun, key, None) is not None}
-    return sizes | {kind: law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
+    found = sizes | {kind: law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
+    found["contact"] |= {"modulus": pair.composite_modulus, "exponent": noun.contact.exponent_at(noun.landing, pair)}
+    return found | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
 
 
 def couplings(assembly: Assembly) -> list[dict[str, str]]:
@@ -124,7 +126,7 @@ def spring(noun: Any) -> str:
 def law(noun: Any, pair: Any) -> dict[str, Any]:
     """A law with its parameters and what is derived from them and the two surfaces."""
     given = {field.name: getattr(noun, field.name) for field in dataclasses.fields(noun)}
-    return {"law": noun.name, "parameters": given, "derived": noun.derived(pair)}
+    return {"law": noun.name, "parameters": given, "derived": noun.derived(pair), "units": noun.units(pair)}
 
 
 def step(assembly: Assembly) -> dict[str, Any]:

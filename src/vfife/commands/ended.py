@@ -60,6 +60,7 @@ def contents(path: Path) -> dict[str, Any]:
         "outputs": len(steps),
         "channels": sorted({name for name, _ in meta.get("kept", ())}),
         "laws": meta.get("laws", {}),
+        "own_laws": [{key: law[key] for key in ("name", "kind", "file", "text")} for law in meta.get("own_laws", ())],
         "reference": reference,
         "checkpoint": last[0] if last is not None else None,
         "wall_s": meta.get("wall"),
@@ -88,6 +89,9 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "Computed by", f"{found['loop']} loop{wall}; {versions}"
     for name, source in found["laws"].items():
         yield "Law", f"{name}: {source}"
+    for law in found["own_laws"]:
+        text = "its text is kept here (--json prints it)" if law["text"] else "its text could not be kept"
+        yield "Own law", f"{law['name']} ({law['kind']}), from {law['file']}: {text}; reading this run does not run it"
     for event in found["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
     for name, value in ((found["summary"] or {}).get("measures") or {}).items():

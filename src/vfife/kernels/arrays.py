@@ -238,7 +238,11 @@ BLOCKS: tuple[Block, ...] = (
         elastic | N | elastic part of the normal force
         damping_coefficient | N s/m | damping coefficient
         normal | N | normal force to start from
-        friction | N | friction force to start from"""),
+        friction | N | friction force to start from
+        film_radial | N | force of a film towards the bearing's centre, at rest
+        film_across | N | its force along t on the journal, at rest
+        film_damping | N s/m | damping of that by the velocity along t
+        film_cross | N s/m | force along t by the rate along n, and the reverse"""),
     *_blocks("scratch", "row", """
         row_nx | 1 | direction of the constraint, 0 for an angle
         row_ny | 1 | direction of the constraint, 0 for an angle
@@ -268,7 +272,7 @@ TIME, TURNED, SPEED = range(3)
 
 # Records of the integer array: rows of S and kinds.
 JE = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
-JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kind"))
+JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "film", "kind"))
 JR = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function", "rows"))
 JQ = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
 JG = Fields((name, 1) for name in ("row", "first", "second", "kind"))

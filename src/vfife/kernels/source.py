@@ -100,7 +100,7 @@ def definition(function: Callable[..., Any], name: str) -> str:
 
 
 class _Literal(ast.NodeTransformer):
-    """Writes the row of a field, ``P.x``, and a number of the function's module as the numbers they are."""
+    """Writes the row of a field, ``P.x``, a number of the function's module and one of the module math as the numbers they are."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.space = function.__globals__
@@ -108,6 +108,13 @@ class _Literal(ast.NodeTransformer):
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None
+        if owner is math:
+            value = getattr(math, node.attr, None)
+            if isinstance(value, float):
+                return ast.Constant(value)
+            if node.attr != "sqrt":
+                raise SourceError(f"math.{node.attr} differs between machines in its last bits; math.sqrt alone does not")
+            return ast.Attribute(ast.Name("math", ast.Load()), "sqrt", ast.Load())
         return ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
@@ -157,12 +164,26 @@ def room(kind: str, law: Any) -> tuple[int, int]:
     return count, rows
 
 
+def films(laws: tuple[type, ...], gathered: Gathered) -> str:
+    """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
+    signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
+    lines = ["@jit", f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
+    for number, law in enumerate(laws):
+        if getattr(law, "film", False):
+            name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]
+            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
+            lines += [f"    if kind == {number}:", f"        {', '.join(answer)} = {name}({signature}, ({slots}))"]
+    lines.append(f"    return {', '.join(answer)}")
+    return "\n".join(lines) + "\n"
+
+
 def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
     """Text of the data-driven loop with an if-chain over the given laws."""
     gathered = Gathered()
     gathered.given = {
         "contact_law": dispatch("contact", contact_laws, gathered),
         "friction_law": dispatch("friction", friction_laws, gathered),
+        "film_law": films(contact_laws, gathered),
     }
     gathered.add(loop.advance)
     return gathered.text()

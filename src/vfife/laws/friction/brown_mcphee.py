@@ -15,9 +15,9 @@ from .order import not_below
 class BrownMcPhee(FrictionLaw):
     """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's viscous term is left out.
 
-    Smooth, so steep in place of set-valued: solved with the velocity that the force itself leaves, by eight steps of Halley's method kept between
-    two bounds. In x the relation is x + beta_c tanh(4 x) + beta_d x/(x^2/4 + 3/4)^2 = rho with beta = mobility F_N mu/v_t. Beyond beta_d = 2.2
-    the falling part has several solutions in one step, and one of them is found.
+    Smooth, so steep in place of set-valued: solved with the velocity that the force itself leaves, by five steps of Halley's method kept
+    between two bounds, from where a parabola in place of tanh has it. In x the relation is x + beta_c tanh(4 x) + beta_d x/(x^2/4 + 3/4)^2 = rho
+    with beta = mobility F_N mu/v_t. Beyond beta_d = 2.2 the falling part has several solutions in one step, and one of them is found.
     """
 
     name: ClassVar[str] = "brown-mcphee"
@@ -50,10 +50,12 @@ class BrownMcPhee(FrictionLaw):
         low = rho - kinetic - peak
         low = low if low > 0.0 else 0.0
         high = rho
-        rest = 1.0 + 4.0 * (kinetic + peak) - 4.0 * rho
-        x = 0.125 * (math.sqrt(rest * rest + 16.0 * rho) - rest)
-        x = x if x > low else low
-        for _ in range(8):
+        slope = 1.0 + 4.0 * kinetic + 1.7777777777777777 * peak
+        square = slope * slope - 16.0 * kinetic * rho
+        x = 2.0 * rho / (slope + math.sqrt(square if square > 0.0 else 0.0))
+        far = low if low > 0.5 else 0.5
+        x = x if square > 0.0 and x < 0.5 else far
+        for _ in range(5):
             value, slope, bend = curve(x, kinetic, peak)
             error = x + value - rho
             low = x if error < 0.0 else low
@@ -71,11 +73,13 @@ class BrownMcPhee(FrictionLaw):
 
 
 def curve(x: float, kinetic: float, peak: float) -> tuple[float, float, float]:
-    """kinetic tanh(4 x) + peak x/(x^2/4 + 3/4)^2 for x >= 0, its slope, and the second derivative of the first part."""
+    """kinetic tanh(4 x) + peak x/(x^2/4 + 3/4)^2 for x >= 0 with its first two derivatives."""
     gone = approach(8.0 * x)
     tanh = gone / (2.0 - gone)
     rise = 4.0 * kinetic * (1.0 - tanh * tanh)
     square = x * x
     inverse = 1.0 / (0.25 * square + 0.75)
     bump = peak * inverse * inverse
-    return kinetic * tanh + bump * x, rise + 0.75 * bump * inverse * (1.0 - square), -8.0 * tanh * rise
+    fall = bump * inverse
+    turn = fall * inverse * x * (1.125 * (square - 1.0) - 1.5 * (0.25 * square + 0.75))
+    return kinetic * tanh + bump * x, rise + 0.75 * fall * (1.0 - square), turn - 8.0 * tanh * rise
