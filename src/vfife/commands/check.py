@@ -161,11 +161,19 @@ def steps(found: Mapping[str, Any]) -> list[str]:
     """The step and its limits in words."""
     step = found["step"]
     endless = step["stable"] == float("inf")
-    how = f"chosen; set by {step['set_by']}" if step["automatic"] else "as given" if endless else f"as given; the stable one is set by {step['set_by']}"
+    how = (
+        f"chosen; set by {step['set_by']}"
+        if step["automatic"]
+        else "as given"
+        if endless
+        else f"as given; the stable one is set by {step['set_by']}"
+    )
     turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
     return [
         f"Step {step['size']:.4g} s, {how}.",
-        "Nothing in the mechanism limits the step but accuracy." if endless else f"The largest stable step is {step['stable']:.4g} s:",
+        "There is no largest stable step: nothing here limits it but accuracy."
+        if endless
+        else f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
         f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
     ]

@@ -99,7 +99,8 @@ def couplings(assembly: Assembly) -> list[dict[str, str]]:
     """Gears, springs, and drivers that do not bear the name of the body they turn: name, what it is, what it acts on."""
     mechanism = assembly.mechanism
     found = [
-        {"name": name, "what": f"gear, ratio {gear.ratio:.6g}", "first": gear.first, "second": gear.second} for name, gear in mechanism.gears.items()
+        {"name": name, "what": f"gear, ratio {gear.ratio:.6g}", "first": gear.first, "second": gear.second}
+        for name, gear in mechanism.gears.items()
     ]
     for name, one in mechanism.springs.items():
         found.append({"name": name, "what": spring(one), "first": one.first, "second": one.second})

@@ -39,7 +39,7 @@ def jansen_leg(*, unit: float = 0.01, speed: float = 2.0 * math.pi, turns: float
 
 
 def _plate(m: Mechanism, name: str, sides: tuple[float, float, float], at: tuple[float, float], angle: float, density: float) -> None:
-    """A triangle of rods: first to second, first to third, second to third corner (m), the corners anticlockwise; mass, centre and inertia are exact."""
+    """A triangle of rods, corners anticlockwise: first to second, first to third, second to third (m); mass, centre and inertia are exact."""
     base, left, right = sides
     x = (base**2 + left**2 - right**2) / (2.0 * base)
     corners = {"first": (0.0, 0.0), "second": (base, 0.0), "third": (x, math.sqrt(left**2 - x**2))}

@@ -87,7 +87,7 @@ def _guide(sheet: Sheet, joint: Slider | ClearanceSlider) -> None:
     for side in (1.0, -1.0):
         rail = [end + side * gap * across for end in ends]
         if owner == "ground":
-            sheet.hatched(*rail, side * across, 0.02 * sheet.size)
+            sheet.hatched(rail[0], rail[1], side * across, 0.02 * sheet.size)
         else:
             sheet.line(rail, color=sheet.colour(owner), lw=1.6, zorder=3.5)
     colour = sheet.colour(slider)
@@ -138,7 +138,7 @@ def _surfaces_outside(sheet: Sheet, joint: ExternalContact) -> None:
     beyond = max(0.05 * sheet.size, 1.5 * sheet.factor * joint.journal_radius)
     ends = [base + (reach[0] - beyond) * along, base + (reach[1] + beyond) * along]
     if owner == "ground":
-        sheet.hatched(*ends, np.array([along[1], -along[0]]), 0.03 * sheet.size)
+        sheet.hatched(ends[0], ends[1], np.array([along[1], -along[0]]), 0.03 * sheet.size)
     else:
         sheet.line(ends, color=sheet.colour(owner), lw=3.0, zorder=3.5)
 

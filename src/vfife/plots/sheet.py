@@ -59,7 +59,8 @@ class Sheet:
 
     def line(self, points: Any, **look: Any) -> Any:
         """A line through points (n, 2)."""
-        return self.ax.plot(*np.asarray(points, dtype=float).T, **({"color": INK, "lw": 1.2, "zorder": 5} | look))[0]
+        style: dict[str, Any] = {"color": INK, "lw": 1.2, "zorder": 5} | look
+        return self.ax.plot(*np.asarray(points, dtype=float).T, **style)[0]
 
     def circle(self, centre: Array, radius: float, **look: Any) -> Any:
         """A circle."""

@@ -49,8 +49,8 @@ def axis_of(sheet: Sheet, first: str, second: str) -> Array:
         for joint in pins:
             if {joint.sides[0][0], joint.sides[1][0]} == wanted:
                 return sheet.at(joint.bearing)
-    for joint in sheet.mechanism.joints.values():
-        for (body, _), end in zip(joint.sides, (joint.bearing, joint.journal), strict=True):
+    for other in sheet.mechanism.joints.values():
+        for (body, _), end in zip(other.sides, (other.bearing, other.journal), strict=True):
             if body == second:
                 return sheet.at(end)
     column = list(sheet.result.record.assembly.bodies).index(second)
