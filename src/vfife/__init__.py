@@ -36,6 +36,7 @@ from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
+    from . import gallery
     from .comparison import compare
     from .laws.own import load_laws
     from .modelfile import load
@@ -44,7 +45,14 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile", "load_laws": "laws.own", "compare": "comparison"}
+_LAZY = {
+    "compare": "comparison",
+    "gallery": "",
+    "load": "modelfile",
+    "load_laws": "laws.own",
+    "Result": "result",
+    "simulate": "simulation",
+}
 
 
 def __getattr__(name: str) -> Any:
@@ -52,7 +60,7 @@ def __getattr__(name: str) -> Any:
     if name in _LAZY:
         from importlib import import_module
 
-        value = getattr(import_module(f".{_LAZY[name]}", __name__), name)
+        value = getattr(import_module(f".{_LAZY[name]}", __name__), name) if _LAZY[name] else import_module(f".{name}", __name__)
         globals()[name] = value
         return value
     raise AttributeError(f"module 'vfife' has no attribute {name!r}")
@@ -94,6 +102,7 @@ __all__ = [
     "Threlfall",
     "Torque",
     "compare",
+    "gallery",
     "load",
     "load_laws",
     "quantity",

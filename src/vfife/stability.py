@@ -102,7 +102,7 @@ def contact_limits(touches: Sequence[Touch], layout: Layout, state: Array, topol
     return limits
 
 
-def spring_limits(layout: Layout, state: Array, topology: Topology) -> list[tuple[str, float]]:
+def spring_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str] = ()) -> list[tuple[str, float]]:
     """Stable step (s) of each spring: its stiffness on the inverse masses of its two bodies, arms included."""
     found = []
     for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
@@ -116,7 +116,7 @@ def spring_limits(layout: Layout, state: Array, topology: Topology) -> list[tupl
             spin += inverse
         square = straight * total + turning * spin
         if square > 0.0:
-            found.append((f"spring {index + 1}", 2.0 / math.sqrt(square)))
+            found.append((f"spring {names[index] if names else index + 1}", 2.0 / math.sqrt(square)))
     return found
 
 
@@ -159,7 +159,7 @@ def choose_step(
     """
     if mechanism.settings.analysis == "static":
         return static_choice(mechanism)
-    limits = _limits(touches, layout, state, topology, expected or {}, owners)
+    limits = _limits(touches, layout, state, topology, expected or {}, owners, tuple(mechanism.springs))
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     turn = turn_of(mechanism)
     settings = mechanism.settings
@@ -194,10 +194,16 @@ def static_choice(mechanism: Mechanism) -> StepChoice:
 
 
 def _limits(
-    touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]
+    touches: Sequence[Touch],
+    layout: Layout,
+    state: Array,
+    topology: Topology,
+    expected: Mapping[str, float],
+    owners: Sequence[str],
+    springs: Sequence[str],
 ) -> list[tuple[str, float]]:
     limits = [(f"contact of joint {name}", value) for name, value in contact_limits(touches, layout, state, topology, expected).items()]
-    limits += spring_limits(layout, state, topology)
+    limits += spring_limits(layout, state, topology, springs)
     if topology.element_nodes:
         for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology), strict=True):
             worst = int(np.argmin(steps))

@@ -75,9 +75,14 @@ def print_static(console: Console, told: dict[str, Any]) -> None:
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for heading in ("load factor", "iterations", "unbalanced", "displacement, m", *(f"{name}, N" for name in joints)):
         table.add_column(heading, justify="right")
+    most = max([0.0, *(abs(entry["reactions"][name][axis]) for entry in factors for name in joints for axis in ("force_x", "force_y"))])
+
+    def pair(reaction: dict[str, float]) -> str:
+        return "({})".format(", ".join(f"{reaction[axis]:.5g}" if abs(reaction[axis]) > 1e-9 * most else "0" for axis in ("force_x", "force_y")))
+
     stride = -(-len(factors) // MOST)
     for entry in [*factors[:-1:stride], *factors[-1:]]:
-        reactions = [f"({entry['reactions'][name]['force_x']:.5g}, {entry['reactions'][name]['force_y']:.5g})" for name in joints]
+        reactions = [pair(entry["reactions"][name]) for name in joints]
         cells = (f"{entry['load_factor']:g}", f"{entry['iterations']:,}", f"{entry['unbalanced']:.1e}", f"{entry['displacement']:.6g}")
         table.add_row(*cells, *reactions)
     console.print(Text("Equilibria, reactions on the journals", style="bold"))

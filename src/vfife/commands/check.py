@@ -45,6 +45,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "note": mechanism.note,
         "bodies": described.bodies(assembly),
         "joints": described.joints(assembly, expected),
+        "couplings": described.couplings(assembly),
         "degrees_of_freedom": described.freedom(assembly),
         "load_factors": list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else [],
         "step": described.step(assembly),
@@ -70,6 +71,7 @@ def show(console: Console, found: Mapping[str, Any]) -> None:
     console.print()
     show_bodies(console, found["bodies"])
     show_joints(console, found["joints"])
+    show_couplings(console, found["couplings"])
     lasting = statics(found) if found["load_factors"] else (*steps(found), *cost(found["estimate"]))
     for sentence in (*freedom(found["degrees_of_freedom"]), *lasting):
         console.print(Text(sentence))
@@ -101,8 +103,8 @@ def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
     table = grid("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N", right=(4, 5, 6))
     laws: dict[str, list[str]] = {}
     for joint in joints:
-        clear = "clearance" in joint
-        sizes = [f"{1e3 * joint[key]:.6g}" if clear else "" for key in ("clearance", "bearing_radius")]
+        clear = "contact" in joint
+        sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
         force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
         row(table, joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force)
         for kind in ("contact", "friction") if clear else ():
@@ -110,7 +112,18 @@ def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
     console.print(table)
     for text, names in laws.items():
         console.print(Text(f"{', '.join(names)}: {text}"))
-    console.print()
+    if laws:
+        console.print()
+
+
+def show_couplings(console: Console, couplings: list[dict[str, str]]) -> None:
+    """Table of gears, springs and drivers with a name of their own."""
+    if not couplings:
+        return
+    table = grid("name", "what", "acts on")
+    for one in couplings:
+        row(table, one["name"], one["what"], one["first"] + (f" and {one['second']}" if one["second"] else ""))
+    console.print(table)
 
 
 def law(kind: str, entry: Mapping[str, Any]) -> str:
@@ -147,11 +160,20 @@ def freedom(found: Mapping[str, Any]) -> list[str]:
 def steps(found: Mapping[str, Any]) -> list[str]:
     """The step and its limits in words."""
     step = found["step"]
-    how = "chosen; set by" if step["automatic"] else "as given; the stable one is set by"
+    endless = step["stable"] == float("inf")
+    how = (
+        f"chosen; set by {step['set_by']}"
+        if step["automatic"]
+        else "as given"
+        if endless
+        else f"as given; the stable one is set by {step['set_by']}"
+    )
     turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
     return [
-        f"Step {step['size']:.4g} s, {how} {step['set_by']}.",
-        f"The largest stable step is {step['stable']:.4g} s:",
+        f"Step {step['size']:.4g} s, {how}.",
+        "There is no largest stable step: nothing here limits it but accuracy."
+        if endless
+        else f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
         f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
     ]
