@@ -1,4 +1,4 @@
-"""Joints, springs, gears and guides together: the same bits in every loop, mirror symmetry, momenta of what floats, an energy ledger of second order."""
+"""What the machinery of every joint, spring and driver keeps: the same bits in all loops, mirror symmetry, momenta, a second-order ledger."""
 
 import dataclasses
 from functools import cache
