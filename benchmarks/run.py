@@ -13,7 +13,7 @@ import traceback
 from measure import HERE, Options, Part, machine, table, versions
 from rich.console import Console
 
-PARTS = ("limit", "peers", "elastic", "laws", "friction", "startup")
+PARTS = ("limit", "peers", "elastic", "size", "joints", "laws", "friction", "startup")
 # What each ratio shall be; ratios without an entry are told for information.
 TARGETS: dict[str, tuple[str, float]] = {
     "limit.generated_1_lane": ("at most", 1.5),
@@ -24,6 +24,14 @@ TARGETS: dict[str, tuple[str, float]] = {
     "peers.case_c": ("at least", 30.0),
     "elastic.data_driven": ("at least", 1.0),
     "elastic.generated_4_lanes": ("at least", 1.0),
+    "size.bar": ("at most", 1.5),
+    "size.lattice": ("at most", 1.5),
+    "size.assembly_bar": ("at most", 1.0),
+    "size.assembly_lattice": ("at most", 1.0),
+    "size.memory_bar": ("at most", 1.0),
+    "size.memory_lattice": ("at most", 1.0),
+    "joints.data_driven": ("at most", 1.0),
+    "joints.generated": ("at most", 1.0),
     "laws.slowest_1_lane": ("at most", 3.0),
     "laws.slowest_4_lanes": ("at most", 3.0),
     "startup.import": ("at most", 1.0),

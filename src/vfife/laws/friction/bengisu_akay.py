@@ -53,7 +53,8 @@ class BengisuAkay(FrictionLaw):
         speed = foreseen(free_velocity, unit * static, last, before)
         beyond = speed * inverse_speed - 1.0
         rises = beyond < 0.0
-        share = static * (1.0 - beyond * beyond) if rises else static - excess * approach(decay * (0.0 if rises else beyond))
+        past = beyond if beyond > 0.0 else 0.0
+        share = static * (1.0 - beyond * beyond) if rises else static - excess * approach(decay * past)
         slope = -2.0 * static * inverse_speed * beyond if rises else 0.0
         force = normal_force * along(free_velocity, unit, speed, share, slope, static)
         force = -force if free_velocity > 0.0 else force
