@@ -1,4 +1,4 @@
-"""What the machinery of every joint, spring and driver keeps: the same bits in all loops, mirror symmetry, momenta, a second-order ledger."""
+"""All joints, springs, gears and guides: the same bits in every loop, mirror symmetry, momenta of what floats, ledgers of second order."""
 
 import dataclasses
 from functools import cache
@@ -21,6 +21,8 @@ from vfife.loads import PointForce
 from vfife.mechanism import Mechanism
 from vfife.simulation import run
 from vfife.springs import Stop, TorsionalSpring
+from vfife.verification.lagrange import solved
+from vfife.verification.pendulums import double_four_bar
 
 RUBBER = Material("rubber", 2e8, 0.3, 1000.0)
 STIFF = Material("stiff", 2e9, 0.3, 1000.0)  # its strains are small enough for the incremental law to be as good as conservative
@@ -306,3 +308,37 @@ def test_ledger_of_each_kind_is_of_second_order(kind):
         errors.append(ledger(run(assemble(single(kind), step, duration=0.4, outputs=40, force_step=True), loop="data-driven")).error)
     assert errors[-1] < 1e-4, errors
     assert min(order(errors)) > 1.8 or errors[0] < 1e-12, errors
+
+
+@pytest.mark.parametrize("loop", ["data-driven", "generated"])
+def test_singular_positions_are_passed_with_second_order(loop):
+    """Two four-bars side by side lie flat, with three freedoms instead of one, four times; at any step they stay the parallelograms they are."""
+    errors = []
+    for step in (1e-3, 5e-4, 2.5e-4) if loop == "generated" else (1e-3, 5e-4, 2.5e-4, 1e-4, 2e-5):
+        record = run(assemble(double_four_bar(), step, duration=3.0, outputs=100, force_step=True), loop=loop)
+        assert record.status == "complete"
+        angle = record.block("particle_theta")
+        assert np.abs(angle[:, 1] - angle[:, 3]).max() < 1e-3
+        rates = solved(lambda time, y: np.array([y[1], -3.5 * 9.81 * np.cos(y[0]) / 3.0]), [0.5 * np.pi, -1.0], np.array([3.0]))
+        errors.append(abs(angle[-1, 1] - rates[0, 0]))
+    assert errors[-1] < 1e-4 and min(order(errors[:3])) > 1.8, errors
+
+
+@pytest.mark.parametrize("path_unit", [4, 25])
+def test_path_units_of_a_frame(path_unit):
+    """Elements whose reference is renewed less often: the same motion of a frame that bends and flies."""
+
+    def tip(unit: int) -> np.ndarray:
+        m = Mechanism("frame")
+        nodes = {"a": (0.0, 0.0), "b": (0.3, 0.0), "c": (0.3, 0.2)}
+        members = (Member("a", "b", 2), Member("b", "c", 2))
+        m.frame("frame", nodes=nodes, members=members, section=Section.round(0.02), material=RUBBER, velocity=(0.1, 0.2, 6.0))
+        m.loads["push"] = PointForce(
+            name="push", at="frame.c", force=(0.0, 3.0), times=(0.0, 0.02, 0.04, 0.06, 0.1, 0.2), factors=(0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+        )
+        record = run(assemble(with_settings(m, path_unit=unit), 1e-5, duration=0.2, outputs=100, force_step=True), loop="data-driven")
+        return np.stack([record.block("particle_x"), record.block("particle_y")])
+
+    one, many = tip(1), tip(path_unit)
+    assert np.ptp(one) > 0.1
+    assert 0.0 < np.abs(one - many).max() < 1e-5 * path_unit

@@ -13,7 +13,8 @@ from .elementary import sincos, small_turn
 from .pin import arm
 from .step import larger
 
-SINGULAR = 1e-5  # pivot, of what it was before elimination, below which its correction is damped
+SINGULAR = 64.0  # pivot in squared turns of a step (of what it was before elimination) below which its correction is damped: eight steps away
+COARSE = 1e-3  # the largest such pivot
 
 
 def row(S, q, nx, ny, jb, jk):
@@ -101,14 +102,24 @@ def fill(S, I):
             S[at] += sign * (im * along + ii * S[x] * S[y])
 
 
-def factor(S, I, y):
+def singular(S, I, dt):
+    """Pivot, of what it was before elimination, below which a position counts as singular for the fastest turning pinned body."""
+    spin = 0.0
+    for q in range(I[H.pinned_count]):
+        spin = larger(spin, abs(S[I[I[H.pinned] + q] + P.w]))
+    share = SINGULAR * (dt * spin) * (dt * spin)
+    return share if share < COARSE else COARSE
+
+
+def factor(S, I, y, dt):
     """L D L^T of the matrix along its profile, in place, with the forward substitution of y on the way.
 
-    A pivot lost to rounding (a redundant joint) is left out. Near a singular position, where the directions of constraints become one within a few
-    steps, a correction is damped as in a least squares solution (Levenberg): there the pivot changes by as much as itself in a step, and what the
-    whole correction would do is unbounded.
+    A pivot lost to rounding (a redundant joint) is left out. Within some steps of a singular position, where the directions of two constraints
+    become one, the pivot goes as the square of the angle that is left and changes by as much as itself in a step, so what a whole correction does is
+    unbounded: there it is damped as in a least squares solution (Levenberg 1944), and inertia carries the mechanism through.
     """
     inverse = I[H.inverse]
+    share = singular(S, I, dt)
     for r in range(I[H.row_count]):
         first = I[I[H.row] + JQ.SIZE * r + JQ.start]
         at = I[I[H.row] + JQ.SIZE * r + JQ.at]
@@ -128,7 +139,7 @@ def factor(S, I, y):
             left -= value * ratio
             wanted -= ratio * S[y + c]
             S[at + c] = ratio
-        least = SINGULAR * diagonal
+        least = share * diagonal
         S[inverse + r] = left / (left * left + least * least) if left > 1e-12 * diagonal else 0.0
         S[y + r] = wanted
 
@@ -262,7 +273,7 @@ def close(S, I, dt, b, k, fresh):
     follow(S, I, dt, b, k)
     gaps(S, I)
     if fresh:
-        factor(S, I, y)
+        factor(S, I, y, dt)
     else:
         forward(S, I, y)
     backward(S, I, y)
