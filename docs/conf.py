@@ -104,6 +104,15 @@ def fill_api_page(app, docname, source) -> None:
         source[0] = source[0].replace("@MODULES@", "\n".join(f"   {name}" for name in module_names()))
 
 
+def fill_verification_page(app, docname, source) -> None:
+    """Run the verification suite and put its numbers into verification.md before it is read."""
+    if docname == "verification":
+        from vfife.verification import CASES
+        from vfife.verification.page import tables
+
+        source[0] = source[0].replace("@CASES@", tables(CASES.values()))
+
+
 def keep_docstring_layout(app, what, name, obj, options, lines) -> None:
     """Show a docstring as plain text, whose layout carries meaning: the summary, then the rest as it stands."""
     text = [line.rstrip() for line in lines]
@@ -121,4 +130,5 @@ def keep_docstring_layout(app, what, name, obj, options, lines) -> None:
 def setup(app) -> None:
     app.connect("builder-inited", write_module_pages)
     app.connect("source-read", fill_api_page)
+    app.connect("source-read", fill_verification_page)
     app.connect("autodoc-process-docstring", keep_docstring_layout)

@@ -18,6 +18,7 @@ from .commands.paper import paper
 from .commands.run import run
 from .commands.schema import schema
 from .commands.terminal import INTERRUPTED, tell
+from .commands.verify import verify
 
 
 class Group(TyperGroup):
@@ -57,5 +58,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, check, compare, info, plot, export, laws, materials, schema, paper):
+for command in (new, run, check, compare, info, plot, export, laws, materials, schema, paper, verify):
     app.command()(command)

@@ -219,7 +219,7 @@ def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -
         "clearance_line_y": (touch.line[1],),
         "clearance_arm_bearing": (arms * touch.arms[0],),
         "clearance_arm_journal": (arms * touch.arms[1],),
-        "clearance_arm_overlap": (0.5 if joint.friction_moment == "mid-overlap" else 0.0,),
+        "clearance_arm_overlap": (0.5 * arms if joint.friction_moment == "mid-overlap" else 0.0,),
         "clearance_floor": (joint.impact_speed_floor,),
         "clearance_landing": (joint.landing,),
         "clearance_contact": joint.contact.parameters(pair),

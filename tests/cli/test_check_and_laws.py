@@ -144,7 +144,7 @@ def test_a_friction_law_by_itself(command: Callable) -> None:
         (["pereira", "--plot", "--material", "bronce"], 'did you mean "bronze"'),
         (["pereira", "--plot", "--clearance", "2 kg"], "a mass"),
         (["pereira", "--plot", "--clearance", "20 mm"], "no journal is left"),
-        (["pereira", "--plot", "--clearance", "0.5 um"], "no finite numbers for these surfaces"),
+        (["pereira", "--plot", "--clearance", "0.5 um"], "no exponent for a clearance"),
         (["pereira", "--plot", "--set", "restitution=2"], "too large"),
         (["pereira", "--plot", "--set", "restitutoin=0.5"], 'Did you mean "restitution"'),
         (["pereira", "--plot", "-o", "picture.doc"], ".png, .pdf, .svg"),

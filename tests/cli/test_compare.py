@@ -82,7 +82,7 @@ def test_the_command(command: Callable, tmp_path: Path) -> None:
         (["--friction", "pereira"], "no friction law"),
         (["--contact", "pereira", "--joint", "A"], "joint a is ideal"),
         (["--contact", "pereira", "--joint", "Q"], "there is no joint"),
-        (["--contact", "pereira", "--set", "joint.C.clearance=0.5 um"], "no finite numbers"),
+        (["--contact", "pereira", "--set", "joint.C.clearance=0.5 um"], "no exponent for a clearance"),
         (["--contact", "pereira", "--step", "1 ms"], "too large"),
         (["--contact", "pereira", "--laws", "none.py"], "cannot be read"),
     ],

@@ -83,7 +83,7 @@ def test_every_law_has_something_to_do():
     where = {int(row): k for k, row in enumerate(kept)}
 
     def block(name: str, part: int = 0) -> np.ndarray:
-        return rows[:, [where[row + part] for row in range(*layout[name].indices(layout.rows))]]
+        return rows[:, [where[int(row) + part] for row in layout[name]]]
 
     names = [law.name for law in LAWS]
     early = block("clearance_friction_work")[INTERPRETED, :, 0]
@@ -101,7 +101,7 @@ def test_every_law_has_something_to_do():
 def test_memory_is_state_and_in_pieces_as_in_one():
     """All its rows are kept and checkpointed; a run in pieces has the bits of a run in one."""
     layout = computed("data-driven", LANES)[1]
-    rows = {row + part for row in range(*layout["clearance_memory"].indices(layout.rows)) for part in range(FRICTION_MEMORY)}
+    rows = {int(row) + part for row in layout["clearance_memory"] for part in range(FRICTION_MEMORY)}
     assert rows <= set(layout.of("state"))
     whole, pieces = (lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "data-driven") for _ in range(2))
     whole.advance(600, 1)

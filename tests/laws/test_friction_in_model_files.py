@@ -11,7 +11,7 @@ from vfife.modelfile import ModelError, dump, loads
 LAWS = sorted(FrictionLaw.registry.values(), key=lambda law: law.name)
 OLD = 'law = "ambrosio"\nv0 = "0.01 m/s"\nv1 = "0.1 m/s"\n'
 # The same quantity in a unit that people write, and what it is in SI.
-WRITTEN = {"1": ("0.25", 0.25), "m/s": ('"2 mm/s"', 2e-3), "1/m": ('"30 1/mm"', 3e4), "s/m": ('"0.02 s/mm"', 20.0)}
+WRITTEN = {"1": ("0.25", 0.25), "m/s": ('"2 mm/s"', 2e-3), "1/m": ('"30 1/mm"', 3e4), "s/m": ('"0.02 s/mm"', 20.0), "s": ('"300 ms"', 0.3)}
 HIGHER = {"static_coefficient": ("0.3", 0.3), "v1": ('"0.5 m/s"', 0.5)}
 
 

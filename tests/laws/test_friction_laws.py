@@ -19,7 +19,7 @@ numbers = {
     "normal": st.floats(1e-3, 1e6) | st.just(0.0), "free": st.floats(-50.0, 50.0) | st.floats(-1e-2, 1e-2) | st.just(0.0),
     "mobility": st.floats(1e-9, 1e-3) | st.just(0.0),
 }  # fmt: skip
-RANGES = {"(m)": st.floats(-1e-5, 1e-5), "(m/s)": st.floats(-10.0, 10.0) | st.floats(-1e-3, 1e-3)}
+RANGES = {"(m)": st.floats(-1e-5, 1e-5), "(m/s)": st.floats(-10.0, 10.0) | st.floats(-1e-3, 1e-3), "(1)": st.floats(0.0, 1.0)}
 
 
 def shaped(values):
@@ -37,8 +37,9 @@ def remembered(law):
     return st.tuples(*(RANGES[name[name.rindex("(") :]] for name in law.memory)).map(shaped)
 
 
-def mirrored(memory):
-    return tuple(-part for part in memory) if isinstance(memory, tuple) else -memory
+def mirrored(law, memory):
+    """What has a direction, turned round; a pure number has none."""
+    return shaped([part if name.endswith("(1)") else -part for name, part in zip(law.memory, parts(memory), strict=False)])
 
 
 def parts(memory):
@@ -47,8 +48,8 @@ def parts(memory):
 
 def dry(law):
     """The law without what grows with the velocity."""
-    off = {name: 0.0 for name in ("viscous", "bristle_damping") if name in {field.name for field in dataclasses.fields(law)}}
-    return law(**off)
+    fields = {field.name: field.metadata["low"] for field in dataclasses.fields(law)}
+    return law(**{name: 0.0 for name in ("viscous", "bristle_damping") if fields.get(name) == 0.0})
 
 
 def top(law):
@@ -57,7 +58,8 @@ def top(law):
 
 
 def test_there_are_laws():
-    assert {"ambrosio", "none", "coulomb", "karnopp", "stribeck", "dahl", "lugre", "brown-mcphee"} <= set(FrictionLaw.registry)
+    given = {"ambrosio", "none", "coulomb", "karnopp", "stribeck", "dahl", "lugre", "brown-mcphee", "threlfall", "bengisu-akay", "gonthier"}
+    assert given <= set(FrictionLaw.registry)
 
 
 @each_law
@@ -130,8 +132,8 @@ def test_the_other_way_is_the_mirror_image(law, data, normal, free, mobility):
     """To the bit: a mirrored mechanism makes the mirrored motion."""
     p, memory = law().parameters(PAIR), data.draw(remembered(law))
     force, after = law.force(normal, free, mobility, memory, DT, p)
-    other, other_after = law.force(normal, -free, mobility, mirrored(memory), DT, p)
-    assert (other, other_after) == (-force, mirrored(after))
+    other, other_after = law.force(normal, -free, mobility, mirrored(law, memory), DT, p)
+    assert (other, other_after) == (-force, mirrored(law, after))
 
 
 @each_law
@@ -189,6 +191,19 @@ def steady(law, v):
         case "brown-mcphee":
             x = v / law.transition_speed
             return law.coefficient * math.tanh(4 * x) + (law.static_coefficient - law.coefficient) * x / (x * x / 4 + 0.75) ** 2
+        case "threlfall":
+            return law.coefficient * (1 - math.exp(-3 * v / law.v1)) / (1 - math.exp(-3)) if v <= law.v1 else law.coefficient
+        case "bengisu-akay":
+            kinetic, static = law.coefficient, law.static_coefficient
+            return (
+                static - static / law.v0**2 * (v - law.v0) ** 2
+                if v <= law.v0
+                else kinetic + (static - kinetic) * math.exp(-law.decay * (v - law.v0))
+            )
+        case "gonthier":
+            s = math.exp(-((v / law.stribeck_speed) ** 2))
+            bristles = law.coefficient - s * law.bristle_damping * v / math.expm1(-((v / law.stribeck_speed) ** 2))
+            return min(bristles, law.coefficient + (law.static_coefficient - law.coefficient) * s) + law.viscous * v
     pytest.fail(f"{type(law).name}: write down its curve in steady sliding here", pytrace=False)
 
 

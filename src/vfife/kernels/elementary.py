@@ -216,28 +216,3 @@ def approach(x):
     far = 1.0 - e * e
     far = far if x < 40.0 else 1.0
     return q if near else far
-
-
-def relaxed(beta, rho):
-    """y >= 0 with y + beta (1 - exp(-y)) = rho, for beta >= -1/2 and rho >= 0: Newton's method raised to the fifth order, three times.
-
-    It starts where 1 - exp(-y) is replaced by y - y^2/4 up to y = 2 and by 1 beyond. The residual is below 1e-13 rho up to beta = 100 and below
-    1e-8 rho up to 1e3.
-    """
-    slope = 1.0 + beta
-    square = slope * slope - beta * rho
-    y = 2.0 * rho / (slope + math.sqrt(square if square > 0.0 else 0.0))
-    far = rho - beta if rho - beta > 2.0 else 2.0
-    y = y if square > 0.0 and y < 2.0 else far
-    for _ in range(3):
-        gone = approach(y)
-        left = beta - beta * gone
-        slope = 1.0 / (1.0 + left)
-        s = left * slope
-        t = (rho - beta * gone - y) * slope
-        t = t if t < 1.0 else 1.0
-        third = (0.5 * s - 0.16666666666666666) * s
-        fourth = ((0.625 * s - 0.4166666666666667) * s + 0.041666666666666664) * s
-        y = y + t * ((1.0 + t * (0.5 * s)) + (t * t) * (third + t * fourth))
-        y = y if y > 0.0 else 0.0
-    return y

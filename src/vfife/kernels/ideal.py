@@ -13,6 +13,8 @@ from .elementary import sincos, small_turn
 from .pin import arm
 from .step import larger
 
+SINGULAR = 1e-5  # pivot, of what it was before elimination, below which its correction is damped
+
 
 def row(S, q, nx, ny, jb, jk):
     """Direction and levers of a constraint."""
@@ -102,7 +104,9 @@ def fill(S, I):
 def factor(S, I, y):
     """L D L^T of the matrix along its profile, in place, with the forward substitution of y on the way.
 
-    A pivot lost to rounding (a redundant joint) is left out.
+    A pivot lost to rounding (a redundant joint) is left out. Near a singular position, where the directions of constraints become one within a few
+    steps, a correction is damped as in a least squares solution (Levenberg): there the pivot changes by as much as itself in a step, and what the
+    whole correction would do is unbounded.
     """
     inverse = I[H.inverse]
     for r in range(I[H.row_count]):
@@ -124,7 +128,8 @@ def factor(S, I, y):
             left -= value * ratio
             wanted -= ratio * S[y + c]
             S[at + c] = ratio
-        S[inverse + r] = 1.0 / left if left > 1e-12 * diagonal else 0.0
+        least = SINGULAR * diagonal
+        S[inverse + r] = left / (left * left + least * least) if left > 1e-12 * diagonal else 0.0
         S[y + r] = wanted
 
 

@@ -47,7 +47,9 @@ class Hydrodynamic(ContactLaw):
     stiffness: float | None = quantity("N/m^1.5", "generalised stiffness K; from radii and materials if left out", None, above=0.0)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """Stiffness (N/m^1.5), damping factor (1), A (N s), clearance and least film (m)."""
+        """Stiffness (N/m^1.5), damping factor (1), A (N s), clearance and least film (m). Raises ValueError outside a bearing."""
+        if pair.external:
+            raise ValueError(f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take "pereira" or "johnson"')
         stiffness = self.stiffness
         if stiffness is None:
             stiffness = 4.0 / 3.0 * pair.composite_modulus * math.sqrt(pair.bearing_radius * pair.journal_radius / pair.clearance)

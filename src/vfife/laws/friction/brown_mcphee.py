@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from ...kernels.elementary import approach
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
+from .tangent import along, foreseen
 
 
 @dataclass(frozen=True)
 class BrownMcPhee(FrictionLaw):
     """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's viscous term is left out.
 
-    Smooth, so steep in place of set-valued: solved with the velocity that the force itself leaves, by five steps of Halley's method kept
-    between two bounds, from where a parabola in place of tanh has it. In x the relation is x + beta_c tanh(4 x) + beta_d x/(x^2/4 + 3/4)^2 = rho
-    with beta = mobility F_N mu/v_t. Beyond beta_d = 2.2 the falling part has several solutions in one step, and one of them is found.
+    Solved along the tangent at the speed that the last two steps foresee, the falling part at that speed: second order in the step, and stable
+    however steep the curve is.
     """
 
     name: ClassVar[str] = "brown-mcphee"
@@ -27,6 +26,7 @@ class BrownMcPhee(FrictionLaw):
     )
     formula: ClassVar[str] = "F = -N (mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2) sign(v), x = |v|/vt"
     slots: ClassVar[tuple[str, ...]] = ("coefficient", "excess", "inverse_speed")
+    memory: ClassVar[tuple[str, ...]] = ("sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
 
     coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, low=0.0)
     static_coefficient: float = quantity("1", "static friction coefficient mu_s, the height of the peak but for tanh 4", 0.15, low=0.0)
@@ -40,46 +40,25 @@ class BrownMcPhee(FrictionLaw):
         return self.coefficient, self.static_coefficient - self.coefficient, 1.0 / self.transition_speed
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Friction force (N)."""
+    def force(
+        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float], dt: float, p: tuple[float, ...]
+    ) -> tuple[float, tuple[float, float]]:
+        """Friction force (N) and the last two sliding velocities (m/s)."""
         coefficient, excess, inverse_speed = p
-        unit = mobility * normal_force * inverse_speed
-        kinetic = unit * coefficient
-        peak = unit * excess
-        rho = abs(free_velocity) * inverse_speed
-        low = rho - kinetic - peak
-        low = low if low > 0.0 else 0.0
-        high = rho
-        slope = 1.0 + 4.0 * kinetic + 1.7777777777777777 * peak
-        square = slope * slope - 16.0 * kinetic * rho
-        x = 2.0 * rho / (slope + math.sqrt(square if square > 0.0 else 0.0))
-        far = low if low > 0.5 else 0.5
-        x = x if square > 0.0 and x < 0.5 else far
-        for _ in range(5):
-            value, slope, bend = curve(x, kinetic, peak)
-            error = x + value - rho
-            low = x if error < 0.0 else low
-            high = x if error > 0.0 else high
-            inverse = 1.0 / (1.0 + slope)
-            step = error * inverse
-            turn = 0.5 * step * bend * inverse
-            turn = turn if turn < 0.5 else 0.5
-            turn = turn if turn > -0.5 else -0.5
-            near = x - step / (1.0 - turn)
-            inside = near >= low and near <= high
-            x = near if inside else 0.5 * (low + high)
-        force = normal_force * curve(x, coefficient, excess)[0]
-        return -force if free_velocity > 0.0 else force, memory
-
-
-def curve(x: float, kinetic: float, peak: float) -> tuple[float, float, float]:
-    """kinetic tanh(4 x) + peak x/(x^2/4 + 3/4)^2 for x >= 0 with its first two derivatives."""
-    gone = approach(8.0 * x)
-    tanh = gone / (2.0 - gone)
-    rise = 4.0 * kinetic * (1.0 - tanh * tanh)
-    square = x * x
-    inverse = 1.0 / (0.25 * square + 0.75)
-    bump = peak * inverse * inverse
-    fall = bump * inverse
-    turn = fall * inverse * x * (1.125 * (square - 1.0) - 1.5 * (0.25 * square + 0.75))
-    return kinetic * tanh + bump * x, rise + 0.75 * fall * (1.0 - square), turn - 8.0 * tanh * rise
+        last, before = memory
+        unit = mobility * normal_force
+        top = coefficient + excess
+        speed = foreseen(free_velocity, unit * top, last, before)
+        x = speed * inverse_speed
+        gone = approach(8.0 * x)
+        square = 0.25 * x * x + 0.75
+        # tanh 4x = gone/(2 - gone) and 1/square from one division
+        inverse = 1.0 / ((2.0 - gone) * square)
+        tanh = gone * square * inverse
+        fall = (2.0 - gone) * inverse
+        bump = excess * fall * fall
+        slope = inverse_speed * (4.0 * coefficient * (1.0 - tanh * tanh) + 0.75 * bump * fall * (1.0 - x * x))
+        slope = slope if slope > 0.0 else 0.0
+        force = normal_force * along(free_velocity, unit, speed, coefficient * tanh + bump * x, slope, top)
+        force = -force if free_velocity > 0.0 else force
+        return force, (free_velocity + mobility * force, last)

@@ -19,22 +19,20 @@ class Dahl(FrictionLaw):
         "solid friction damping of mechanical vibrations. AIAA Journal 14 (1976) 1675-1682"
     )
     formula: ClassVar[str] = "F = -N s0 z, z' = v - s0 |v| z/mu_c"
-    slots: ClassVar[tuple[str, ...]] = ("coefficient", "bristle_stiffness")
-    memory: ClassVar[tuple[str, ...]] = ("bristle deflection (m)", "sliding velocity at n - 1 (m/s)")
+    slots: ClassVar[tuple[str, ...]] = ("stretch", "inverse_stretch", "bristle_stiffness")
+    memory: ClassVar[tuple[str, ...]] = ("bristle deflection (m)", "sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
 
     coefficient: float = quantity("1", "friction coefficient mu_c", 0.1, above=0.0)
     bristle_stiffness: float = quantity("1/m", "stiffness sigma_0 of the bristles per unit of normal force", 1e4, above=0.0)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """Coefficient (1) and sigma_0 (1/m)."""
-        return self.coefficient, self.bristle_stiffness
+        """mu_c/sigma_0 (m), its inverse and sigma_0 (1/m)."""
+        return self.coefficient / self.bristle_stiffness, self.bristle_stiffness / self.coefficient, self.bristle_stiffness
 
     @staticmethod
     def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float], dt: float, p: tuple[float, ...]
-    ) -> tuple[float, tuple[float, float]]:
-        """Friction force (N), deflection (m) and sliding velocity (m/s)."""
-        coefficient, stiffness = p
-        deflection, last = memory
-        force, deflection, velocity = bend(normal_force, free_velocity, mobility, deflection, last, dt, coefficient, stiffness, 0.0, 0.0)
-        return force, (deflection, velocity)
+        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float, float], dt: float, p: tuple[float, ...]
+    ) -> tuple[float, tuple[float, float, float]]:
+        """Friction force (N), deflection (m) and the last two sliding velocities (m/s)."""
+        stretch, inverse, stiffness = p
+        return bend(normal_force, free_velocity, mobility, memory, dt, stretch, inverse, stiffness, 0.0, 0.0)

@@ -30,7 +30,7 @@ class LuGre(FrictionLaw):
         "Dynamic tire friction models for vehicle traction control. 38th IEEE Conference on Decision and Control (1999) 3746-3751"
     )
     formula: ClassVar[str] = "F = -N (s0 z + s1 z' + s2 v), z' = v - s0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/vS)^2)"
-    slots: ClassVar[tuple[str, ...]] = ("coefficient", "excess", "inverse_speed", "bristle_stiffness", "bristle_damping", "viscous")
+    slots: ClassVar[tuple[str, ...]] = ("coefficient", "excess", "inverse_speed", "compliance", "bristle_stiffness", "bristle_damping", "viscous")
     memory: ClassVar[tuple[str, ...]] = ("bristle deflection (m)", "sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
 
     coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, above=0.0)
@@ -44,18 +44,17 @@ class LuGre(FrictionLaw):
         not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """mu_c and mu_s - mu_c (1), 1/v_S (s/m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m)."""
+        """mu_c and mu_s - mu_c (1), 1/v_S (s/m), 1/sigma_0 (m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m)."""
         excess = self.static_coefficient - self.coefficient
-        return self.coefficient, excess, 1.0 / self.stribeck_speed, self.bristle_stiffness, self.bristle_damping, self.viscous
+        bristles = (1.0 / self.bristle_stiffness, self.bristle_stiffness, self.bristle_damping, self.viscous)
+        return self.coefficient, excess, 1.0 / self.stribeck_speed, *bristles
 
     @staticmethod
     def force(
         normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float, float], dt: float, p: tuple[float, ...]
     ) -> tuple[float, tuple[float, float, float]]:
         """Friction force (N), deflection (m) and the last two sliding velocities (m/s)."""
-        coefficient, excess, inverse_speed, stiffness, damping, viscous = p
-        deflection, last, before = memory
-        ratio = (1.5 * last - 0.5 * before) * inverse_speed
+        coefficient, excess, inverse_speed, compliance, stiffness, damping, viscous = p
+        ratio = (1.5 * memory[1] - 0.5 * memory[2]) * inverse_speed
         capacity = coefficient + excess * (1.0 - approach(ratio * ratio))
-        force, deflection, velocity = bend(normal_force, free_velocity, mobility, deflection, last, dt, capacity, stiffness, damping, viscous)
-        return force, (deflection, velocity, last)
+        return bend(normal_force, free_velocity, mobility, memory, dt, capacity * compliance, stiffness / capacity, stiffness, damping, viscous)

@@ -1,0 +1,23 @@
+"""The verification suite: cases with a source, a reference and a tolerance, run by ``vfife verify``."""
+
+from . import beams, drives, equilibria, fourbars, guides, impacts, oscillators, pendulums, squeezer
+from .case import Case, Nudge, Row, entry, verified
+
+CASES: dict[str, Case] = verified.cases
+
+__all__ = [
+    "CASES",
+    "Case",
+    "Nudge",
+    "Row",
+    "beams",
+    "drives",
+    "entry",
+    "equilibria",
+    "fourbars",
+    "guides",
+    "impacts",
+    "oscillators",
+    "pendulums",
+    "squeezer",
+]

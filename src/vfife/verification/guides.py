@@ -1,0 +1,228 @@
+"""Sliders: on the ground, on moving bodies, as slots, with play."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from ..drivers import ConstantSpeed
+from ..laws import Ambrosio, LankaraniNikravesh
+from ..mechanism import Mechanism
+from .case import Nudge, Row, Rows, verified
+from .lagrange import solved
+from .seen import run
+
+MEMORY = "slider-crank of the clearance literature (5000 rpm; data from memory), ideal values by rigid-body kinetics"
+FLORES = (
+    "Flores, Leine, Glocker: Modeling and analysis of planar rigid multibody systems with translational clearance joints based on the non-smooth "
+    "dynamics approach. Multibody Syst. Dyn. 23 (2010) 165-190"
+)
+CLOSED = "closed form"
+
+
+def slider_crank(crank: tuple[float, float, float], rod: tuple[float, float, float], block: tuple[float, float], g: float = 0.0) -> Mechanism:
+    """Length, mass and inertia of crank and rod; mass and inertia of the block, which runs along x through the crank's pivot."""
+    m = Mechanism("slider-crank", gravity=(0.0, -g))
+    m.point("O", 0.0, 0.0)
+    for name, (length, mass, inertia) in (("crank", crank), ("rod", rod)):
+        m.link(name, length=length, mass=mass, inertia=inertia)
+    m.rigid_body("block", mass=block[0], inertia=block[1], position=(crank[0] + rod[0], 0.0))
+    m.revolute("O", "ground.O", "crank.start")
+    m.revolute("B", "crank.end", "rod.start")
+    m.revolute("C", "rod.end", "block.center")
+    return m
+
+
+def ideal_values(nudge: Nudge, m: Mechanism, speed: float, wanted: dict[str, float]) -> Rows:
+    """Extremes over one turn at constant speed."""
+    m.slider("S", "ground.O", "block.center")
+    m.drive("crank", speed=speed * nudge("speed"))
+    seen = run(m, turns=1.0, step=2.0 * math.pi / speed / 7200, outputs=3600)
+    a, torque = seen.particle("particle_ax", "block"), seen.driven("crank", "torque")
+    force = {joint: float(np.hypot(seen.ideal(joint, "fx"), seen.ideal(joint, "fy")).max()) for joint in "BC"}
+    found = {
+        "least slider acceleration": (float(a.min()), "m/s²"), "largest slider acceleration": (float(a.max()), "m/s²"),
+        "largest force rod-slider": (force["C"], "N"), "largest force crank-rod": (force["B"], "N"),
+        "least crank torque": (float(torque.min()), "N m"), "largest crank torque": (float(torque.max()), "N m"),
+    }  # fmt: skip
+    for quantity, reference in wanted.items():
+        value, unit = found[quantity]
+        yield Row(quantity, unit, reference, value, 1e-3 if "torque" not in quantity else 5e-3)
+
+
+@verified("Slider-crank at 5000 rpm", MEMORY, nudges={"speed": 1.005})
+def slider_crank_ideal(nudge: Nudge) -> Rows:
+    """Extremes over a turn with ideal joints."""
+    m = slider_crank((0.05, 0.30, 1e-4), (0.12, 0.21, 2.5e-4), (0.14, 1e-4))
+    wanted = {
+        "least slider acceleration": -19419.4, "largest slider acceleration": 9695.9, "largest force rod-slider": 2718.7,
+        "largest force crank-rod": 6197.1, "least crank torque": -138.5, "largest crank torque": 138.5,
+    }  # fmt: skip
+    yield from ideal_values(nudge, m, 5000.0 * math.pi / 30.0, wanted)
+
+
+def flores(g: float = 9.81) -> Mechanism:
+    """The slider-crank of Flores, Leine and Glocker, without its guide."""
+    return slider_crank((0.1530, 0.038, 7.4e-5), (0.3060, 0.038, 5.9e-4), (0.076, 2.7e-6), g)
+
+
+@verified("Slider-crank at 150 rad/s", FLORES + "; ideal values by rigid-body kinetics", nudges={"speed": 1.005})
+def guide_ideal(nudge: Nudge) -> Rows:
+    """Extremes over a turn at constant speed with an ideal guide."""
+    wanted = {
+        "least slider acceleration": -5163.75, "largest slider acceleration": 2612.59, "largest force rod-slider": 392.4,
+        "largest force crank-rod": 556.0, "least crank torque": -42.9, "largest crank torque": 43.0,
+    }  # fmt: skip
+    yield from ideal_values(nudge, flores(), 150.0, wanted)
+
+
+@verified(
+    "Block with play in a guide until it meets a wall",
+    FLORES + " (data); independent integration of the free flight",
+    nudges={"clearance": 1.02, "crank": 0.9},
+)
+def guide_with_play(nudge: Nudge) -> Rows:
+    """Started at zero angles with 150 and -75 rad/s the block flies; time and corner of its first contact, and what it keeps of its energy."""
+    c = 1e-3
+    m = flores()
+    spin = 150.0 * nudge("crank")
+    speeds = {"crank": (0.0, 0.0765 * spin, spin), "rod": (0.0, 0.1530 * (spin - 75.0), -75.0), "block": (0.0, 0.1530 * (spin - 150.0), 0.0)}
+    for name, velocity in speeds.items():
+        m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
+    options = {"contact": LankaraniNikravesh(restitution=0.4), "friction": Ambrosio(0.01, 1e-4, 1e-2), "corner_radius": 1e-4}
+    m.clearance_slider("S", "ground.O", "block.center", clearance=c * nudge("clearance"), length=0.1, height=0.05, **options)
+    seen = run(m, step=5e-7, duration=0.02, outputs=4000)
+    time, corner = first_contact(c)
+    depths = np.stack([seen.contact(f"S.{k}", "penetration") for k in (1, 2, 3, 4)], axis=1)
+    first = int(np.argmax((depths > 0.0).any(axis=1)))
+    yield Row("time of the first contact", "s", time, float(seen.time[first]), 5e-3)
+    yield Row("first corner (1 and 2 at the left wall, 3 and 4 at the right)", "1", float(corner), float(np.argmax(depths[first]) + 1), 0.0)
+
+
+def first_contact(clearance: float) -> tuple[float, int]:
+    """Time (s) and number of the corner that meets a wall first: by Lagrange's equations for the two angles."""
+    l1, l2, m1, m2, m3, j1, j2, g = 0.1530, 0.3060, 0.038, 0.038, 0.076, 7.4e-5, 5.9e-4, 9.81
+    a11, a22, a12 = j1 + 0.25 * m1 * l1**2 + (m2 + m3) * l1**2, j2 + 0.25 * m2 * l2**2 + m3 * l2**2, l1 * l2 * (0.5 * m2 + m3)
+
+    def rates(time: float, y: np.ndarray) -> np.ndarray:
+        p, q, v, w = y
+        c, s = math.cos(p - q), math.sin(p - q)
+        matrix = np.array([[a11, a12 * c], [a12 * c, a22]])
+        right = [-a12 * s * w * w - g * l1 * (0.5 * m1 + m2 + m3) * math.cos(p), a12 * s * v * v - g * l2 * (0.5 * m2 + m3) * math.cos(q)]
+        return np.array([v, w, *np.linalg.solve(matrix, right)])
+
+    times = np.linspace(0.0, 0.05, 50001)
+    path = solved(rates, [0.0, 0.0, 150.0, -75.0], times)
+    # Pinned at its centre of mass without moments the block keeps its angle, so both corners of a side meet the wall at once.
+    height = l1 * np.sin(path[:, 0]) + l2 * np.sin(path[:, 1])
+    first = int(np.argmax(np.abs(height) > clearance))
+    return float(times[first]), 1 if height[first] > 0.0 else 3
+
+
+@verified("Slider on a rotating arm", "closed form: r = r₀ cosh ωt, N = 2 m ω r', torque N r", nudges={"speed": 1.005, "mass": 1.02})
+def slider_on_rotating_arm(nudge: Nudge) -> Rows:
+    """A block free along an arm that turns at constant speed: distance, force of the guide (Coriolis), torque of the driver."""
+    w, r0, mass = 8.0, 0.1, 0.7
+    m = Mechanism("slider on an arm")
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("arm", mass=1.0, inertia=0.2)
+    m.revolute("O", "ground.O", "arm.center")
+    m.rigid_body("block", mass=mass * nudge("mass"), inertia=1e-3, position=(r0, 0.0))
+    m.slider("S", "arm.center", "block.center")
+    m.drive("arm", speed=w * nudge("speed"))
+    time = 0.3
+    seen = run(m, duration=time, step=1e-5, outputs=5000)
+    r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))
+    force = np.hypot(seen.ideal("S", "fx"), seen.ideal("S", "fy"))
+    coriolis = 2.0 * mass * w * r0 * w * math.sinh(w * time)
+    yield Row("distance at 0.3 s", "m", r0 * math.cosh(w * time), seen.at(time, r), 1e-4)
+    yield Row("force of the guide at 0.3 s", "N", coriolis, seen.at(time, force), 1e-3)
+    yield Row("torque of the driver at 0.3 s", "N m", coriolis * r0 * math.cosh(w * time), seen.at(time, seen.driven("arm", "torque")), 1e-3)
+
+
+@verified("Bead on a free rod", "conservation of angular momentum and energy", nudges={"inertia": 1.02, "damping": 0.01})
+def bead_on_free_rod(nudge: Nudge) -> Rows:
+    """A rod turns freely in space, a bead runs out along it through a slot: momentum, angular momentum, energy, angular speed at a distance."""
+    m = Mechanism("bead on a free rod")
+    m.rigid_body("rod", mass=1.0, inertia=0.02 * nudge("inertia"), position=(0.0, 0.0), velocity=(0.2, -0.1, 10.0))
+    m.point_mass("bead", mass=0.3, position=(0.05, 0.0), velocity=(0.2, -0.1 + 0.5, 0.0))
+    m.slider("S", "rod.center", "bead.center", turning=True)
+    m.settings = dataclasses.replace(m.settings, damping=nudge("damping", 0.0))
+    seen = run(m, step=1e-5, duration=0.5, outputs=500)
+    u = {body: (seen.speed(body, "u"), seen.speed(body, "v")) for body in ("rod", "bead")}
+    total = 1.0 * u["rod"][1] + 0.3 * u["bead"][1]
+    yield Row("change of momentum in y", "N s", 0.0, float(np.abs(total - total[0]).max()), 1e-10, 1.0)
+    energy = sum(0.5 * mass * (u[b][0] ** 2 + u[b][1] ** 2) for b, mass in (("rod", 1.0), ("bead", 0.3))) + 0.01 * seen.speed("rod", "w") ** 2
+    yield Row("change of energy", "J", 0.0, float(np.abs(energy - energy[0]).max()), 1e-6, float(energy[0]))
+    reduced = 0.3 / 1.3
+    apart = np.hypot(seen.body("bead", "x") - seen.body("rod", "x"), seen.body("bead", "y") - seen.body("rod", "y"))
+    spin0 = 0.02 + reduced * 0.05**2
+    yield Row("angular speed at the end", "rad/s", 10.0 * spin0 / (0.02 + reduced * float(apart[-1]) ** 2), float(seen.speed("rod", "w")[-1]), 1e-5)
+
+
+@verified("Scotch yoke", "closed form: x = r cos ωt", nudges={"mass": 1.005, "radius": 1.001})
+def scotch_yoke(nudge: Nudge) -> Rows:
+    """The crank's pin in an upright slot of a block that slides along x: place, force in the slot, torque."""
+    r, w, mass = 0.08, 30.0, 1.4
+    m = Mechanism("Scotch yoke")
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("crank", mass=0.3, inertia=1e-3, points={"pin": (r * nudge("radius"), 0.0)})
+    m.revolute("O", "ground.O", "crank.center")
+    m.rigid_body("yoke", mass=mass * nudge("mass"), inertia=1e-2, position=(r, 0.0))
+    m.slider("guide", "ground.O", "yoke.center")
+    m.slider("slot", "yoke.center", "crank.pin", direction=(0.0, 1.0), turning=True)
+    m.drive("crank", speed=w)
+    seen = run(m, turns=1.0, step=2.0 * math.pi / w / 7200, outputs=7200)
+    for time in (0.04, 0.15):
+        yield Row(f"place of the yoke at {time:g} s", "m", r * math.cos(w * time), seen.at(time, seen.body("yoke", "x")), 1e-4, r)
+        push = mass * r * w * w * math.cos(w * time)
+        yield Row(f"force of the slot on the pin at {time:g} s", "N", push, seen.at(time, seen.ideal("slot", "fx")), 1e-3, mass * r * w * w)
+        torque = 0.5 * mass * r * r * w * w * math.sin(2.0 * w * time)
+        yield Row(f"torque at {time:g} s", "N m", torque, seen.at(time, seen.driven("crank", "torque")), 1e-3, mass * r * r * w * w)
+
+
+@verified("Slotted arm driven by a pin (quick return)", "closed form: tan ψ = r sin θ/(d + r cos θ)", nudges={"inertia": 1.005, "radius": 1.001})
+def quick_return(nudge: Nudge) -> Rows:
+    """The crank's pin runs in the slot of an arm on another pivot, as in a Geneva drive: angle of the arm, force in the slot."""
+    r, d, w, inertia = 0.1, 0.25, 20.0, 0.03
+    m = Mechanism("quick return")
+    m.point("A", 0.0, 0.0)
+    m.point("B", -d, 0.0)
+    m.rigid_body("crank", mass=0.3, inertia=1e-3, points={"pin": (r * nudge("radius"), 0.0)})
+    m.rigid_body("arm", mass=1.0, inertia=inertia * nudge("inertia"), position=(-d, 0.0))
+    m.revolute("A", "ground.A", "crank.center")
+    m.revolute("B", "ground.B", "arm.center")
+    m.slider("slot", "arm.center", "crank.pin", turning=True)
+    m.drive("crank", speed=w)
+    seen = run(m, turns=1.0, step=2.0 * math.pi / w / 7200, outputs=7200)
+    p = r / d
+    for time in (0.06, 0.13):
+        a = w * time
+        below = 1.0 + p * p + 2.0 * p * math.cos(a)
+        alpha = w * w * p * (p * p - 1.0) * math.sin(a) / below**2
+        yield Row(f"angle of the arm at {time:g} s", "rad", math.atan2(r * math.sin(a), d + r * math.cos(a)), seen.at(time, seen.body("arm")), 1e-4)
+        force = np.hypot(seen.ideal("slot", "fx"), seen.ideal("slot", "fy"))
+        yield Row(f"force in the slot at {time:g} s", "N", abs(inertia * alpha) / (d * math.sqrt(below)), seen.at(time, force), 1e-3)
+
+
+@verified("Driven travel of a slider", "closed form", nudges={"speed": 1.001, "mass": 1.005})
+def driven_travel(nudge: Nudge) -> Rows:
+    """A block pushed along a turning arm at constant speed: path and force of the driver, m r ω²."""
+    w, v, r0, mass = 6.0, 0.4, 0.2, 0.5
+    m = Mechanism("driven travel")
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("arm", mass=1.0, inertia=0.2)
+    m.revolute("O", "ground.O", "arm.center")
+    m.rigid_body("block", mass=mass * nudge("mass"), inertia=1e-3, position=(r0, 0.0))
+    m.slider("S", "arm.center", "block.center")
+    m.drive("arm", speed=w)
+    m.drivers["push"] = ConstantSpeed(slider="S", speed=v * nudge("speed"))
+    seen = run(m, duration=0.5, step=2e-5, outputs=5000)
+    r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))
+    yield Row("distance at 0.5 s", "m", r0 + 0.5 * v, seen.at(0.5, r), 1e-4)
+    c, s = np.cos(seen.body("arm")), np.sin(seen.body("arm"))
+    push = seen.ideal("push", "fx") * c + seen.ideal("push", "fy") * s
+    yield Row("force of the driver along the arm at 0.5 s", "N", -mass * w * w * (r0 + 0.5 * v), seen.at(0.5, push), 1e-3)
+    yield Row("torque at 0.5 s", "N m", 2.0 * mass * w * v * (r0 + 0.5 * v), seen.at(0.5, seen.driven("arm", "torque")), 1e-3)

@@ -1,0 +1,59 @@
+"""`vfife verify` runs cases of the verification suite."""
+
+import json
+from collections.abc import Callable
+
+import pytest
+
+from vfife.verification import CASES, Case, Row
+
+
+def test_tells_each_number(command: Callable) -> None:
+    done = command("verify", "gear-pair", "motor-curve", "--json")
+    assert done.exit_code == 0, done.stderr
+    told = json.loads(done.stdout)["cases"]
+    assert {one["case"] for one in told} == {"gear-pair", "motor-curve"}
+    first = told[0]
+    assert {"case", "source", "reference", "value", "error", "tolerance", "passed"} <= set(first)
+    assert first["passed"] is True and first["reference"] == pytest.approx(0.125 * 2.0 / 0.068)
+
+
+def test_for_people(command: Callable) -> None:
+    done = command("verify", "Gear-Pair")
+    assert done.exit_code == 0
+    assert "moment of the gear on the second" in done.stdout
+    assert "1 of 1 cases passed" in done.stdout
+
+
+def test_lists(command: Callable) -> None:
+    assert {one["case"] for one in json.loads(command("verify", "--list", "--json").stdout)["cases"]} == set(CASES)
+    assert "williams-toggle" in command("verify", "--list").stdout
+
+
+def test_unknown_case(command: Callable) -> None:
+    done = command("verify", "wiliams-togle", "gear-pair", "xyzzy")
+    assert done.exit_code == 2
+    assert "'wiliams-togle'; did you mean 'williams-toggle'" in done.stderr
+    assert "'xyzzy'" in done.stderr and "--list" in done.stderr
+
+
+def test_a_failed_case_ends_with_1(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = Case("wrong", "Wrong", "nobody", "tests", lambda nudge: iter([Row("x", "m", 1.0, 1.1, 1e-2)]), {})
+    monkeypatch.setitem(CASES, "wrong", wrong)
+    done = command("verify", "wrong")
+    assert done.exit_code == 1
+    assert "FAILED" in done.stdout and "failed: wrong" in done.stdout
+    assert json.loads(command("verify", "wrong", "--json").stdout)["cases"][0]["passed"] is False
+
+
+def test_ctrl_c_keeps_what_is_done(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    def rows(nudge):
+        raise KeyboardInterrupt
+        yield
+
+    monkeypatch.setitem(CASES, "stopped", Case("stopped", "Stopped", "nobody", "tests", rows, {}))
+    done = command("verify", "gear-pair", "stopped", "--json")
+    assert done.exit_code == 130
+    told = json.loads(done.stdout)
+    assert told["interrupted"] is True and {one["case"] for one in told["cases"]} == {"gear-pair"}
+    assert "after 1 of 2 cases" in done.stderr

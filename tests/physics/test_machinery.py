@@ -1,0 +1,308 @@
+"""What the machinery of every joint, spring and driver keeps: the same bits in all loops, mirror symmetry, momenta, a second-order ledger."""
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+
+from support import bits, lanes, mirrored, order, with_settings
+from vfife.analysis import ledger
+from vfife.analysis.motion import velocities
+from vfife.assemble import assemble
+from vfife.bodies import Member, Section
+from vfife.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque
+from vfife.joints import ExternalContact
+from vfife.kernels.arrays import BLOCKS
+from vfife.kernels.compile import interpreted
+from vfife.kernels.generate import straight_line
+from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
+from vfife.loads import PointForce
+from vfife.mechanism import Mechanism
+from vfife.simulation import run
+from vfife.springs import Stop, TorsionalSpring
+
+RUBBER = Material("rubber", 2e8, 0.3, 1000.0)
+STIFF = Material("stiff", 2e9, 0.3, 1000.0)  # its strains are small enough for the incremental law to be as good as conservative
+
+
+def guides(lane: int = 0) -> Mechanism:
+    """Sliders, slots, welds, gears and drivers of every kind, a guide with play, elastic bodies that carry guides."""
+    f = 1.0 + 0.05 * lane
+    m = Mechanism("guides", gravity=(0.4, -9.81 * f))
+    for k, at in enumerate(((0.0, 0.0), (1.0, 0.2), (2.0, 0.1), (3.0, 0.0), (4.0, 0.3))):
+        m.point(f"O{k}", *at)
+    # A turning arm with a block along it, whose travel is prescribed, and one with play.
+    m.rigid_body("arm", mass=1.0, inertia=0.1, points={"far": (0.3, 0.02)}, angle=0.2)
+    m.revolute("O0", "ground.O0", "arm.center")
+    m.rigid_body("block", mass=0.4, inertia=2e-3, points={"pin": (0.01, 0.03)}, position=(0.2, 0.05), angle=0.5)
+    m.slider("along", "arm.far", "block.center", direction=(1.0, 0.2))
+    m.drivers["push"] = Harmonic(slider="along", amplitude=0.03 * f, frequency=9.0)
+    m.drivers["arm"] = StepTo(body="arm", travel=0.8, duration=0.03)
+    m.rigid_body("loose", mass=0.3, inertia=1e-3, position=(0.3, 0.1), angle=0.2)
+    options = {"contact": LankaraniNikravesh(0.7, 1e8), "friction": Ambrosio(0.2, 1e-3, 1e-2), "corner_radius": 2e-3}
+    m.clearance_slider("play", "arm.far", "loose.center", clearance=3e-4, length=0.05, height=0.03, **options)
+    # Geared wheels, the second with a pin in a slot of a swinging arm.
+    m.rigid_body("wheel", mass=1.0, inertia=0.02, position=(1.0, 0.2), points={"eye": (0.02, 0.0)}, velocity=(0.0, 0.0, 9.0 * f))
+    m.rigid_body("pinion", mass=0.5, inertia=0.004, position=(2.0, 0.1), points={"pin": (0.05, 0.01)})
+    m.rigid_body("swing", mass=0.8, inertia=0.02, position=(3.0, 0.0), points={"end": (-0.2, 0.1)}, angle=0.1)
+    m.revolute("O1", "ground.O1", "wheel.center")
+    m.revolute("O2", "ground.O2", "pinion.center")
+    m.revolute("O3", "ground.O3", "swing.center")
+    m.gear("mesh", "wheel", "pinion", ratio=-2.5)
+    m.slider("slot", "swing.center", "pinion.pin", direction=(1.0, -0.1), turning=True)
+    # A clamped elastic beam, a rigid arm welded to it, a link driven against that, a particle on a line, a frame with a bead in a guide it carries.
+    m.link("beam", length=0.4, model="elastic", elements=2, section=Section.round(0.02), material=RUBBER, position=(4.0, 0.3))
+    m.weld("clamp", "ground.O4", "beam.start")
+    m.rigid_body("stub", mass=0.2, inertia=1e-3, points={"root": (-0.05, 0.0), "tip": (0.05, 0.01)}, position=(4.45, 0.3))
+    m.weld("weld", "beam.end", "stub.root")
+    m.link("finger", length=0.1, mass=0.05, position=(4.5, 0.31), angle=-0.4)
+    m.revolute("knuckle", "stub.tip", "finger.start")
+    m.drivers["motor"] = AngleTable(body="finger", against="stub", times=(0.0, 0.02, 0.05), angles=(0.0, 0.3 * f, -0.2))
+    m.point_mass("bead", mass=0.1, position=(5.0, 1.0), velocity=(0.0, 0.3, 0.0))
+    m.drivers["line"] = ConstantSpeed(point="bead.center", direction=(1.0, 0.5), speed=0.7 * f)
+    nodes = {"a": (0.0, 0.0), "b": (0.2, 0.0), "c": (0.2, 0.2)}
+    members = (Member("a", "b"), Member("b", "c"))
+    m.frame("frame", nodes=nodes, members=members, section=Section.round(0.02), material=RUBBER, position=(6.0, 0.0), velocity=(0.1, 0.2, 3.0))
+    m.rigid_body("rider", mass=0.1, inertia=1e-4, position=(6.2, 0.15), angle=0.3)
+    m.slider("rail", "frame.c", "rider.center", direction=(0.1, 1.0))
+    return with_settings(m, damping=0.5)
+
+
+def springs(lane: int = 0) -> Mechanism:
+    """Springs, dampers, bushings and stops, following forces, torques over time, speed and angle, rounds on a line and on each other."""
+    f = 1.0 + 0.05 * lane
+    m = Mechanism("springs", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.point("P", 1.0, 0.1)
+    m.point("W", 2.0, -0.1)
+    m.link("rod", length=0.3, mass=1.0 * f, angle=-0.3)
+    m.revolute("O", "ground.O", "rod.start")
+    m.rigid_body("disc", mass=0.7, inertia=0.01, position=(0.7, 0.2), points={"rim": (0.06, 0.02)}, velocity=(0.3, 0.5, 20.0 * f))
+    m.spring("s", "rod.end", "disc.rim", stiffness=900.0, damping=4.0, free_length=0.3)
+    m.torsional_spring("t", "ground", "rod", stiffness=5.0, damping=0.02, free_angle=0.2)
+    m.bushing("b", "disc.rim", "ground.P", stiffness=(500.0, 900.0, 3.0), damping=(2.0, 1.0, 0.01))
+    m.stop("st", "rod", "disc", low=-0.2, high=0.33, stiffness=80.0, damping=0.05)
+    m.drivers["rod"] = Torque(body="rod", torque=(3.0 * f, 0.0, -1.0), speeds=(-5.0, 0.0, 30.0))
+    m.drivers["twist"] = Torque(body="disc", against="rod", torque=(0.4, -0.6, 0.1), angles=(-1.0, 0.5, 2.0))
+    m.loads["follow"] = PointForce(name="follow", at="disc.rim", force=(3.0, 1.0), moment=0.1, follow=True)
+    m.loads["fixed"] = PointForce(name="fixed", at="rod.end", force=(1.0, 2.0), times=(0.0, 0.02, 0.04), factors=(0.0, 1.0, -0.5))
+    law, rough = HuntCrossley(0.6, 1e8), Ambrosio(0.3, 1e-3, 1e-2)
+    m.rigid_body("ball", mass=0.5, inertia=2e-4, position=(1.9, -0.0497), velocity=(1.0 * f, -0.4, -5.0))
+    m.rigid_body("other", mass=0.3, inertia=1e-4, position=(2.01, -0.05), velocity=(-1.0, 0.0, 9.0))
+    for name in ("ball", "other"):
+        m.external_contact(f"floor {name}", "ground.W", f"{name}.center", journal_radius=0.05, contact=law, friction=rough)
+    m.external_contact("meet", "ball.center", "other.center", journal_radius=0.05, bearing_radius=0.05, contact=law, friction=rough)
+    return m
+
+
+MODELS = {guides: 4e-6, springs: 4e-6}
+
+
+@cache
+def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]:
+    assemblies = [assemble(model(lane), MODELS[model] * (1 - 0.05 * lane), duration=0.03, force_step=True) for lane in range(width)]
+    runner = lanes(assemblies, loop)
+    rows = np.concatenate([runner.advance(1, 1), runner.advance(50, 6 if loop == "interpreted" else 100)])
+    layout = assemblies[0].layout
+    names = {row: block.name for block in BLOCKS for row in layout[block.name].tolist()}
+    return rows, tuple(names.get(int(row), "wide") for row in runner.kept)
+
+
+def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> set[str]:
+    return {names[k] for k in np.flatnonzero((bits(ours) != bits(theirs)).any(axis=(0, 2)))}
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
+def test_interpreted_is_data_driven(model):
+    rows, names = computed(model, "data-driven", 4)
+    plain, _ = computed(model, "interpreted", 1)
+    assert np.isfinite(rows).all()
+    assert differing(plain, rows[: len(plain), :, :1], names) == set()
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
+def test_the_generated_text_is_data_driven(model):
+    rows, names = computed(model, "data-driven", 4)
+    runner = lanes([assemble(model(0), MODELS[model], duration=0.03, force_step=True)], "interpreted")
+    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    plain = np.concatenate([runner.advance(1, 1), runner.advance(50, 6)])
+    assert differing(plain, rows[: len(plain), :, :1], names) == set()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
+def test_four_lanes_are_data_driven_each(model):
+    rows, names = computed(model, "data-driven", 4)
+    four, _ = computed(model, "generated", 4)
+    assert differing(four, rows, names) == set()
+
+
+def test_the_runs_are_worth_comparing():
+    rows, names = computed(guides, "data-driven", 4)
+    at = {name: [k for k, other in enumerate(names) if other == name] for name in set(names)}
+    assert (rows[-1, at["clearance_onsets"]] > 0).any()
+    assert np.abs(rows[-1, at["ideal_fx"]]).max(axis=1).min() >= 0.0 and np.abs(rows[-1, at["ideal_moment"]]).max() > 0.0
+    rows, names = computed(springs, "data-driven", 4)
+    at = {name: [k for k, other in enumerate(names) if other == name] for name in set(names)}
+    assert (rows[-1, at["clearance_onsets"]] > 0).any(axis=1).sum() >= 2
+    assert (np.abs(rows[:, at["spring_fx"]]).max(axis=(0, 2)) > 0).sum() == 2 and (
+        np.abs(rows[:, at["spring_moment"]]).max(axis=(0, 2)) > 0
+    ).sum() == 3
+
+
+# ------------------------------------------------------------------------------------------------------------ mirror image
+
+
+def reflected(m: Mechanism) -> Mechanism:
+    """The mirror image at the x axis, of every kind of joint, spring and driver."""
+
+    def driver(d):
+        if isinstance(d, Torque) and (d.speeds or d.angles):
+            turned = {key: tuple(-v for v in reversed(getattr(d, key))) for key in ("torque", "speeds", "angles") if getattr(d, key)}
+            return dataclasses.replace(d, **turned)
+        along = bool(d.slider or d.point)
+        d = dataclasses.replace(d, direction=(d.direction[0], -d.direction[1]))
+        if along:
+            return d
+        name = {"Harmonic": "amplitude", "StepTo": "travel", "AngleTable": "angles", "Torque": "torque"}.get(type(d).__name__, "speed")
+        value = getattr(d, name)
+        return dataclasses.replace(d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value})
+
+    def joint(j):
+        if isinstance(j, ExternalContact):
+            return dataclasses.replace(j, direction=(-j.direction[0], j.direction[1]))
+        return dataclasses.replace(j, direction=(j.direction[0], -j.direction[1])) if hasattr(j, "direction") else j
+
+    def spring(s):
+        if isinstance(s, TorsionalSpring):
+            return dataclasses.replace(s, free_angle=None if s.free_angle is None else -s.free_angle)
+        return dataclasses.replace(s, low=-s.high, high=-s.low) if isinstance(s, Stop) else s
+
+    def body(b):
+        return dataclasses.replace(b, nodes={k: (x, -y) for k, (x, y) in b.nodes.items()}) if hasattr(b, "nodes") else b
+
+    plain = mirrored(dataclasses.replace(m, drivers={}))
+    return dataclasses.replace(
+        plain,
+        bodies={name: body(b) for name, b in plain.bodies.items()},
+        joints={name: joint(j) for name, j in m.joints.items()},
+        springs={name: spring(s) for name, s in m.springs.items()},
+        drivers={name: driver(d) for name, d in m.drivers.items()},
+    )
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
+def test_the_mirror_image_moves_as_the_mirror_image(model):
+    """Rounding alone tells them apart: tables of functions and corners of blocks are not summed in the same order."""
+    ours, theirs = (
+        run(assemble(m, MODELS[model], duration=0.03, outputs=60, force_step=True), loop="data-driven") for m in (model(), reflected(model()))
+    )
+    checks = {"particle_x": (1.0, 1e-9), "particle_y": (-1.0, 1e-9), "particle_theta": (-1.0, 1e-9), "body_alpha": (-1.0, 1e-6)}
+    for block, (sign, tolerance) in checks.items():
+        a, b = ours.block(block), sign * theirs.block(block)
+        assert np.abs(a - b).max() < tolerance * max(1.0, np.abs(a).max()), block
+    assert ours.block("clearance_onsets")[-1].sum() == theirs.block("clearance_onsets")[-1].sum() > 0
+
+
+# ------------------------------------------------------------------------------------------------------------- what floats
+
+
+def floating(**change) -> Mechanism:
+    """Bodies in space that springs, a bushing, a slider, a slot, a weld, a motor and a stop hold together, and an elastic link."""
+    m = Mechanism("floating")
+    m.rigid_body("a", mass=1.0, inertia=0.02, points={"p": (0.1, 0.05), "q": (-0.1, 0.0)}, position=(0.0, 0.0), velocity=(0.3, 0.1, 6.0))
+    m.rigid_body("b", mass=0.6, inertia=0.01, points={"p": (0.05, 0.0)}, position=(0.3, 0.1), angle=0.2, velocity=(0.0, -0.2, -3.0))
+    m.rigid_body("c", mass=0.5, inertia=0.01, points={"p": (-0.1, 0.0)}, position=(0.2, 0.05))
+    m.slider("rail", "a.p", "b.p", direction=(1.0, 0.3))
+    m.revolute("pin", "a.q", "c.p")
+    m.link("beam", length=0.3, model="elastic", elements=3, section=Section.round(0.02), material=STIFF, position=(0.35, 0.1), angle=0.2)
+    m.weld("weld", "b.p", "beam.start")
+    m.point_mass("bead", mass=0.2, position=(-0.3, 0.1))
+    m.slider("slot", "c.center", "bead.center", direction=(0.2, 1.0), turning=True)
+    m.spring("s", "beam.end", "bead.center", stiffness=200.0, damping=1.5, free_length=0.5)
+    m.rigid_body("d", mass=0.4, inertia=0.005, position=(0.0, 0.0), velocity=(0.2, 0.0, 0.0))
+    m.bushing("bush", "a.center", "d.center", stiffness=(3e3, 5e3, 20.0), damping=(4.0, 2.0, 0.05))
+    m.torsional_spring("t", "c", "d", stiffness=3.0, damping=0.01)
+    m.stop("stop", "a", "d", low=-0.02, high=0.02, stiffness=30.0, damping=0.02)
+    m.drivers["motor"] = Torque(body="d", against="a", torque=(0.5, -0.2), times=(0.0, 0.1))
+    return dataclasses.replace(m, **change)
+
+
+def momenta(record) -> tuple[np.ndarray, np.ndarray]:
+    """Momentum (outputs, 2) and angular momentum about the origin (outputs,)."""
+    im, ii = record.parameter("particle_inverse_mass"), record.parameter("particle_inverse_inertia")
+    mass = np.divide(1.0, im, out=np.zeros_like(im), where=im > 0)
+    inertia = np.divide(1.0, ii, out=np.zeros_like(ii), where=ii > 0)
+    v = velocities(record)
+    x, y = record.block("particle_x"), record.block("particle_y")
+    spin = (mass * (x * v["v"] - y * v["u"]) + inertia * v["w"]).sum(axis=1)
+    return np.stack([(mass * v["u"]).sum(axis=1), (mass * v["v"]).sum(axis=1)], axis=1), spin
+
+
+def test_momenta_of_what_floats():
+    """Forces within it come in pairs, and moments too: both momenta are kept to rounding at any step."""
+    for step in (2e-5, 1e-5):
+        record = run(assemble(floating(), step, duration=0.1, outputs=100, force_step=True), loop="data-driven")
+        push, spin = momenta(record)
+        assert np.abs(push - push[0]).max() < 1e-11 * np.abs(push[0]).max()
+        assert np.abs(spin - spin[0]).max() < 1e-11 * np.abs(spin[0]).max()
+        assert np.abs(record.block("particle_w")).max() > 1.0 and np.abs(record.block("spring_fx")[-1, 0]) > 1.0
+        assert (np.abs(record.block("spring_moment")[:, -1]) > 0.0).any(), "the stop is never met"
+
+
+def test_ledger_of_what_floats_is_of_second_order():
+    errors = []
+    for step in (2e-5, 1e-5, 5e-6):
+        m = floating()
+        del m.springs["stop"]  # it begins and ends within steps, which costs the order
+        errors.append(ledger(run(assemble(m, step, duration=0.05, outputs=50, force_step=True), loop="data-driven")).error)
+    assert errors[-1] < 1e-5
+    assert min(order(errors)) > 1.8, errors
+
+
+def single(kind: str) -> Mechanism:
+    """One element or joint of a kind in a mechanism of its own."""
+    m = Mechanism(kind, gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("a", mass=1.0, inertia=0.05, points={"p": (0.3, 0.1)}, angle=0.3, velocity=(0.0, 0.0, 4.0))
+    m.revolute("O", "ground.O", "a.center")
+    m.rigid_body("b", mass=0.5, inertia=0.02, points={"q": (0.05, 0.0)}, position=(0.3, 0.2), velocity=(0.5, 0.2, -2.0))
+    if kind in ("slider", "slot"):
+        m.slider("j", "a.p", "b.center", direction=(1.0, 0.5), turning=kind == "slot")
+    elif kind == "weld":
+        m.weld("j", "a.p", "b.q")
+    elif kind == "gear":
+        m.gear("g", "a", "b", ratio=1.5)
+    elif kind == "spring":
+        m.spring("s", "a.p", "b.q", stiffness=300.0, damping=3.0, free_length=0.1)
+    elif kind == "torsional":
+        m.torsional_spring("s", "a", "b", stiffness=6.0, damping=0.05, free_angle=0.4)
+    elif kind == "bushing":
+        m.bushing("s", "a.p", "b.q", stiffness=(400.0, 900.0, 5.0), damping=(3.0, 5.0, 0.02))
+    elif kind == "relative":
+        m.drivers["d"] = Harmonic(body="b", against="a", amplitude=0.4, frequency=3.0)
+    elif kind == "travel":
+        m.slider("j", "a.p", "b.center", direction=(1.0, 0.5))
+        m.drivers["d"] = Harmonic(slider="j", amplitude=0.1, frequency=4.0)
+    elif kind == "point":
+        m.drivers["d"] = Harmonic(point="b.q", direction=(1.0, 2.0), amplitude=0.1, frequency=4.0)
+    elif kind == "speed":
+        m.drivers["d"] = Torque(body="a", torque=(2.0, 0.0), speeds=(0.0, 20.0))
+    elif kind == "angle":
+        m.drivers["d"] = Torque(body="a", torque=(2.0, -1.0, 3.0), angles=(0.0, 1.0, 2.0))
+    elif kind == "follow":
+        m.loads["f"] = PointForce(name="f", at="b.q", force=(2.0, -1.0), moment=0.1, follow=True)
+    return m
+
+
+KINDS = ("slider", "slot", "weld", "gear", "spring", "torsional", "bushing", "relative", "travel", "point", "speed", "angle", "follow")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_ledger_of_each_kind_is_of_second_order(kind):
+    errors = []
+    for step in (4e-4, 2e-4, 1e-4):
+        errors.append(ledger(run(assemble(single(kind), step, duration=0.4, outputs=40, force_step=True), loop="data-driven")).error)
+    assert errors[-1] < 1e-4, errors
+    assert min(order(errors)) > 1.8 or errors[0] < 1e-12, errors
