@@ -13,7 +13,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parent
 SOURCE = ROOT / "src" / "vfife"
 os.environ.setdefault("MPLBACKEND", "Agg")
-sys.path.insert(0, str(ROOT / "src"))
+sys.path[:0] = [str(ROOT / "src"), str(HERE)]
 
 project = "vfife"
 author = "The vfife authors"
@@ -45,7 +45,7 @@ sphinx_gallery_conf = {
     "ignore_pattern": r"__init__\.py",
     "abort_on_example_error": False,  # all failures are shown, and any fails the build
     "download_all_examples": False,
-    "image_scrapers": ("matplotlib",),
+    "image_scrapers": ("drawn_figures",),
     "min_reported_time": 1,
     "plot_gallery": True,
     "show_signature": False,

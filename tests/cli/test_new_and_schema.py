@@ -48,6 +48,23 @@ def test_linkages_close_and_move(command: Callable, name: str) -> None:
     assert (found["degrees_of_freedom"]["free"], found["degrees_of_freedom"]["after_drives"]) == (1, 0 if driven else 1)
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_each_runs_to_its_end(command: Callable, name: str) -> None:
+    """As it stands, statics included; the energy ledger closes, and equilibria balance their loads."""
+    command("new", name, "-o", "mine.toml")
+    assert command("run", "mine.toml", "-o", "out").exit_code == 0
+    said = json.loads(Path("out/summary.json").read_text())
+    assert said["status"] == "complete"
+    if name == "cantilever":
+        last = said["run"]["factors"][-1]["reactions"]["clamp"]
+        assert last["force_y"] == pytest.approx(20.0, rel=1e-5) and last["force_x"] == pytest.approx(0.0, abs=1e-4)
+        return
+    assert said["energy_error"] < 1e-3
+    if name == "geared-five-bar":
+        assert said["measures"]["wheels.moment.max"] > 0.0
+        assert said["energy"]["end"]["spring_loss"] > 0.0
+
+
 def test_no_file_is_lost(command: Callable) -> None:
     Path("mine.toml").write_text("dear to me")
     refused(command("new", "pendulum", "-o", "mine.toml"), ["mine.toml", "--force"])

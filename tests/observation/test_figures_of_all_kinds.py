@@ -91,8 +91,13 @@ def test_every_kind_has_its_sign():
     assert "joint with clearance" in words(run("four_bar_case_c"))
 
 
+def test_joints_in_one_place_share_their_name():
+    drawn = {text.get_text() for text in figures(run("squeezer"))["mechanism"].axes[0].texts}
+    assert {"A5, A7", "E2, E4, E6", "O"} <= drawn
+
+
 def test_forces_of_a_loose_guide_and_moments_of_gears_have_panels():
-    assert [ax.get_title(loc="left") for ax in figures(run("slider_crank_loose_guide"))["forces"].axes][0] == "joint guide"
+    assert figures(run("slider_crank_loose_guide"))["forces"].axes[0].get_title(loc="left") == "joint guide"
     assert {ax.get_title(loc="left") for ax in figures(run("gear_train"))["moments"].axes} == {"gear first-stage", "gear second-stage"}
     assert "forces" not in figures(run("elastica_circle"))  # what rounding leaves is no force
 

@@ -160,12 +160,13 @@ def joint_names(sheet: Sheet, middle: Array) -> None:
         sliding = isinstance(joint, Slider | ClearanceSlider)
         grounded = joint.sides[0][0] == "ground" and not sliding and not isinstance(joint, ExternalContact | Weld)
         at = _beside(sheet, joint) if isinstance(joint, Slider | ClearanceSlider) else sheet.at(joint.bearing if grounded else joint.journal)
+        at = at - np.array([0.0, (GROUND_DEPTH + 0.03) * sheet.size * grounded])
         for place, names, fixed in places:
             if np.linalg.norm(place - at) < 0.02 * sheet.size and fixed == (grounded or sliding):
                 names.append(name)
                 break
         else:
-            places.append((at - np.array([0.0, (GROUND_DEPTH + 0.03) * sheet.size * grounded]), [name], grounded or sliding))
+            places.append((at, [name], grounded or sliding))
     look: dict[str, Any] = {"ha": "center", "va": "center", "weight": "bold", "zorder": 9, "fontsize": 9}
     look["bbox"] = {"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.75}
     for at, names, fixed in places:
