@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from support import order
 from vfife.kernels.elementary import approach
-from vfife.laws import BengisuAkay, BrownMcPhee, Coulomb, Dahl, Gonthier, Karnopp, LuGre, Pair, Stribeck, Threlfall
+from vfife.laws import BengisuAkay, BrownMcPhee, Coulomb, Dahl, GonthierFriction, Karnopp, LuGre, Pair, Stribeck, Threlfall
 
 PAIR = Pair(0.01, 2e-4, 0.02)
 positive = st.floats(1e-3, 1e6)
@@ -356,8 +356,8 @@ def test_karnopp_band_ends_at_its_speed(share, coefficient):
 
 # ---------------------------------------------------------------------------------------------------------------- Gonthier
 
-DWELLING = Gonthier(0.1, 0.25, 0.004, 5e3, 10.0, 0.2, 0.02)
-STIFF = Gonthier(0.1, 0.25, 0.004, 5e5, 100.0, 0.2, 0.02)
+DWELLING = GonthierFriction(0.1, 0.25, 0.004, 5e3, 10.0, 0.2, 0.02)
+STIFF = GonthierFriction(0.1, 0.25, 0.004, 5e5, 100.0, 0.2, 0.02)
 
 
 def gonthier(v, z, dwelt):

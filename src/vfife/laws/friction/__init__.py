@@ -5,7 +5,7 @@ from .bengisu_akay import BengisuAkay
 from .brown_mcphee import BrownMcPhee
 from .coulomb import Coulomb
 from .dahl import Dahl
-from .gonthier import Gonthier
+from .gonthier import GonthierFriction
 from .karnopp import Karnopp
 from .lugre import LuGre
 from .none import Frictionless
@@ -19,7 +19,7 @@ __all__ = [
     "Coulomb",
     "Dahl",
     "Frictionless",
-    "Gonthier",
+    "GonthierFriction",
     "Karnopp",
     "LuGre",
     "Stribeck",

@@ -11,7 +11,7 @@ from .order import not_below
 
 
 @dataclass(frozen=True)
-class Gonthier(FrictionLaw):
+class GonthierFriction(FrictionLaw):
     """F_T = -F_N {sat(sigma_0 z + sigma_1 dz/dt, f_max) + sigma_2 v}, f_max = mu_c + (mu_s - mu_c) s_dw,
 
     dz/dt = s v + (1 - s)[mu_c sign(v) - sigma_0 z]/sigma_1, s = exp(-(v/v_S)^2),
