@@ -39,7 +39,7 @@ class BengisuAkay(FrictionLaw):
         not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """mu_s and mu_s - mu_c (1), 1/v_0 and xi v_0 in units of it (s/m and 1)."""
+        """mu_s and mu_s - mu_c (1), 1/v_0 (s/m), xi v_0 (1)."""
         return self.static_coefficient, self.static_coefficient - self.coefficient, 1.0 / self.v0, self.decay * self.v0
 
     @staticmethod
@@ -53,8 +53,9 @@ class BengisuAkay(FrictionLaw):
         speed = foreseen(free_velocity, unit * static, last, before)
         beyond = speed * inverse_speed - 1.0
         rises = beyond < 0.0
-        past = beyond if beyond > 0.0 else 0.0
-        share = static * (1.0 - beyond * beyond) if rises else static - excess * approach(decay * past)
+        past = decay * beyond
+        past = past if past > 0.0 else 0.0
+        share = static * (1.0 - beyond * beyond) if rises else static - excess * approach(past)
         slope = -2.0 * static * inverse_speed * beyond if rises else 0.0
         force = normal_force * along(free_velocity, unit, speed, share, slope, static)
         force = -force if free_velocity > 0.0 else force
