@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .analysis import forces, motion
+from .analysis import forces, motion, stress
 from .analysis.energy import Ledger
 from .analysis.equilibria import displacement
 from .assembly import Record
@@ -170,6 +170,12 @@ def _clearances(record: Record) -> dict[str, Channel]:
     }
 
 
+def _elements(record: Record) -> dict[str, Channel]:
+    if not stress.known(record):
+        return {}
+    return {"element_stress": Channel(stress.stress(record), "element", "Pa", "largest stress in the outermost fibres")}
+
+
 def _nothing(record: Record) -> dict[str, Channel]:
     return {}
 
@@ -181,5 +187,5 @@ MADE: Mapping[str, Callable[[Record], dict[str, Channel]]] = {
     "spring": _nothing,
     "driver": _nothing,
     "particle": _particles,
-    "element": _nothing,
+    "element": _elements,
 }
