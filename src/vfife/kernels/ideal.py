@@ -115,8 +115,8 @@ def factor(S, I, y, dt):
     """L D L^T of the matrix along its profile, in place, with the forward substitution of y on the way.
 
     A pivot lost to rounding (a redundant joint) is left out. Within some steps of a singular position, where the directions of two constraints
-    become one, the pivot goes as the square of the angle that is left and changes by as much as itself in a step, so what a whole correction does is
-    unbounded: there it is damped as in a least squares solution (Levenberg 1944), and inertia carries the mechanism through.
+    become one, the pivot goes as the square of the angle that is left and changes by as much as itself in a step, so what a whole correction
+    does is unbounded: there it is damped as in a least squares solution (Levenberg 1944), and inertia carries the mechanism through.
     """
     inverse = I[H.inverse]
     share = singular(S, I, dt)
