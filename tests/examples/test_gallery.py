@@ -99,7 +99,7 @@ def soft_rubber() -> tuple[float, float, float]:
     end = pin(run("elastic_pendulum"), "rod", "end")
     found = float(end[np.argmin(np.abs(run("elastic_pendulum").time - 0.5)), 1])
     coarse, fine = (chain_of_springs(pieces, 0.5)[1] for pieces in (20, 40))
-    return found, (4.0 * fine - coarse) / 3.0, 5e-4
+    return found, (4.0 * fine - coarse) / 3.0, 1e-4
 
 
 def gear_train() -> tuple[float, float, float]:
