@@ -13,7 +13,7 @@ import traceback
 from measure import HERE, Options, Part, machine, table, versions
 from rich.console import Console
 
-PARTS = ("limit", "peers", "elastic", "laws", "startup")
+PARTS = ("limit", "peers", "elastic", "laws", "friction", "startup")
 # What each ratio shall be; ratios without an entry are told for information.
 TARGETS: dict[str, tuple[str, float]] = {
     "limit.generated_1_lane": ("at most", 1.5),

@@ -83,7 +83,8 @@ GIVEN = {"stiffness": 2e9, "exponent": 1.4, "damping_coefficient": 2e3, "full_da
 
 
 def contact_law(law: Any, **parameters: Any) -> Any:
-    """A contact law with those of the parameters that it knows, and a value for what has no default."""
+    """A contact law with those of the parameters that it knows, and a value for what has no default; a film is as good as none."""
+    parameters = {"viscosity": 1e-12} | parameters
     fields = dataclasses.fields(law)
     needed = {f.name: GIVEN[f.name] for f in fields if f.default is dataclasses.MISSING}
     return law(**needed | {f.name: parameters[f.name] for f in fields if f.name in parameters})

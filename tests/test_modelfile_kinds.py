@@ -177,7 +177,7 @@ ONE_FAULT = {
     "two shapes": ('tube = ["20 mm", "16 mm"]', 'tube = [2, 1], round = 1', "[body.beam] section", "more than once"),
     "via": ("via = [[0.5, 0.2]]", "via = [[0.5, 0.2], [0.5, 0.2]]", "[body.beam] via", "via[0] and via[1] coincide"),
     "via at the end": ("via = [[0.5, 0.2]]", "via = [[1, 0]]", "[body.beam] via", "via[0] and the end coincide"),
-    "few elements": ("elements = 4", "elements = 1", "[body.beam] elements", "1 elements for 2 pieces"),
+    "few elements": ("elements = 4", "elements = 1", "[body.beam] elements", "1 element for 2 pieces"),
     "flywheel": ("mass = 2\n", 'mass = 2\nend_inertia = "-1 kg m^2"\n', "[body.arm] end_inertia", "negative"),
     "node": ('end = "C", section', 'end = "CC", section', "[body.truss] members[1].end", 'Did you mean "C"?'),
     "node of a mass": ("masses = { C = 1 }", "masses = { K = 1 }", "[body.truss.masses] K", "no node 'K'"),

@@ -10,18 +10,49 @@ from typing import TYPE_CHECKING, Any
 from .bodies import Link, PointMass, RigidBody, Section
 from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .joints import ClearanceRevolute, IdealRevolute
-from .laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira, quantity
+from .laws import (
+    MATERIALS,
+    Ambrosio,
+    BengisuAkay,
+    BrownMcPhee,
+    ContactLaw,
+    Coulomb,
+    Dahl,
+    FrictionLaw,
+    Frictionless,
+    GonthierFriction,
+    Hydrodynamic,
+    Karnopp,
+    LankaraniNikravesh,
+    LuGre,
+    Material,
+    Pair,
+    Pereira,
+    Stribeck,
+    Threlfall,
+    quantity,
+)
 from .loads import PointForce
 from .mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
+    from . import gallery
+    from .comparison import compare
+    from .laws.own import load_laws
     from .modelfile import load
     from .result import Result
     from .simulation import simulate
 
 __version__ = "0.1.0"
 
-_LAZY = {"simulate": "simulation", "Result": "result", "load": "modelfile"}
+_LAZY = {
+    "compare": "comparison",
+    "gallery": "",
+    "load": "modelfile",
+    "load_laws": "laws.own",
+    "Result": "result",
+    "simulate": "simulation",
+}
 
 
 def __getattr__(name: str) -> Any:
@@ -29,23 +60,32 @@ def __getattr__(name: str) -> Any:
     if name in _LAZY:
         from importlib import import_module
 
-        value = getattr(import_module(f".{_LAZY[name]}", __name__), name)
+        value = getattr(import_module(f".{_LAZY[name]}", __name__), name) if _LAZY[name] else import_module(f".{name}", __name__)
         globals()[name] = value
         return value
     raise AttributeError(f"module 'vfife' has no attribute {name!r}")
 
 
 __all__ = [
+    "MATERIALS",
     "Ambrosio",
     "AngleTable",
+    "BengisuAkay",
+    "BrownMcPhee",
     "ClearanceRevolute",
     "ConstantSpeed",
     "ContactLaw",
+    "Coulomb",
+    "Dahl",
     "FrictionLaw",
     "Frictionless",
+    "GonthierFriction",
+    "Hydrodynamic",
     "IdealRevolute",
+    "Karnopp",
     "LankaraniNikravesh",
     "Link",
+    "LuGre",
     "Material",
     "Mechanism",
     "Pair",
@@ -58,8 +98,13 @@ __all__ = [
     "Section",
     "Settings",
     "Start",
+    "Stribeck",
+    "Threlfall",
     "Torque",
+    "compare",
+    "gallery",
     "load",
+    "load_laws",
     "quantity",
     "simulate",
 ]

@@ -86,7 +86,8 @@ class Record:
 
     A static analysis leaves its equilibria: step k is that under load factor k, counted from 1; 0 is the start, without loads.
 
-    Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0.
+    Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0. ``final`` is all of S after the last
+    output, where it is known.
     """
 
     assembly: Assembly
@@ -96,6 +97,7 @@ class Record:
     wall: float = 0.0
     loop: str = ""
     status: str = "complete"
+    final: NDArray[np.float64] | None = None
     message: str = ""
 
     @property

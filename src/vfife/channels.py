@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .analysis import forces, motion
 from .analysis.energy import Ledger
+from .analysis.equilibria import displacement
 from .assembly import Record
 from .kernels.arrays import BY_NAME
 
@@ -65,6 +66,16 @@ ENERGIES: Mapping[str, tuple[str, str]] = {
 }
 
 
+# What means nothing in equilibrium.
+MOVING = frozenset(
+    (
+        *(f"particle_{name}" for name in ("u", "v", "w", "ax", "ay", "aw")),
+        "body_angular_velocity", "body_angular_acceleration", "body_angular_acceleration_max",
+        "onsets", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
+    )
+)  # fmt: skip
+
+
 def entities(record: Record) -> dict[str, list[str]]:
     """Names along each dimension; those without any entry are left out."""
     assembly = record.assembly
@@ -92,9 +103,21 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
         if entity in present:
             found |= make(record)
             found |= {name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in found}
+    if record.static:
+        return {name: one for name, one in found.items() if name not in MOVING} | _equilibria(record, ledger)
     for name, (term, meaning) in ENERGIES.items():
         found[name] = Channel(ledger.terms[term], None, "J", meaning)
     found["energy_residual"] = Channel(ledger.residual, None, "J", "stored + lost - supplied - stored at the start")
+    return found
+
+
+def _equilibria(record: Record, ledger: Ledger) -> dict[str, Channel]:
+    """Displacement, stored energies, and how each equilibrium was reached."""
+    stored = ("strain_energy", "contact_energy", "spring_energy")
+    found = {name: Channel(ledger.terms[ENERGIES[name][0]], None, "J", ENERGIES[name][1]) for name in stored}
+    found["displacement"] = Channel(displacement(record), None, "m", "largest way of a particle from its start")
+    for name in ("iterations", "unbalanced"):
+        found[name] = Channel(record.block(name)[:, 0], None, BY_NAME[name].unit, BY_NAME[name].meaning)
     return found
 
 

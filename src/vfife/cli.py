@@ -9,9 +9,12 @@ from typer.core import TyperGroup
 
 from . import __version__
 from .commands.check import check
+from .commands.compare import compare
 from .commands.ended import export, info, plot
 from .commands.laws import laws
+from .commands.materials import materials
 from .commands.new import new
+from .commands.paper import paper
 from .commands.run import run
 from .commands.schema import schema
 from .commands.terminal import INTERRUPTED, tell
@@ -55,5 +58,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, check, info, plot, export, laws, schema, verify):
+for command in (new, run, check, compare, info, plot, export, laws, materials, schema, paper, verify):
     app.command()(command)

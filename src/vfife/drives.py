@@ -47,7 +47,12 @@ def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
 
 
 def standing(mechanism: Mechanism) -> Mechanism:
-    """What a static analysis starts from: driven bodies held at their angles at time 0, no travels or paths, no loads and no springs."""
+    """What a static analysis starts from: driven bodies held at their angles at time 0, no travels or paths, no loads and no springs.
+
+    The mechanism itself where the analysis is dynamic.
+    """
+    if mechanism.settings.analysis == "dynamic":
+        return mechanism
     drivers: dict[str, Driver] = {}
     for body, driver in kinematic_drivers(mechanism).items():
         angle = motion_function(driver, 0.0)(0.0)[0]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .assembly import BodyMap
 from .drivers import ConstantSpeed
+from .drives import kinematic_drivers
 from .kernels.arrays import BUSHING, GEAR, LINEAR, REVOLUTE, SLOT, STOP, TRAVEL, Layout
 from .kernels.drive import polynomial
 from .mechanism import Mechanism
@@ -19,7 +20,7 @@ from .prestress import Start as Prestress
 from .start import Motion, Seat, surfaces
 
 if TYPE_CHECKING:
-    from .assemble import Ideal, Load, Touch
+    from .parts import Ideal, Load, Touch
 
 
 class Filler:
@@ -150,23 +151,7 @@ class Filler:
         """Pins, sizes and laws of contacts."""
         for index, touch in enumerate(touches):
             self._pins("clearance", index, (touch.bearing, touch.journal))
-            joint = touch.joint
-            arms = 0.0 if joint.friction_moment == "off" else 1.0
-            pair = surfaces(self.mechanism, joint)
-            for block, value in (
-                ("clearance_size", touch.size),
-                ("clearance_line_x", touch.line[0]),
-                ("clearance_line_y", touch.line[1]),
-                ("clearance_arm_bearing", arms * touch.arms[0]),
-                ("clearance_arm_journal", arms * touch.arms[1]),
-                ("clearance_arm_overlap", 0.5 if joint.friction_moment == "mid-overlap" else 0.0),
-                ("clearance_floor", joint.impact_speed_floor),
-                ("clearance_landing", joint.landing),
-            ):
-                self.put(block, value, index)
-            for block, law in (("clearance_contact", joint.contact), ("clearance_friction_slots", joint.friction)):
-                row = self.layout.row(block, index)
-                values = law.parameters(pair)
+            for row, values in touch_rows(self.mechanism, self.layout, touch, index):
                 self.state[row : row + len(values)] = values
 
     def springs(self, springs: Sequence[tuple[Any, int, Place, Place]]) -> None:
@@ -204,14 +189,14 @@ class Filler:
     def drivers_and_loads(self, loads: Sequence[Load]) -> None:
         """Parameters of drivers and of loads."""
         for index, name in enumerate(self.numbering.driven):
-            where, driver = self.numbering.bodies[name], self.mechanism.drivers[name]
+            where, driver = self.numbering.bodies[name], kinematic_drivers(self.mechanism)[name]
             rx, ry = where.center[0] - where.reference[0], where.center[1] - where.reference[1]
             mass, inertia = where.mass, where.inertia + where.mass * (rx * rx + ry * ry)
             if where.elements:
                 held = self.numbering.held(name) - where.particles[0]
                 mesh = self.numbering.meshes[name]
                 mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
-            self.put("driven_angle", self.mechanism.bodies[name].angle, index)
+            self.put("driven_angle", self.motion.datum.angle.get(name, self.mechanism.bodies[name].angle), index)
             self.put("driven_speed", driver.speed if isinstance(driver, ConstantSpeed) else 0.0, index)
             self.put("driven_inertia", inertia, index)
             self.put("driven_moment_x", mass * rx, index)
@@ -222,6 +207,25 @@ class Filler:
             entries = (*load.place[1], *load.force, load.moment)
             for block, value in zip(("load_x", "load_y", "load_fx", "load_fy", "load_m"), entries, strict=True):
                 self.put(block, value, index)
+
+
+def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
+    """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
+    joint, pair = touch.joint, surfaces(mechanism, touch.joint)
+    arms = 0.0 if joint.friction_moment == "off" or joint.contact.film else 1.0
+    numbers = {
+        "clearance_size": (touch.size,),
+        "clearance_line_x": (touch.line[0],),
+        "clearance_line_y": (touch.line[1],),
+        "clearance_arm_bearing": (arms * touch.arms[0],),
+        "clearance_arm_journal": (arms * touch.arms[1],),
+        "clearance_arm_overlap": (0.5 * arms if joint.friction_moment == "mid-overlap" else 0.0,),
+        "clearance_floor": (joint.impact_speed_floor,),
+        "clearance_landing": (joint.landing,),
+        "clearance_contact": joint.contact.parameters(pair),
+        "clearance_friction_slots": joint.friction.parameters(pair),
+    }
+    return [(layout.row(block, index), values) for block, values in numbers.items()]
 
 
 def carried(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -31,14 +31,17 @@ def versions() -> dict[str, str]:
 
 
 def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[str, Any]:
-    """What a run file's meta should hold to read the run again, and to run it again.
+    """What a run file's meta should hold to read the run again, and to run it again; of the user's own laws also the text of their files.
 
     ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. Raises ValueError for a
     mechanism that no model file can hold.
     """
+    from .laws.recorded import kept as kept_laws
     from .modelfile import dump
+    from .start import surfaces
 
     joints = assembly.mechanism.contacts.values()
+    pairs = [(law, surfaces(assembly.mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
     laws = {f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)}
     return {
         "model": dump(assembly.mechanism),
@@ -50,6 +53,7 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[
         "kept": named_rows(assembly, kept),
         "laws": laws,
         "notes": list(assembly.notes),
+        "own_laws": kept_laws(pairs),
     }
 
 
@@ -90,17 +94,19 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np
 
 def _assembled(meta: Mapping[str, Any], choice: StepChoice, where: str) -> Assembly:
     from .assemble import assemble
+    from .laws.recorded import standing_in
     from .modelfile import loads
 
     try:
-        mechanism: Mechanism = loads(meta["model"])
-        mechanism.source = meta.get("source")
-        return assemble(mechanism, choice.step, force_step=True)
+        with standing_in(meta.get("own_laws", ())):
+            mechanism: Mechanism = loads(meta["model"])
+            mechanism.source = meta.get("source")
+            return assemble(mechanism, choice.step, force_step=True)
     except ValueError as error:
         by = meta.get("versions", {}).get("vfife", "another version")
         raise RunFileError(
             f"{where}: the model in this run file, written by vfife {by}, cannot be assembled: {error}. "
-            "If it uses a law of your own, import the module that defines the law first"
+            "If it uses a law of your own, load the file that defines the law first"
         ) from error
 
 

@@ -92,6 +92,8 @@ DIMENSIONS: tuple[tuple[str, str, str], ...] = (
     ("a torsional stiffness", "N m/rad", "20 N m/rad"),
     ("a torsional damping", "N m s/rad", "0.1 N m s/rad"),
     ("a generalised stiffness", "N/m^1.5", "6.6e10 N/m^1.5"),
+    ("a stiffness per unit of normal force", "1/m", "1e4 1/m"),
+    ("a damping per unit of normal force", "s/m", "30 s/m"),
 )
 
 LENGTH_LIMIT = 100

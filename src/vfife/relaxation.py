@@ -1,9 +1,10 @@
 """Dynamic relaxation: the step of a run with fictitious masses, one iteration each, damped until nothing moves.
 
-All particles have about the same stable step (``stiffness.py``). Damping is critical for the slowest motion under way: its frequency is Rayleigh's
-quotient of the last change, w^2 = -sum(m dx da)/sum(m dx^2) with dx, da the changes of position and acceleration between two looks (Underwood 1983;
-the accelerations are those after the reactions, so that joints need no tangent). Where the quotient is negative, as while a structure snaps through,
-damping is halved from look to look, and the motion runs off to the next equilibrium.
+All particles have about the same stable step (``stiffness.py``). Damping is critical for the slowest motion under way. Its frequency is Rayleigh's
+quotient of the last change, w^2 = -sum(m dx da)/sum(m dx^2), with dx, da the changes of position and acceleration between two looks: Underwood,
+Dynamic relaxation, in Belytschko, Hughes (eds.), Computational Methods for Transient Analysis (1983) 245-265; the accelerations are those after
+the reactions, so that joints need no tangent. Where the quotient is negative, as while a structure snaps through, damping is halved from look to
+look, and the motion runs off to the next equilibrium.
 """
 
 from __future__ import annotations
@@ -22,9 +23,11 @@ Array = NDArray[np.float64]
 
 LOOKS = 4  # in a chunk of iterations
 ANGLE = 0.4  # rad of the slowest motion between two looks
-SHORTEST, LONGEST = 8, 4000  # iterations between two looks
+SHORTEST, LONGEST, FEW = 8, 4000, 50  # iterations between two looks; few of them where contacts may begin
+BEYOND = 1.1  # of the mass for which iterations are stable, OMEGA being 3.6 of 4
+LOADED = 100.0  # what nothing but loads holds is moved by a hundredth of the size in the first iteration
 NOISE = 1e-14  # of size and stiffness: forces that rounding alone makes
-HEAVIER = 1.5  # factor by which masses grow where a stiffness has outgrown them
+HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffness has outgrown them
 
 
 @dataclass
@@ -51,14 +54,12 @@ class Relaxation:
     def __init__(self, assembly: Assembly, force: float, loop: str = "data-driven") -> None:
         self.assembly, self.layout, self.force = assembly, assembly.layout, force
         state = assembly.state[:, None].copy()
-        self.size = extent(assembly, [state[self.layout[f"particle_{axis}"], 0] for axis in "xy"])
+        self.size = extent(assembly, assembly.state)
         moving = {"x": "particle_inverse_mass", "y": "particle_inverse_mass", "theta": "particle_inverse_inertia"}
         free = {axis: np.flatnonzero(state[self.layout[name], 0] > 0.0) for axis, name in moving.items()}
         rates = {"x": ("u", "ax"), "y": ("v", "ay"), "theta": ("w", "aw")}
         self.places = np.concatenate([self.layout[f"particle_{axis}"][free[axis]] for axis in moving])
-        self.speeds, self.pushes = (
-            np.concatenate([self.layout[f"particle_{rates[axis][k]}"][free[axis]] for axis in moving]) for k in (0, 1)
-        )
+        self.speeds, self.pushes = (np.concatenate([self.layout[f"particle_{rates[axis][k]}"][free[axis]] for axis in moving]) for k in (0, 1))
         self.inverse = np.concatenate([self.layout[name][free[axis]] for axis, name in moving.items()])
         self.turning = np.concatenate([np.full(len(free[axis]), axis == "theta") for axis in moving])
         for block in ("u", "v", "w"):
@@ -66,7 +67,9 @@ class Relaxation:
         state[self.layout["step"]] = 1.0
         state[self.layout["damping"]] = 0.0
         state[self.layout["clearance_floor"]] = 1e30  # contacts press by their elastic part alone
-        watched = np.concatenate([self.places, self.speeds, self.pushes]).astype(np.uint32)
+        watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["clearance_force_squared_max"]]).astype(np.uint32)
+        self.longest = FEW if assembly.clearances else LONGEST
+        self.pressed = np.zeros(len(assembly.clearances))
         self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched)
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
@@ -79,20 +82,18 @@ class Relaxation:
         return self.runner.states[:, 0]
 
     def reweigh(self) -> bool:
-        """Gives particles that are too light for their stiffness more mass; all then start from rest. True where there were any."""
-        least = self.force / self.size
-        mass, inertia = floors(self.assembly, *demands(self.assembly, self.state, self.force), least)
-        first = not self.mass.any()
-        if not first and (mass <= 1.01 * self.mass).all() and (inertia <= 1.01 * self.inertia).all():
-            return False
-        grow = 1.0 if first else HEAVIER
-        self.mass = np.where(mass > self.mass, grow * mass, self.mass)
-        self.inertia = np.where(inertia > self.inertia, grow * inertia, self.inertia)
-        for name, values in (("particle_inverse_mass", self.mass), ("particle_inverse_inertia", self.inertia)):
-            rows = self.layout[name]
-            self.state[rows] = np.where(self.state[rows] > 0.0, 1.0 / values, 0.0)
-        self.rest()
-        return True
+        """Gives particles that are too light for their stiffness more mass. True where any was so light that iterations were unstable."""
+        needed = floors(self.assembly, *demands(self.assembly, self.state, self.force, self.pressed), LOADED * self.force / self.size)
+        unstable, first = False, not self.mass.any()
+        for name, need in zip(("mass", "inertia"), needed, strict=True):
+            own = getattr(self, name)
+            short = need > own
+            unstable |= bool((need > BEYOND * own).any()) and not first
+            own = np.where(short, np.minimum(HEAVIER * need, own * MOST_HEAVIER) if not first else need, own)
+            setattr(self, name, own)
+            rows = self.layout[f"particle_inverse_{name}"]
+            self.state[rows] = np.where(self.state[rows] > 0.0, 1.0 / own, 0.0)
+        return unstable
 
     def rest(self) -> None:
         """Takes all velocities away."""
@@ -104,9 +105,26 @@ class Relaxation:
         self.iterations += count
 
     def relax(self) -> Array:
-        """A chunk of iterations with looks between; damping follows the slowest motion. Returned: unbalanced forces, shape (looks, coordinates)."""
-        seen = self.runner.advance(self.between, LOOKS)[:, :, 0].reshape(LOOKS, 3, -1)
-        self.iterations += LOOKS * self.between
+        """A chunk of iterations with looks between; damping follows the slowest motion. Returned: unbalanced forces, shape (looks, coordinates).
+
+        Where a contact turned out stiffer than its bodies' masses allow, the chunk is undone and made again, from rest, with larger ones.
+        """
+        while True:
+            before = self.state.copy()
+            rows = self.runner.advance(self.between, LOOKS)[:, :, 0]
+            self.iterations += LOOKS * self.between
+            seen = rows[:, : 3 * len(self.places)].reshape(LOOKS, 3, -1)
+            with np.errstate(invalid="ignore"):
+                self.pressed = np.nan_to_num(np.sqrt(rows[:, 3 * len(self.places) :].max(axis=0)), nan=1e300, posinf=1e300)
+            if not self.reweigh():
+                break
+            inverse = [self.layout["particle_inverse_mass"], self.layout["particle_inverse_inertia"]]
+            lighter = [self.state[block].copy() for block in inverse]
+            self.state[:] = before
+            for block, values in zip(inverse, lighter, strict=True):
+                self.state[block] = values
+            self.rest()
+            self.between = max(SHORTEST, self.between // 4)
         mass = 1.0 / self.state[self.inverse]
         place, speed, push = seen[:, 0], seen[:, 1], seen[:, 2]
         energy = 0.5 * (speed**2) @ mass
@@ -135,7 +153,7 @@ class Relaxation:
         self.frequency = min(found, 1.0)
         self.state[self.layout["damping"]] = 2.0 * self.frequency
         between = ANGLE / self.frequency if self.frequency > 0.0 else 2.0 * self.between
-        self.between = int(min(max(between, SHORTEST, 0.5 * self.between), 2.0 * self.between, LONGEST))
+        self.between = int(min(max(between, SHORTEST, 0.5 * self.between), 2.0 * self.between, self.longest))
 
     def balance(self, pushes: Array) -> Balance:
         """How far from equilibrium the unbalanced forces (coordinates,) are."""

@@ -36,6 +36,9 @@ class Result:
     def __repr__(self) -> str:
         choice, done = self.record.assembly.choice, int(self.record.steps[-1])
         length = f"{done * choice.step:.4g} s"
+        if self.record.static:
+            length = f"{done} load factors up to {self.time[-1]:.4g}"
+            return f"<Result of {self.name!r}: static, {self.record.status}, {length}; see .data, .measures, .summary, .plot()>"
         if choice.turn is not None:
             length = f"{done * choice.step / choice.turn:.4g} turns"
         return (
@@ -52,7 +55,7 @@ class Result:
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Times of the outputs (s), shape (outputs,)."""
+        """Times of the outputs (s), or load factors of a static analysis, shape (outputs,)."""
         return times(self.record)
 
     @property
@@ -102,7 +105,8 @@ class Result:
         """All channels over time and the names of joints, bodies, elements and particles, with units and long names."""
         import xarray
 
-        coords: dict[str, Any] = {"time": ("time", self.time, {"units": "s", "long_name": "time"})}
+        told = {"units": "1", "long_name": "load factor"} if self.record.static else {"units": "s", "long_name": "time"}
+        coords: dict[str, Any] = {"time": ("time", self.time, told)}
         coords |= {entity: (entity, np.array(names)) for entity, names in entities(self.record).items()}
         if self.crank_angle is not None:
             said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
@@ -171,6 +175,9 @@ class Result:
         with RunFile.open(path) as file:
             where = str(file.path)
             result = cls(restored(file.meta, file.steps, file.rows, where))
+            last = file.last_checkpoint()
+            if last is not None and last[0] == file.steps[-1] and len(last[1]) == result.record.assembly.layout.rows:
+                result.record.final = last[1]
             kept = file.reference()
             if kept is not None:
                 result.reference = cls(restored(*kept, where=where))

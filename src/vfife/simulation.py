@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from .runfile import RunFile
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
+Start: TypeAlias = "Result | str | Path | Mapping[str, Any] | None"
 
 CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
 SAVED = 30e-9  # seconds that straight-line code saves for each step and element or joint
@@ -67,6 +70,8 @@ def compilation(assembly: Assembly) -> float:
 
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
     """The loop of a run: straight-line code where it saves more time than its compilation costs, or is compiled already."""
+    if assembly.mechanism.settings.analysis == "static":
+        return "interpreted" if loop == "interpreted" else "data-driven"
     if loop != "auto":
         return loop
     if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1:
@@ -94,7 +99,9 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     before is kept.
     """
     from .kernels.runner import Runner
+    from .laws.recorded import refuse_recorded
 
+    refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     kept = recorded_rows(assembly)
     chosen = choose_loop(assembly, loop)
     runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
@@ -130,6 +137,7 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     record.steps = np.arange(done + 1, dtype=np.int64) * choice.outputs_every
     record.rows = np.concatenate(parts)[: done + 1]
     record.wall, record.status = wall, status
+    record.final = runner.states[:, 0].copy() if status == "complete" else None
     return record
 
 
@@ -142,6 +150,8 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
 
 def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
+    if mechanism.settings.analysis == "static":
+        return None
     moving = [driver for driver in mechanism.drivers.values() if not isinstance(driver, Torque)]
     if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
         return None
@@ -164,30 +174,55 @@ def simulate(
     force_step: bool = False,
     progress: Callable[[Progress], None] | None = None,
     file: RunFile | None = None,
+    start: Start = None,
 ) -> Result:
     """Simulates a mechanism.
 
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; ``outputs`` per turn (per run without a crank); ``loop`` "auto",
     "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run the ideal mechanism to compare with.
-    An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. Raises ValueError for a
-    mechanism that cannot be assembled and StepError for too large a step.
+    An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. A mechanism whose settings ask for
+    a static analysis is brought to equilibrium instead (:func:`~vfife.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
+    ``step``. ``start``: a former run (or its folder) to go on from, or states of bodies by name (:func:`~vfife.given.start_from`). Raises
+    ValueError for a mechanism that cannot be assembled and StepError for too large a step.
     """
     from .provenance import provenance
     from .result import Result
 
+    if mechanism.settings.analysis == "static":
+        from .statics import equilibrium
+
+        given = {"turns": turns, "duration": duration, "step": step}
+        asked: Any = {name: value for name, value in given.items() if value is not None}
+        still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **asked))
+        return Result(equilibrium(assemble(still), loop=loop, progress=progress, file=file))
     ideal = reference if not isinstance(reference, bool) else reference_of(mechanism, turns, duration) if reference else None
     expected = expected_forces(ideal)
     options: dict[str, Any] = {"turns": turns, "duration": duration, "outputs": outputs, "force_step": force_step}
-    assembly = assemble(mechanism, step, expected=expected, **options)
+    assembly = begun(mechanism, step, start, expected=expected, **options)
     record = run(assembly, loop=loop, progress=progress, file=file)
     tries = 3 if assembly.choice.automatic else 0
     while tries and record.status == "complete" and _too_deep(record):
         tries -= 1
-        assembly = assemble(mechanism, 0.5 * assembly.choice.step, expected=expected, **options)
+        assembly = begun(mechanism, 0.5 * assembly.choice.step, start, expected=expected, **options)
         if file is not None:
             file.begin(provenance(assembly, recorded_rows(assembly), choose_loop(assembly, loop)))
         record = run(assembly, loop=loop, progress=progress, file=file)
     return Result(record, ideal)
+
+
+def begun(mechanism: Mechanism, step: float | str | None = None, start: Start = None, time: float | None = None, **options: Any) -> Assembly:
+    """The assembled mechanism at its own start, or where a former run was at ``time`` (s; its end unless given), or at states given by name.
+
+    A run that ended and is cut alike goes on with its whole state, element and contact forces with it.
+    """
+    if start is None:
+        return assemble(mechanism, step, **options)
+    from .continued import alike, continued, former
+    from .given import given
+
+    assembly = assemble(mechanism, step, given=given(start, mechanism, time), **options)
+    record = former(start, time)
+    return continued(assembly, record) if record is not None and alike(assembly, record) else assembly
 
 
 def _too_deep(record: Record) -> bool:

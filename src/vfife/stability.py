@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .analysis.energy import elastic_energy
 from .assembly import StepChoice
 from .functions import turning_speed
 from .kernels.arrays import Layout, Topology
 from .mechanism import Mechanism
 
 if TYPE_CHECKING:
-    from .assemble import Touch
+    from .parts import Touch
 
 Array = NDArray[np.float64]
 
@@ -101,7 +102,7 @@ def contact_limits(touches: Sequence[Touch], layout: Layout, state: Array, topol
     return limits
 
 
-def spring_limits(layout: Layout, state: Array, topology: Topology) -> list[tuple[str, float]]:
+def spring_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str] = ()) -> list[tuple[str, float]]:
     """Stable step (s) of each spring: its stiffness on the inverse masses of its two bodies, arms included."""
     found = []
     for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
@@ -115,7 +116,7 @@ def spring_limits(layout: Layout, state: Array, topology: Topology) -> list[tupl
             spin += inverse
         square = straight * total + turning * spin
         if square > 0.0:
-            found.append((f"spring {index + 1}", 2.0 / math.sqrt(square)))
+            found.append((f"spring {names[index] if names else index + 1}", 2.0 / math.sqrt(square)))
     return found
 
 
@@ -125,7 +126,7 @@ def _impact_force(joint: object, slots: tuple[float, ...], state: Array, layout:
     energy = 0.5 * speed**2 / max(mobility, 1e-12)
     depth = 1e-9
     law = joint.contact  # type: ignore[attr-defined]
-    while law.elastic_energy(depth, slots) < energy and depth < 1.0:
+    while float(elastic_energy(law, np.array([depth]), slots)[0]) < energy and depth < 1.0:
         depth *= 1.1
     return float(law.force(depth, 0.0, slots)[0])
 
@@ -156,7 +157,9 @@ def choose_step(
     "auto" takes 0.9 of the stable step, at most 1/80 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
     StepError for a larger one than stable unless ``force_step``.
     """
-    limits = _limits(touches, layout, state, topology, expected or {}, owners)
+    if mechanism.settings.analysis == "static":
+        return static_choice(mechanism)
+    limits = _limits(touches, layout, state, topology, expected or {}, owners, tuple(mechanism.springs))
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     turn = turn_of(mechanism)
     settings = mechanism.settings
@@ -191,10 +194,16 @@ def static_choice(mechanism: Mechanism) -> StepChoice:
 
 
 def _limits(
-    touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float], owners: Sequence[str]
+    touches: Sequence[Touch],
+    layout: Layout,
+    state: Array,
+    topology: Topology,
+    expected: Mapping[str, float],
+    owners: Sequence[str],
+    springs: Sequence[str],
 ) -> list[tuple[str, float]]:
     limits = [(f"contact of joint {name}", value) for name, value in contact_limits(touches, layout, state, topology, expected).items()]
-    limits += spring_limits(layout, state, topology)
+    limits += spring_limits(layout, state, topology, springs)
     if topology.element_nodes:
         for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology), strict=True):
             worst = int(np.argmin(steps))

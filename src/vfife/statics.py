@@ -1,28 +1,27 @@
 """Equilibrium under load factors, by dynamic relaxation.
 
-A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and prescribed
-angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their value at rest.
-The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are followed and not
-leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
+A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and
+prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their
+value at rest. The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are
+followed and not leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly, Record
-from .drivers import ConstantSpeed, Driver, Torque
 from .drives import constraint_drivers
-from .kernels.arrays import SPEED, TIME
-from .kernels.drive import polynomial
+from .loading import Loading
 from .mechanism import Settings
 from .relaxation import Relaxation
 from .simulation import Progress, recorded_rows
+from .stiffness import extent
 
 if TYPE_CHECKING:
     from .runfile import RunFile
@@ -44,105 +43,6 @@ MEANINGLESS = (
 )  # fmt: skip
 
 
-class Loading:
-    """What the load factor acts on: tables of functions, weights and drivers of an assembly, written into a relaxation's S and T."""
-
-    def __init__(self, assembly: Assembly) -> None:
-        self.assembly, self.layout, t = assembly, assembly.layout, assembly.topology
-        scaled = _scaled(assembly)
-        self.loads = dict(zip(t.load_function, scaled, strict=True))
-        self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
-        self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]
-        self.turns = {f for f in t.driven_function if f >= 0} | {f for f, kind in zip(t.ideal_function, t.kinds, strict=True) if f >= 0 and kind != 6}
-        self.motions = sorted({f for f in (*t.driven_function, *t.ideal_function) if f >= 0})
-
-    def value(self, function: int, factor: float) -> float:
-        """Value of a function of time under a load factor."""
-        start = self.assembly.topology.function_start[function]
-        if self.loads.get(function, False):
-            return factor * float(polynomial(self.assembly.tables, start, 0.0)[0])
-        return float(polynomial(self.assembly.tables, start, factor)[0])
-
-    def force(self, factors: Sequence[float]) -> float:
-        """Sum of all loads at the largest factor (N), moments by the mechanism's size left out."""
-        state, t = self.assembly.state, self.assembly.topology
-        weight = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(abs(f) for f in factors)
-        for k, function in enumerate(t.load_function):
-            size = np.hypot(state[self.layout.row("load_fx", k)], state[self.layout.row("load_fy", k)])
-            if self.arguments[function][0] == TIME:
-                weight += float(size) * max(abs(self.value(function, f)) for f in factors)
-        return weight
-
-    def motion(self, old: float, new: float) -> tuple[float, float]:
-        """Largest turn (rad) and travel (m) of the drivers between two load factors."""
-        speed = self.assembly.state[self.layout["driven_speed"]]
-        turns = [abs(float(speed[k]) * (new - old)) for k in self.speeds]
-        moved = {f: abs(self.value(f, new) - self.value(f, old)) for f in self.motions}
-        turns += [size for f, size in moved.items() if f in self.turns]
-        return max(turns, default=0.0), max((size for f, size in moved.items() if f not in self.turns), default=0.0)
-
-    def go(self, relaxation: Relaxation, old: float, new: float, count: int) -> None:
-        """Writes what leads from one factor to another in ``count`` iterations, motions evenly; at once where ``count`` is 0."""
-        start, state = self.assembly.state, relaxation.state
-        now = float(relaxation.runner.done)
-        for name in ("particle_load_x", "particle_load_y", "particle_load_m", "driven_weight_x", "driven_weight_y"):
-            state[self.layout[name]] = new * start[self.layout[name]]
-        for k in self.speeds:
-            angle, speed = (float(start[self.layout.row(f"driven_{name}", k)]) for name in ("angle", "speed"))
-            rate = speed * (new - old) / count if count else 0.0
-            state[self.layout.row("driven_speed", k)] = rate
-            state[self.layout.row("driven_angle", k)] = angle + speed * (old if count else new) - rate * now
-        for function in range(len(self.arguments)):
-            self._table(relaxation, function, old, new, count, now)
-
-    def _table(self, relaxation: Relaxation, function: int, old: float, new: float, count: int, now: float) -> None:
-        tables, t = relaxation.runner.functions, self.assembly.topology
-        at, argument = t.function_start[function], self.arguments[function][0]
-        if argument == TIME or argument == SPEED:
-            before, after = self.value(function, old), self.value(function, new)
-            linear = count > 0 and function in self.motions
-            tables[at : at + 9] = 1.0, now, before if linear else after, (after - before) / count if linear else 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            return
-        ends = [*t.function_start[1:], len(self.assembly.tables)]
-        pieces = int(self.assembly.tables[at])
-        first = at + 1 + pieces
-        tables[first : ends[function]] = new * self.assembly.tables[first : ends[function]]
-
-
-def _scaled(assembly: Assembly) -> list[bool]:
-    """Whether each load is multiplied by the factor, in the order in which assemble takes them: those without a table over time."""
-    m = assembly.mechanism
-    found = [load.times is None or load.factors is None for load in m.loads.values()]
-    for driver in m.drivers.values():
-        if isinstance(driver, Torque):
-            twice = not driver.point and driver.against != "ground"
-            found += [driver.times is None] * (2 if twice else 1)
-    return found
-
-
-def check(settings: Settings, drivers: dict[str, Driver]) -> None:
-    """ValueError, all faults at once, for settings and drivers that a static analysis has no use for."""
-    faults = []
-    if not settings.load_factors:
-        faults.append("load_factors is empty: give one or more, as in load_factors = [0.5, 1]")
-    for name in ("turns", "duration"):
-        if getattr(settings, name) is not None:
-            faults.append(f"{name} = {getattr(settings, name):g} has no meaning, since the load factor takes the place of time: leave it out")
-    if settings.step != "auto":
-        faults.append(f"step = {settings.step} has no meaning, since iterations have a step of their own: leave it out")
-    for name, driver in drivers.items():
-        if isinstance(driver, ConstantSpeed) and not driver.slider and not driver.point:
-            way = np.abs(np.diff([0.0, *settings.load_factors])).max(initial=0.0) * abs(driver.speed)
-            if way > 2.0 * np.pi:
-                faults.append(
-                    f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {driver.speed:.4g} rad/s, and the load factor "
-                    "is the time); at most one turn, 6.283 rad, can be followed: take a table of angles, load factors closer together, or a "
-                    "dynamic analysis"
-                )
-    if faults:
-        raise ValueError("static analysis: " + "; ".join(faults))
-
-
 def equilibrium(
     assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None
 ) -> Record:
@@ -155,8 +55,10 @@ def equilibrium(
     settings = assembly.mechanism.settings
     kept = recorded_rows(assembly)
     loading = Loading(assembly)
-    relaxation = Relaxation(assembly, loading.force([1e-9, *settings.load_factors]), "interpreted" if loop == "interpreted" else "data-driven")
+    force = loading.force([0.0, *settings.load_factors], extent(assembly, assembly.state))
+    relaxation = Relaxation(assembly, force, "interpreted" if loop == "interpreted" else "data-driven")
     record = Record(assembly, np.zeros(0, dtype=np.int64), np.zeros((0, len(kept))), kept, loop="data-driven")
+    relaxation.runner.advance(0, 1)  # loads the compiled loop, so that the analysis is not timed with it
     began, rows, old = time.perf_counter(), [], 0.0
     factors = (0.0, *settings.load_factors)
     try:
@@ -166,6 +68,7 @@ def equilibrium(
             if fault:
                 record.status, record.message = fault
                 break
+            stage.tell(everything=True)
             rows.append(_at_rest(assembly, relaxation, stage)[kept])
             if file is not None:
                 file.append(np.array([k], dtype=np.int64), rows[-1][None, :])
@@ -177,6 +80,7 @@ def equilibrium(
         rows = [assembly.state[kept]]
     record.rows, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall = time.perf_counter() - began
+    record.final = relaxation.state.copy() if record.status == "complete" else None
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
@@ -251,32 +155,36 @@ class Stage:
     def _look(self, pushes: Array, settings: Settings) -> tuple[str, str] | None:
         relaxation = self.relaxation
         self.ratio = relaxation.balance(pushes[-1]).ratio
-        now = time.perf_counter()
-        if self.progress is not None and now - self.told > LOOK_SECONDS:
-            self.told = now
-            text = f"load factor {self.new:g}: {self.done:,} iterations, unbalanced {self.ratio:.1e}"
-            self.progress(Progress(self.number, len(settings.load_factors), now - self.began, text))
-        moved = np.abs(relaxation.state[relaxation.places] - self.start)[~relaxation.turning]
-        if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY * relaxation.size:
+        self.tell()
+        moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(relaxation.turning, 2.0 * np.pi, relaxation.size)
+        if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY:
             return "diverged", self._runaway()
         if self.done > settings.iterations:
             return "not converged", self._unfinished(settings)
-        relaxation.reweigh()
         return None
+
+    def tell(self, everything: bool = False) -> None:
+        """Shows where the analysis stands, every now and then or where asked to."""
+        now = time.perf_counter()
+        if self.progress is not None and (everything or now - self.told > LOOK_SECONDS):
+            self.told = now
+            text = f"load factor {self.new:g}: {self.done:,} iterations, unbalanced {self.ratio:.1e}"
+            factors = len(self.loading.assembly.mechanism.settings.load_factors)
+            self.progress(Progress(self.number, factors, now - self.began, text))
 
     def _runaway(self) -> str:
         assembly = self.loading.assembly
         free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
-        loose = f"it has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold; " if free else ""
+        loose = f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold. " if free else ""
         return (
-            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size: nothing holds it against the loads. {loose}"
-            "Add a joint, a spring or a driver, or check the supports (vfife check)."
+            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or turns: nothing holds it against the "
+            f"loads. {loose}Add a joint, a spring or a driver, or check the supports (vfife check)."
         )
 
     def _unfinished(self, settings: Settings) -> str:
         return (
-            f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the unbalanced force is {self.ratio:.2e} of the "
-            f"largest force, {settings.residual:.2e} is asked for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. "
+            f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the unbalanced force is {self.ratio:.2e} of "
+            f"the largest force, {settings.residual:.2e} is asked for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. "
             "Allow more iterations or a larger residual, put load factors closer together, or, where the load has passed a limit, prescribe the "
             "travel of a pin instead of the load."
         )

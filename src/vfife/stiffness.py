@@ -7,12 +7,11 @@ The stable step of the central difference, 2/w, is then at least 2/sqrt(Omega): 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
+from .bounds import reach
 from .stability import tangent
 
 Array = NDArray[np.float64]
@@ -21,15 +20,15 @@ OMEGA = 3.6  # square of the highest frequency (rad/iteration)^2; 4 is the limit
 SWAY = 0.8  # share of the bending frequency that goes to translations, the rest to rotations
 
 
-def demands(assembly: Assembly, state: Array, force: float) -> tuple[Array, Array]:
+def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> tuple[Array, Array]:
     """Mass (N s^2/m, the iteration being the second) and inertia that each particle needs for iterations to be stable, shape (particles,).
 
-    ``state``: S at present, for lengths and axial forces of elements and for contacts; ``force`` (N): what a contact carries at least.
+    ``state``: S at present, for lengths and axial forces of elements; ``pressed`` (N): what each contact has carried of late, ``force`` at least.
     """
     mass, inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
     _elements(assembly, state, mass, inertia)
     _springs(assembly, state, mass, inertia)
-    _contacts(assembly, state, force, mass, inertia)
+    _contacts(assembly, state, np.maximum(2.0 * pressed, force), mass, inertia)
     return mass / OMEGA, inertia / OMEGA
 
 
@@ -62,17 +61,16 @@ def _springs(assembly: Assembly, state: Array, mass: Array, inertia: Array) -> N
             inertia[body] += 4.0 * straight * arm + 2.0 * turning
 
 
-def _contacts(assembly: Assembly, state: Array, force: float, mass: Array, inertia: Array) -> None:
-    """The tangent of each contact law under twice the force it carries."""
+def _contacts(assembly: Assembly, state: Array, force: Array, mass: Array, inertia: Array) -> None:
+    """The tangent of each contact law under a force (N) for each."""
     topology, layout = assembly.topology, assembly.layout
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
         row = layout.row("clearance_contact", index)
         slots = tuple(float(value) for value in state[row : row + len(law.slots)])
-        carried = max(2.0 * float(state[layout.row("clearance_normal_force", index)]), force)
-        if carried <= 0.0:
+        if force[index] <= 0.0:
             continue
-        stiffness = tangent(law, slots, carried)[1]
+        stiffness = tangent(law, slots, float(force[index]))[1]
         for side, body in (("bearing", topology.clearance_bearing[index]), ("journal", topology.clearance_journal[index])):
             arm = sum(float(state[layout.row(f"clearance_{side}_{axis}", index)]) ** 2 for axis in "xy")
             mass[body] += 4.0 * stiffness
@@ -95,18 +93,15 @@ def floors(assembly: Assembly, mass: Array, inertia: Array, least: float) -> tup
         reach = max([0.0, *(np.hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
         gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach**2)
     inertia = np.maximum(inertia, gyration * mass)
-    return mass, np.where(inertia > 0.0, inertia, mass * _size(assembly) ** 2)
+    return mass, np.where(inertia > 0.0, inertia, mass * extent(assembly, assembly.state) ** 2)
 
 
-def _size(assembly: Assembly) -> float:
-    """Extent of the particles at the start (m), or of a body's pins."""
-    return extent(assembly, [assembly.state[assembly.layout[f"particle_{axis}"]] for axis in "xy"])
-
-
-def extent(assembly: Assembly, places: Sequence[Array]) -> float:
-    """Diagonal of the box around the particles and the points of the ground, and no less than the largest body (m)."""
+def extent(assembly: Assembly, state: Array) -> float:
+    """Diagonal of the box around the particles and the points of the ground, and no less than the largest body or bearing (m)."""
     points = np.array(list(assembly.mechanism.points.values())).reshape(-1, 2)
+    places = [state[assembly.layout[f"particle_{axis}"]] for axis in "xy"]
     columns = [np.concatenate([place[1:], points[:, axis]]) for axis, place in enumerate(places)]
     box = float(np.hypot(*(column.max() - column.min() for column in columns))) if len(columns[0]) else 0.0
     pins = [float(np.hypot(*at)) for body in assembly.bodies.values() for at in body.pins.values()]
-    return max([box, *pins, 1e-9])
+    bearings = [reach(joint) for joint in assembly.mechanism.contacts.values()]
+    return max([box, *pins, *bearings, 1e-9])

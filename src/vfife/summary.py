@@ -10,6 +10,7 @@ import numpy as np
 from .analysis.forces import MODES
 from .bodies import Link
 from .laws import Law
+from .staticsummary import print_static, static_run, static_warnings
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -17,8 +18,7 @@ if TYPE_CHECKING:
     from .result import Result
 
 LARGEST_ERROR = 1e-3  # of the energy ledger, beyond which a run is not to be trusted
-JOINT_KEYS = (
-    "force.max",
+CONTACT_KEYS = (
     "penetration.max",
     "impacts",
     "grazing",
@@ -26,6 +26,7 @@ JOINT_KEYS = (
     "deepest",
     *(f"share.{mode}" for mode in MODES),
 )
+JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
 
 
 def report(result: Result, reference: Result | None = None) -> dict[str, Any]:
@@ -49,15 +50,16 @@ def report(result: Result, reference: Result | None = None) -> dict[str, Any]:
         "step": choice.step,
         "steps": done,
         "wall_s": record.wall,
-        "ns_per_step": 1e9 * record.wall / done if done else 0.0,
-        "energy_error": result.ledger.error,
+        "ns_per_step": 1e9 * record.wall / max(int(record.block("iterations").sum()) if record.static else done, 1),
+        "energy_error": None if record.static else result.ledger.error,
         "model": _model(result, measures, reference),
-        "run": _run(result),
-        "energy": {"largest": result.ledger.largest, "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()}},
-        "joints": _joints(measures, reference),
+        "run": static_run(result) if record.static else _run(result),
+        "energy": {} if record.static else {"largest": result.ledger.largest, "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()}},
+        "joints": _joints(result, measures, reference),
+        "contacts": _contacts(result, measures),
         "lip": {name.removeprefix("lip."): value for name, value in measures.items() if name.startswith("lip.")},
         "laws": _laws(result),
-        "warnings": list(warnings(result)),
+        "warnings": list(static_warnings(result) if record.static else warnings(result)),
         "measures": measures,
     }
 
@@ -103,13 +105,24 @@ def _run(result: Result) -> dict[str, Any]:
     }
 
 
-def _joints(measures: dict[str, float], reference: Result | None) -> dict[str, dict[str, float | None]]:
+def _contacts(result: Result, measures: dict[str, float]) -> dict[str, dict[str, float]]:
+    """Counts and depths of each contact; a block in a guide has four."""
+    names = result.record.assembly.clearances
+    return {name: {key: measures[f"{name}.{key}"] for key in CONTACT_KEYS if f"{name}.{key}" in measures} for name in names}
+
+
+def _joints(result: Result, measures: dict[str, float], reference: Result | None) -> dict[str, dict[str, float | None]]:
     ideal = {} if reference is None else reference.measures
     names = [key.removesuffix(".force.max") for key in measures if key.endswith(".force.max")]
     found: dict[str, dict[str, float | None]] = {}
     for name in names:
         found[name] = {"ideal_force.max": ideal.get(f"{name}.force.max")}
         found[name] |= {key: measures[f"{name}.{key}"] for key in JOINT_KEYS if f"{name}.{key}" in measures}
+    assembly = result.record.assembly
+    for contact, joint in zip(assembly.clearances, assembly.contact_joints, strict=True):
+        if contact != joint and joint in found:  # the deepest of the corners
+            depth = measures.get(f"{contact}.penetration.max", 0.0)
+            found[joint]["penetration.max"] = max(depth, found[joint].get("penetration.max") or 0.0)
     return found
 
 
@@ -121,7 +134,7 @@ def _laws(result: Result) -> dict[str, dict[str, Any]]:
     for name, joint in mechanism.contacts.items():
         pair = surfaces(mechanism, joint)
         found[name] = {
-            kind: {"law": law.name, "formula": law.formula, "source": law.source, "derived": law.derived(pair)}
+            kind: {"law": law.name, "formula": law.formula, "source": law.source, "derived": law.derived(pair), "units": law.units(pair)}
             for kind, law in _named(("contact", joint.contact), ("friction", joint.friction))
         }
     return found
@@ -184,4 +197,8 @@ def show(console: Console, result: Result, reference: Result | None = None) -> N
     """Prints the summary as tables for people."""
     from .tables import print_report
 
-    print_report(console, report(result, reference))
+    told = report(result, reference)
+    if result.record.static:
+        print_static(console, told)
+    else:
+        print_report(console, told)

@@ -12,6 +12,8 @@ from rich.text import Text
 
 from .analysis.forces import MODES
 
+NOISE = 1e-6  # of the largest angular acceleration
+
 
 def print_report(console: Console, told: dict[str, Any]) -> None:
     """Prints what :func:`vfife.summary.report` says."""
@@ -24,7 +26,7 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     for text in run["notes"]:
         console.print(Text(text))
     turning = any(body["angular_acceleration.max"] for body in model["bodies"].values() if not body["driven"])
-    contact = any("impacts" in joint for joint in told["joints"].values())
+    contact = any("impacts" in one for one in told["contacts"].values())
     for title, there, table in (
         (f"Largest reactions ({_over(told)})", bool(told["joints"]), _joint_table),
         ("Contact (whole run)", contact, _contact_table),
@@ -78,7 +80,7 @@ def _pace(told: dict[str, Any]) -> str:
 def _energy(told: dict[str, Any]) -> str:
     end, largest = told["energy"]["end"], told["energy"]["largest"]
     put_in = end["driver"] + end["external"]
-    lost = {kind: end[f"{kind}_loss"] for kind in ("contact", "friction", "damping")}
+    lost = {kind: end[f"{kind}_loss"] for kind in ("contact", "friction", "damping", "spring")}
     parts = ", ".join(f"{kind} {value:.4g}" for kind, value in lost.items() if value)
     return (
         f"put in {put_in:.5g} J, lost {sum(lost.values()):.5g} J{f' ({parts})' if parts else ''}, "
@@ -99,7 +101,8 @@ def _law_lines(told: dict[str, Any]) -> Iterable[str]:
     for joint, laws in told["laws"].items():
         said = []
         for law in laws.values():
-            numbers = ", ".join(f"{name} {value}" for name, value in law["derived"].items())
+            units = {name: unit for name, unit in law.get("units", {}).items() if unit != "1"}
+            numbers = ", ".join(f"{name} {value} {units.get(name, '')}".rstrip() for name, value in law["derived"].items())
             said.append(law["law"] + (f" ({numbers})" if numbers else ""))
         lines.setdefault("; ".join(said), []).append(joint)
     for text, joints in lines.items():
@@ -117,22 +120,31 @@ def _joint_table(told: dict[str, Any]) -> Table:
     joints = told["joints"]
     compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
     depths = any("penetration.max" in joint for joint in joints.values())
-    headings = ["reaction", *(["ideal", "LIP(F)"] if compared else []), *(["penetration"] if depths else [])]
+    moments = any(joint.get("moment.max") for joint in joints.values())
+    headings = ["reaction", *(["ideal", "LIP(F)"] if compared else []), *(["moment"] if moments else []), *(["penetration"] if depths else [])]
     table = _grid("joint", *headings)
     for name, joint in joints.items():
-        cells = [f"{joint['force.max']:,.1f} N"]
+        cells = [_amount(_sound(joint["force.max"], joints), "N")]
         if compared:
             cells += [_amount(joint["ideal_force.max"], "N"), _percent(told["lip"].get(f"{name}.force"))]
+        if moments:
+            cells.append(_amount(joint.get("moment.max"), "N m"))
         if depths:
             cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
         table.add_row(name, *cells)
     return table
 
 
+def _sound(force: float, joints: dict[str, Any]) -> float:
+    """The force, or 0 where it is only rounding beside the largest one and the largest moment (N, N m)."""
+    largest = max(max(joint["force.max"], joint.get("moment.max") or 0.0) for joint in joints.values())
+    return force if force > 1e-9 * largest else 0.0
+
+
 def _contact_table(told: dict[str, Any]) -> Table:
     headings = ("free flight", "impact", "contact", "impacts", "grazing", "landed too deep", "deepest landing")
     table = _grid("joint", *headings)
-    for name, joint in told["joints"].items():
+    for name, joint in told["contacts"].items():
         if "impacts" in joint:
             shares = (f"{100.0 * joint[f'share.{mode}']:.3g} %" for mode in MODES)
             counts = (f"{joint[kind]:.0f}" for kind in ("impacts", "grazing", "deep"))
@@ -145,8 +157,9 @@ def _body_table(told: dict[str, Any]) -> Table:
     compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
     headings = ["acceleration", *(["ideal", "LIP(a)"] if compared else [])]
     table = _grid("body", *headings)
+    largest = max(body["angular_acceleration.max"] or 0.0 for body in bodies.values())
     for name, body in bodies.items():
-        if body["angular_acceleration.max"] is not None:
+        if (body["angular_acceleration.max"] or 0.0) > NOISE * largest:  # what only slides has none
             cells = [_amount(body["angular_acceleration.max"], "rad/s²")]
             if compared:
                 ideal = _amount(body["ideal_angular_acceleration.max"], "rad/s²")
@@ -156,7 +169,9 @@ def _body_table(told: dict[str, Any]) -> Table:
 
 
 def _amount(value: float | None, unit: str) -> str:
-    return "" if value is None else f"{value:,.1f} {unit}"
+    if value is None:
+        return ""
+    return f"{value:,.1f} {unit}" if value >= 100.0 or value < 1e-6 else f"{value:,.4g} {unit}"
 
 
 def _percent(value: float | None) -> str:

@@ -1,6 +1,7 @@
 """`vfife check` tells what would run without running it; `vfife laws` tells every law."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -45,6 +46,28 @@ def test_check_says_which_defaults_it_filled_in(command: Callable, pendulum: Pat
     assert "body.rod.start_mass" not in {entry["path"] for entry in again}
 
 
+def test_check_derives_stiffness_modulus_and_exponent_with_units(command: Callable) -> None:
+    """The demo, Pereira: K and n by Eq. 26-27 and E* by Eq. 28, worked out here; a bronze bearing gives its compliance to E*."""
+    model = ROOT / "examples" / "four_bar.toml"
+    joint = next(one for one in json.loads(command("check", model, "--json").stdout)["joints"] if one["name"] == "C")
+    contact, gap = joint["contact"], 1e3 * joint["clearance"]
+    modulus = 207e9 / (2.0 * (1.0 - 0.3**2))
+    n = (1.51 * math.log(1000.0 * gap) ** -0.151 if gap < 0.34954 else 0.0151 * gap + 1.151) * gap**-0.005
+    assert contact["modulus"] == pytest.approx(modulus)
+    assert contact["exponent"] == pytest.approx(n, rel=1e-9)
+    stiffness = (0.965 * gap + 0.0965) * 1e3 * joint["axial_length"] * 1e-6 * modulus / gap * 1e3**n
+    assert float(contact["derived"]["stiffness"]) == pytest.approx(stiffness, rel=1e-5)
+    assert contact["units"] == {"stiffness": f"N/m^{n:.4g}", "exponent_beyond_1": "1", "damping_factor": "1"}
+    text = " ".join(command("check", model, "--set", "joint.C.bearing_material=bronze").stdout.split())
+    assert f"composite modulus E* {1e-9 / ((1 - 0.3**2) / 207e9 + (1 - 0.341**2) / 110e9):.4g} GPa" in text
+
+
+def test_materials_are_listed(command: Callable) -> None:
+    found = {one["name"]: one for one in json.loads(command("materials", "--json").stdout)}
+    assert found["steel"]["youngs_modulus"] == 207e9 and all(one["source"] for one in found.values())
+    assert "bronze" in command("materials").stdout
+
+
 def test_check_names_the_law_that_a_joint_leaves_out(command: Callable, pendulum: Path) -> None:
     given = ["--set", "joint.J.kind=clearance", "--set", "joint.J.clearance=0.1 mm", "--set", "joint.J.bearing_radius=1 cm"]
     found = {entry["path"]: entry for entry in json.loads(command("check", pendulum, *given, "--json").stdout)["defaults"]}
@@ -56,7 +79,9 @@ def test_check_names_the_law_that_a_joint_leaves_out(command: Callable, pendulum
 def test_check_speaks_of_every_example(command: Callable, name: str) -> None:
     done = command("check", ROOT / "examples" / f"{name}.toml")
     assert done.exit_code == 0, done.stderr
-    for word in ("mass, kg", "Degrees of freedom", "stable step", "an estimate", "taken by default"):
+    static = 'analysis = "static"' in (ROOT / "examples" / f"{name}.toml").read_text()
+    lasting = ("Static analysis",) if static else ("stable step", "an estimate")
+    for word in ("mass, kg", "Degrees of freedom", *lasting, "taken by default"):
         assert word in done.stdout
     assert ("INFERRED" in done.stdout) == (name == "four_bar")
 
@@ -65,11 +90,11 @@ def test_laws_are_described(command: Callable) -> None:
     laws = json.loads(command("laws", "--json").stdout)
     assert {law["name"] for law in laws} >= {"lankarani-nikravesh", "pereira", "ambrosio", "none"}
     for law in laws:
-        assert set(law) == {"name", "kind", "source", "formula", "parameters"}
+        assert set(law) == {"name", "kind", "own", "source", "formula", "parameters", "slots"}
         assert law["source"]
         assert law["formula"]
         for one in law["parameters"]:
-            assert set(one) | {"default"} == {"name", "unit", "meaning", "default"}
+            assert {"name", "unit", "meaning"} <= set(one) <= {"name", "unit", "meaning", "default", "above", "low", "high", "choices"}
             assert one["unit"]
             assert one["meaning"]
 
@@ -81,3 +106,52 @@ def test_one_law(command: Callable) -> None:
     text = command("laws", "Ambrosio").stdout
     assert law["formula"] in text
     assert "pereira" not in text
+
+
+def test_limits_are_told(command: Callable) -> None:
+    (law,) = json.loads(command("laws", "pereira", "--json").stdout)
+    one = next(one for one in law["parameters"] if one["name"] == "restitution")
+    assert (one["above"], one["high"]) == (0.0, 1.0)
+    assert "above 0, at most 1" in command("laws", "pereira").stdout
+
+
+def test_a_contact_law_by_itself(command: Callable) -> None:
+    """Twice the mass at half the stiffness goes as deep with half the force; what is printed is what is drawn."""
+    words = ("laws", "lankarani-nikravesh", "--plot", "--speed", "0.5 m/s", "--json")
+    (one,) = json.loads(command(*words, "--set", "stiffness=1e10 N/m^1.5", "--mass", "1 kg", "-o", "a.svg").stdout)
+    (two,) = json.loads(command(*words, "--set", "stiffness=2e10", "--mass", "2000 g", "-o", "b.png").stdout)
+    assert one["picture"] == "a.svg" and Path("a.svg").read_text().startswith("<?xml") and Path("b.png").stat().st_size > 10_000
+    first, second = (said["numbers"]["impacts"] for said in (one, two))
+    assert [entry["restitution"] for entry in first] == pytest.approx([0.05 * k for k in range(1, 21)])
+    for a, b in zip(first, second, strict=True):
+        assert b["deepest"] == pytest.approx(a["deepest"], rel=1e-9)
+        assert b["force"] == pytest.approx(2.0 * a["force"], rel=1e-9)
+        assert b["delivered"] == pytest.approx(a["delivered"], rel=1e-9)
+    assert "delivered" in command("laws", "lankarani-nikravesh", "--plot").stdout and Path("lankarani-nikravesh.png").exists()
+
+
+def test_a_friction_law_by_itself(command: Callable) -> None:
+    (law,) = json.loads(command("laws", "ambrosio", "--plot", "--normal-force", "50 N", "--set", "coefficient=0.2", "--json").stdout)
+    found = {entry["speed"]: entry["force"] for entry in law["numbers"]["steady"]}
+    assert found[1e-3] == pytest.approx(0.2 * 50.0 * (1e-3 - 1e-4) / (1e-2 - 1e-4), rel=1e-6)
+    assert found[1.0] == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--plot"], "name the law to draw"),
+        (["pereira", "--plot", "--material", "bronce"], 'did you mean "bronze"'),
+        (["pereira", "--plot", "--clearance", "2 kg"], "a mass"),
+        (["pereira", "--plot", "--clearance", "20 mm"], "no journal is left"),
+        (["pereira", "--plot", "--clearance", "0.5 um"], "no exponent for a clearance"),
+        (["pereira", "--plot", "--set", "restitution=2"], "too large"),
+        (["pereira", "--plot", "--set", "restitutoin=0.5"], 'Did you mean "restitution"'),
+        (["pereira", "--plot", "-o", "picture.doc"], ".png, .pdf, .svg"),
+        (["pereira", "--plot", "-o", "none/picture.png"], "there is no folder"),
+    ],
+)
+def test_what_cannot_be_drawn_is_told(command: Callable, words: list[str], expected: str) -> None:
+    done = command("laws", *words)
+    assert done.exit_code == 2 and expected.lower() in done.stderr.lower(), done.stderr
+    assert "Traceback" not in done.output and not list(Path().glob("*.png"))

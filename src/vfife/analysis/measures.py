@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..assembly import Record
 from ..bodies import PointMass
+from .equilibria import static_measures
 from .forces import joint_force_max, joint_rows, shares
 from .influence import influence
 
@@ -35,11 +36,14 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     """Largest absolute values over the last full crank turn, from the extremes within the output intervals; counts of
     the whole run.
 
-    ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers), ``<joint>.penetration.max`` (m), ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
+    ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers), ``<joint>.penetration.max`` (m),
+    ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
     ``<joint>.deepest`` (m), ``.fastest`` (m/s), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
     ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
     ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
     """
+    if record.static:
+        return static_measures(record)
     window = last_turn(record)
     found: dict[str, float] = {}
     forces = joint_force_max(record)[window]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from .options import JsonOption, ModelArgument, SetOption, overrides, read_model
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
 from .terminal import amount_of_bytes, grid, output, print_json, row, sentences, span
 
 if TYPE_CHECKING:
@@ -14,22 +14,22 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-def check(model: ModelArgument, set_: SetOption = None, as_json: JsonOption = False) -> None:
+def check(model: ModelArgument, set_: SetOption = None, laws: LawsOption = None, as_json: JsonOption = False) -> None:
     """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
 
     Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to expect.
     """
     with sentences(str(model)):
-        found = examine(model, set_)
+        found = examine(model, set_, laws)
     if as_json:
         print_json(found)
     else:
         show(output(), found)
 
 
-def examine(model: Path, texts: list[str] | None) -> dict[str, Any]:
+def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None) -> dict[str, Any]:
     """Everything that is known before a run."""
-    mechanism = read_model(model, texts)
+    mechanism = read_model(model, texts, laws)
     from ..assemble import assemble
     from ..simulation import expected_forces, reference_of
     from . import described
@@ -45,7 +45,9 @@ def examine(model: Path, texts: list[str] | None) -> dict[str, Any]:
         "note": mechanism.note,
         "bodies": described.bodies(assembly),
         "joints": described.joints(assembly, expected),
+        "couplings": described.couplings(assembly),
         "degrees_of_freedom": described.freedom(assembly),
+        "load_factors": list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else [],
         "step": described.step(assembly),
         "steps": choice.steps,
         "outputs": choice.outputs + 1,
@@ -69,7 +71,9 @@ def show(console: Console, found: Mapping[str, Any]) -> None:
     console.print()
     show_bodies(console, found["bodies"])
     show_joints(console, found["joints"])
-    for sentence in (*freedom(found["degrees_of_freedom"]), *steps(found), *cost(found["estimate"])):
+    show_couplings(console, found["couplings"])
+    lasting = statics(found) if found["load_factors"] else (*steps(found), *cost(found["estimate"]))
+    for sentence in (*freedom(found["degrees_of_freedom"]), *lasting):
         console.print(Text(sentence))
     show_defaults(console, found["defaults"])
 
@@ -99,8 +103,8 @@ def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
     table = grid("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N", right=(4, 5, 6))
     laws: dict[str, list[str]] = {}
     for joint in joints:
-        clear = "clearance" in joint
-        sizes = [f"{1e3 * joint[key]:.6g}" if clear else "" for key in ("clearance", "bearing_radius")]
+        clear = "contact" in joint
+        sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
         force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
         row(table, joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force)
         for kind in ("contact", "friction") if clear else ():
@@ -108,14 +112,32 @@ def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
     console.print(table)
     for text, names in laws.items():
         console.print(Text(f"{', '.join(names)}: {text}"))
-    console.print()
+    if laws:
+        console.print()
+
+
+def show_couplings(console: Console, couplings: list[dict[str, str]]) -> None:
+    """Table of gears, springs and drivers with a name of their own."""
+    if not couplings:
+        return
+    table = grid("name", "what", "acts on")
+    for one in couplings:
+        row(table, one["name"], one["what"], one["first"] + (f" and {one['second']}" if one["second"] else ""))
+    console.print(table)
 
 
 def law(kind: str, entry: Mapping[str, Any]) -> str:
-    """A law in words: what is set, and what follows from it."""
+    """A law in words: what is set, and what follows from it and the surfaces."""
     given = ", ".join(f"{name} {shown(value)}" for name, value in entry["parameters"].items() if value is not None)
-    derived = ", ".join(f"{name} {value}" for name, value in entry["derived"].items())
-    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; in SI units {derived}" if derived else "")
+    derived = [f"{name} {with_unit(value, entry['units'].get(name, ''))}" for name, value in entry["derived"].items()]
+    if "modulus" in entry:
+        derived += [f"exponent {entry['exponent']:.4g}", f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa"]
+    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; {', '.join(derived)}" if derived else "")
+
+
+def with_unit(value: str, unit: str) -> str:
+    """A number with its unit, if it has one."""
+    return value if unit in ("", "1") else f"{value} {unit}"
 
 
 def freedom(found: Mapping[str, Any]) -> list[str]:
@@ -138,14 +160,31 @@ def freedom(found: Mapping[str, Any]) -> list[str]:
 def steps(found: Mapping[str, Any]) -> list[str]:
     """The step and its limits in words."""
     step = found["step"]
-    how = "chosen; set by" if step["automatic"] else "as given; the stable one is set by"
+    endless = step["stable"] == float("inf")
+    how = (
+        f"chosen; set by {step['set_by']}"
+        if step["automatic"]
+        else "as given"
+        if endless
+        else f"as given; the stable one is set by {step['set_by']}"
+    )
     turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
     return [
-        f"Step {step['size']:.4g} s, {how} {step['set_by']}.",
-        f"The largest stable step is {step['stable']:.4g} s:",
+        f"Step {step['size']:.4g} s, {how}.",
+        "There is no largest stable step: nothing here limits it but accuracy."
+        if endless
+        else f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
         f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
     ]
+
+
+def statics(found: Mapping[str, Any]) -> list[str]:
+    """What a static analysis goes through, in words."""
+    factors = found["load_factors"]
+    if len(factors) == 1:
+        return [f"Static analysis: equilibrium under load factor {factors[0]:g}, by dynamic relaxation."]
+    return [f"Static analysis: equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}, by dynamic relaxation."]
 
 
 def cost(found: Mapping[str, Any]) -> list[str]:

@@ -54,35 +54,80 @@ def driver(noun: Any) -> str:
 
 def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, Any]]:
     """Kind, sides, clearance (m), laws and expected force (N) of each joint."""
-    clearances = assembly.mechanism.clearances
+    contacts = assembly.mechanism.contacts
     found = []
     for name, joint in assembly.mechanism.joints.items():
-        kind = "clearance" if name in clearances else "ideal, driven pivot" if name in assembly.pivots else "ideal"
         entry = {
             "name": name,
-            "kind": kind,
+            "kind": kind(joint) + (", driven pivot" if name in assembly.pivots else ""),
             "bearing": joint.bearing,
             "journal": joint.journal,
             "expected_force": expected.get(name),
         }
-        found.append(entry | (clearance(assembly, joint) if name in clearances else {}))
+        found.append(entry | (contact(assembly, joint) if name in contacts else {}))
     return found
 
 
-def clearance(assembly: Assembly, joint: Joint) -> dict[str, Any]:
-    """Size and laws of a joint with clearance."""
+def kind(joint: Joint) -> str:
+    """What kind of joint it is, in words."""
+    from .. import joints
+
+    if isinstance(joint, joints.Slider):
+        return "pin in a slot" if joint.turning else "slider"
+    if isinstance(joint, joints.ExternalContact):
+        return "contact with a line" if joint.bearing_radius is None else "contact of rounds"
+    words = {joints.Weld: "weld", joints.ClearanceRevolute: "clearance", joints.ClearanceSlider: "clearance slider"}
+    return words.get(type(joint), "ideal")
+
+
+SIZES = ("clearance", "bearing_radius", "journal_radius", "length", "height", "corner_radius", "axial_length", "friction_moment", "landing")
+
+
+def contact(assembly: Assembly, joint: Joint) -> dict[str, Any]:
+    """Sizes and laws of a joint with play."""
     from ..start import surfaces
 
-    noun = assembly.mechanism.clearances[joint.name]
+    noun = assembly.mechanism.contacts[joint.name]
     pair = surfaces(assembly.mechanism, noun)
-    sizes = {key: getattr(noun, key) for key in ("clearance", "bearing_radius", "axial_length", "friction_moment", "landing")}
-    return sizes | {kind: law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
+    sizes = {key: getattr(noun, key) for key in SIZES if getattr(noun, key, None) is not None}
+    found = sizes | {kind: law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
+    found["contact"] |= {"modulus": pair.composite_modulus, "exponent": noun.contact.exponent_at(noun.landing, pair)}
+    return found | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
+
+
+def couplings(assembly: Assembly) -> list[dict[str, str]]:
+    """Gears, springs, and drivers that do not bear the name of the body they turn: name, what it is, what it acts on."""
+    mechanism = assembly.mechanism
+    found = [
+        {"name": name, "what": f"gear, ratio {gear.ratio:.6g}", "first": gear.first, "second": gear.second}
+        for name, gear in mechanism.gears.items()
+    ]
+    for name, one in mechanism.springs.items():
+        found.append({"name": name, "what": spring(one), "first": one.first, "second": one.second})
+    for name, noun in mechanism.drivers.items():
+        if name not in mechanism.bodies:
+            found.append({"name": name, "what": f"driver: {driver(noun)}", "first": noun.body or noun.slider or noun.point, "second": ""})
+    return found
+
+
+def spring(noun: Any) -> str:
+    """A spring in words."""
+    from ..springs import Bushing, Spring, Stop
+
+    if isinstance(noun, Stop):
+        return f"stop between {noun.low:.6g} and {noun.high:.6g} rad, {noun.stiffness:.6g} N m/rad"
+    if isinstance(noun, Bushing):
+        x, y, turning = noun.stiffness
+        return f"bushing, {x:.6g} and {y:.6g} N/m, {turning:.6g} N m/rad"
+    if isinstance(noun, Spring):
+        return f"spring, {noun.stiffness:.6g} N/m, {noun.damping:.6g} N s/m"
+    return f"torsional spring, {noun.stiffness:.6g} N m/rad, {noun.damping:.6g} N m s/rad"
 
 
 def law(noun: Any, pair: Any) -> dict[str, Any]:
     """A law with its parameters and what is derived from them and the two surfaces."""
     given = {field.name: getattr(noun, field.name) for field in dataclasses.fields(noun)}
-    return {"law": noun.name, "parameters": given, "derived": noun.derived(pair)}
+    return {"law": noun.name, "parameters": given, "derived": noun.derived(pair), "units": noun.units(pair)}
 
 
 def step(assembly: Assembly) -> dict[str, Any]:

@@ -54,11 +54,13 @@ def contents(path: Path) -> dict[str, Any]:
         "loop": meta.get("loop"),
         "step": meta.get("step"),
         "steps": int(steps[-1]) if len(steps) else 0,
+        "static": tomllib.loads(meta.get("model", "")).get("run", {}).get("analysis") == "static",
         "steps_planned": choice.get("outputs", 0) * choice.get("outputs_every", 0),
         "turn": choice.get("turn"),
         "outputs": len(steps),
         "channels": sorted({name for name, _ in meta.get("kept", ())}),
         "laws": meta.get("laws", {}),
+        "own_laws": [{key: law[key] for key in ("name", "kind", "file", "text")} for law in meta.get("own_laws", ())],
         "reference": reference,
         "checkpoint": last[0] if last is not None else None,
         "wall_s": meta.get("wall"),
@@ -73,7 +75,9 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "Model", f"{found['model']}" + (f", from {found['source']}" if found["source"] else "")
     ending = f", finished {found['finished']}" if found["finished"] else ": killed, or still at work; what it wrote is whole"
     yield "Status", f"{found['status']}; begun {found['created']}{ending}"
-    if found["step"]:
+    if found["step"] and found["static"]:
+        yield "Load factors", f"{found['steps']:,} of {found['steps_planned']:,}"
+    elif found["step"]:
         time = found["steps"] * found["step"]
         turns = f" = {time / found['turn']:.4g} turns" if found["turn"] else ""
         yield "Steps", f"{found['steps']:,} of {found['steps_planned']:,}, of {found['step']:.6g} s: {time:.6g} s{turns}"
@@ -85,6 +89,9 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "Computed by", f"{found['loop']} loop{wall}; {versions}"
     for name, source in found["laws"].items():
         yield "Law", f"{name}: {source}"
+    for law in found["own_laws"]:
+        text = "its text is kept here (--json prints it)" if law["text"] else "its text could not be kept"
+        yield "Own law", f"{law['name']} ({law['kind']}), from {law['file']}: {text}; reading this run does not run it"
     for event in found["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
     for name, value in ((found["summary"] or {}).get("measures") or {}).items():

@@ -19,6 +19,10 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="PATH=VALUE", help='Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'),
 ]
+LawsOption = Annotated[
+    list[Path] | None,
+    typer.Option("--laws", metavar="FILE.py", help="Python file with laws of your own, which is run; a model file itself never names code."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON value on standard output, and nothing else.")]
 
 
@@ -33,10 +37,25 @@ def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
     return items
 
 
-def read_model(path: Path, texts: Iterable[str] | None) -> Mechanism:
-    """The mechanism of a model file with what ``--set`` says."""
+def take_laws(files: Iterable[Path] | None) -> list[str]:
+    """Runs the files of ``--laws``; names of the laws that they define."""
+    found: list[str] = []
+    for file in dict.fromkeys(files or ()):
+        from ..laws.law import LawError
+        from ..laws.own import load_laws
+
+        try:
+            found += [law.name for law in load_laws(file)]
+        except LawError as error:
+            raise ValueError(f"--laws {error}") from None
+    return found
+
+
+def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | None = None) -> Mechanism:
+    """The mechanism of a model file with what ``--set`` says, the laws of ``--laws`` being known."""
     from ..modelfile import load
 
+    take_laws(laws)
     return load(path, set=overrides(texts))
 
 

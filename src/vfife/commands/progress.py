@@ -54,6 +54,8 @@ class ProgressLine:
 
 def sentence(progress: Progress) -> str:
     """Where a run stands, in words."""
+    if progress.text:
+        return f"{100.0 * progress.share:3.0f} %  {progress.text}"
     head = f"{100.0 * progress.share:3.0f} %  {progress.done:,} of {progress.steps:,} steps"
     if not progress.speed:
         return head

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .options import JsonOption, ModelArgument, SetOption, read_model, with_options
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .terminal import DIVERGED, INTERRUPTED, json_text, output, print_json, sentences, tell
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the 
 Reference = Annotated[bool, typer.Option("--reference/--no-reference", help="Compare with the ideal mechanism.")]
 ForceStep = Annotated[bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")]
+StartFrom = Annotated[Path | None, typer.Option("--start-from", metavar="RUN", help="Go on where a former run ended (its folder or file).")]
 LoopOption = Annotated[Loop, typer.Option(help="Loop that makes the steps; all give the same bits.")]
 
 
@@ -46,6 +47,7 @@ def run(
     model: ModelArgument,
     folder: Folder = None,
     set_: SetOption = None,
+    laws: LawsOption = None,
     step: Step = None,
     turns: Turns = None,
     duration: Duration = None,
@@ -54,20 +56,21 @@ def run(
     figures: Figures = False,
     reference: Reference = True,
     force_step: ForceStep = False,
+    start: StartFrom = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a model: a progress line, a summary, and a run folder.
 
     The folder holds the run file, the model as it was run, the summary, and figures where they are asked for. Exit codes: 2 for
-    input that cannot be used, 3 where the numbers became infinite, 130 after Ctrl-C, which keeps what was computed.
+    input that cannot be used, 3 where the numbers became infinite or no equilibrium was found, 130 after Ctrl-C, which keeps what was computed.
     """
     with sentences(str(model)):
         from .folder import refuse_foreign
 
         refuse_foreign(folder)
-        mechanism = with_options(read_model(model, set_), step, turns, duration, outputs)
-    result, place = simulated(mechanism, model, folder, loop.value, reference, force_step, quiet)
+        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs)
+    result, place = simulated(mechanism, model, folder, loop.value, reference, force_step, quiet, start)
     notes = [*place.notes, *result.summary["run"]["notes"], *result.summary["warnings"]]
     (place.path / "summary.json").write_text(json_text(result.summary) + "\n", encoding="utf-8")
     if figures and result.record.status != "interrupted":
@@ -86,7 +89,7 @@ def run(
 
 
 def simulated(
-    mechanism: Mechanism, model: Path, asked: Path | None, loop: Any, compare: bool, force_step: bool, quiet: bool
+    mechanism: Mechanism, model: Path, asked: Path | None, loop: Any, compare: bool, force_step: bool, quiet: bool, start: Path | None
 ) -> tuple[Result, RunFolder]:
     """Runs a mechanism into a folder; every fault of the input is told before the folder is touched."""
     from ..provenance import keep_reference, provenance
@@ -96,7 +99,7 @@ def simulated(
     from .progress import ProgressLine
 
     with sentences(str(model)):
-        ideal, assembly = prepared(mechanism, compare, force_step)
+        ideal, assembly = prepared(mechanism, compare, force_step, start)
         meta = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, loop))
     with sentences(str(asked or "runs")):
         place = make_folder(asked, model)
@@ -110,7 +113,7 @@ def simulated(
                 keep_reference(file, ideal.record)
             with ProgressLine(quiet) as line:
                 kept: Any = ideal if ideal is not None else False
-                result = simulate(mechanism, reference=kept, loop=loop, force_step=force_step, progress=line, file=file)
+                result = simulate(mechanism, reference=kept, loop=loop, force_step=force_step, progress=line, file=file, start=start)
             result.finish(file)
         except (RunFileError, OSError) as error:
             tell("error", f"{error}", "bold red")
@@ -127,15 +130,14 @@ def simulated(
     return result, place
 
 
-def prepared(mechanism: Mechanism, compare: bool, force_step: bool) -> tuple[Result | None, Any]:
+def prepared(mechanism: Mechanism, compare: bool, force_step: bool, start: Path | None = None) -> tuple[Result | None, Any]:
     """The ideal mechanism's result and the assembled model, which tell what cannot be run."""
-    from ..assemble import assemble
-    from ..simulation import expected_forces, reference_of
+    from ..simulation import begun, expected_forces, reference_of
 
     ideal = reference_of(mechanism) if compare else None
     if ideal is not None and ideal.record.status == "interrupted":
         raise KeyboardInterrupt
-    return ideal, assemble(mechanism, expected=expected_forces(ideal), force_step=force_step)
+    return ideal, begun(mechanism, start=start, expected=expected_forces(ideal), force_step=force_step)
 
 
 def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
@@ -162,6 +164,11 @@ def show(result: Result, place: RunFolder, figures: bool) -> None:
 def end(result: Result, place: RunFolder) -> None:
     """Says how a run ended that did not come to its end, and ends with its exit code."""
     status, choice = result.record.status, result.record.assembly.choice
+    if result.record.message:
+        done = max(len(result.record.steps) - 1, 0)
+        kept = f"The {done} load factors before are kept in {place.path}." if done else f"The start is kept in {place.path}."
+        tell(status, f"{result.record.message} {kept}", "bold red")
+        raise typer.Exit(INTERRUPTED if status == "interrupted" else DIVERGED)
     if status == "interrupted":
         done = int(result.record.steps[-1])
         tell("interrupted", f"{done:,} of {choice.steps:,} steps were made; they are kept in {place.path}.")

@@ -23,6 +23,7 @@ Role = Literal["state", "memory", "extreme", "parameter", "scratch"]
 
 CONTACT_SLOTS = 8
 FRICTION_SLOTS = 8
+FRICTION_MEMORY = 3
 
 
 class Fields:
@@ -91,7 +92,7 @@ BLOCKS: tuple[Block, ...] = (
         clearance_friction_force | N | friction force F_T at step n, along t on the journal
         clearance_penetration | m | signed penetration e - c at step n
         clearance_slowness | s/m | inverse of the impact speed at the last onset, 0 in free flight
-        clearance_memory | m | bristle deflection or other friction memory
+        clearance_memory | unit of the law | what the friction law remembers: a bristle's deflection, sliding velocities ... | 3
         clearance_damping_power | W | power lost in normal damping at step n
         clearance_friction_power | W | power lost in friction at step n
         clearance_damping_work | J | energy lost in normal damping up to step n + 1/2
@@ -237,7 +238,11 @@ BLOCKS: tuple[Block, ...] = (
         elastic | N | elastic part of the normal force
         damping_coefficient | N s/m | damping coefficient
         normal | N | normal force to start from
-        friction | N | friction force to start from"""),
+        friction | N | friction force to start from
+        film_radial | N | force of a film towards the bearing's centre, at rest
+        film_across | N | its force along t on the journal, at rest
+        film_damping | N s/m | damping of that by the velocity along t
+        film_cross | N s/m | force along t by the rate along n, and the reverse"""),
     *_blocks("scratch", "row", """
         row_nx | 1 | direction of the constraint, 0 for an angle
         row_ny | 1 | direction of the constraint, 0 for an angle
@@ -267,7 +272,7 @@ TIME, TURNED, SPEED = range(3)
 
 # Records of the integer array: rows of S and kinds.
 JE = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
-JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "kind"))
+JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "film", "kind"))
 JR = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function", "rows"))
 JQ = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
 JG = Fields((name, 1) for name in ("row", "first", "second", "kind"))

@@ -11,7 +11,7 @@ from .ideal import hold, respond
 from .pin import arm, eccentricity, normal_force, onset_speed, seldom
 from .step import larger
 
-contact_law = friction_law = None  # written by source.py for the laws at hand
+contact_law = friction_law = film_law = None  # written by source.py for the laws at hand
 
 
 def velocities(S, I, p, h):
@@ -102,10 +102,52 @@ def meet(S, I, start, p, h):
         S[j + C.elastic], S[j + C.damping_coefficient] = contact_law(I[r + JC.contact], depth if touching else 0.0, slowness, S, j + C.contact)
         S[j + C.normal] = 0.0
         S[j + C.friction] = 0.0
-        if I[r + JC.shared] != 0:
+        if I[r + JC.film] != 0:
+            wet(S, I[r + JC.contact], j, b, k, h)
+            if I[r + JC.shared] != 0:
+                S[j + C.normal] = S[j + C.normal_force]
+                S[j + C.friction] = S[j + C.friction_force]
+                press(S, j, b, k, S[j + C.normal], S[j + C.friction])
+        elif I[r + JC.shared] != 0:
             S[j + C.normal] = S[j + C.normal_force] if touching else 0.0
             S[j + C.friction] = S[j + C.friction_force] if touching else 0.0
             press(S, j, b, k, S[j + C.normal], S[j + C.friction])
+
+
+def wet(S, contact, j, b, k, h):
+    """A film between the surfaces: forces at rest and their dependence on the velocities at t_n, of which only the sense is taken beforehand.
+
+    What runs into the film is e (w_J + w_B) - 2 v_t, v_t along t between the centres; friction has no arms in a joint with a film.
+    """
+    nx = S[j + C.nx]
+    ny = S[j + C.ny]
+    bw = S[b + P.w]
+    kw = S[k + P.w]
+    slide = nx * (S[k + P.v] - S[b + P.v]) - ny * (S[k + P.u] - S[b + P.u]) + S[j + C.jt] * kw - S[j + C.bt] * bw
+    turning = (S[j + C.penetration] + S[j + C.size]) * (kw + bw)
+    sense = 1.0 if turning > 2.0 * slide else -1.0
+    radial, across, damping, along, cross = film_law(contact, S[j + C.penetration], turning, sense, S, j + C.contact)
+    S[j + C.film_radial] = radial
+    S[j + C.film_across] = across
+    S[j + C.damping_coefficient] += damping
+    S[j + C.film_damping] = along
+    S[j + C.film_cross] = cross
+
+
+def soaked(S, j, slip, gt):
+    """Normal force at rest (N) and damping coefficient (N s/m) of a joint with a film, its force along t eliminated from the two equations.
+
+    F_N = radial + D_n v_n - X v_t and F_T = across + X v_n - D_t v_t, with v_t = slip + gt F_T; X^2 < D_n D_t keeps the damping positive.
+    """
+    share = 1.0 / (1.0 + gt * S[j + C.film_damping])
+    cross = S[j + C.film_cross]
+    push = S[j + C.elastic] + S[j + C.film_radial] - cross * share * (slip + gt * S[j + C.film_across])
+    return push, S[j + C.damping_coefficient] - cross * cross * gt * share
+
+
+def carried(S, j, rate, slip, gt):
+    """Force of the film along t (N) for the rate along n that was solved."""
+    return (S[j + C.film_across] + S[j + C.film_cross] * rate - S[j + C.film_damping] * slip) / (1.0 + gt * S[j + C.film_damping])
 
 
 def mobilities(S, I, j, b, k, constrained):
@@ -126,8 +168,29 @@ def mobilities(S, I, j, b, k, constrained):
     return gn, gt, gm
 
 
-def answer(S, I, span, h):
-    """Normal and friction force of every clearance joint at t_n, each solved in closed form, in turn where joints share a body."""
+def onward(S, i, b, k):
+    """Velocity at t_(n+1/2) of a particle under the forces so far, as ``kick`` will make it; a driven one turns as prescribed."""
+    im = S[i + P.inverse_mass]
+    ii = S[i + P.inverse_inertia]
+    w = b * S[i + P.w] + k * (ii * S[i + P.mz]) if ii > 0.0 else S[i + P.w] + 0.5 * S[Y.step] * S[i + P.aw]
+    return b * S[i + P.u] + k * (im * S[i + P.fx]), b * S[i + P.v] + k * (im * S[i + P.fy]), w
+
+
+def slip_after(S, j, bearing, journal, b, k):
+    """Sliding velocity of joint j at t_(n+1/2) under the forces so far."""
+    bu, bv, bw = onward(S, bearing, b, k)
+    ku, kv, kw = onward(S, journal, b, k)
+    return S[j + C.nx] * (kv - bv) - S[j + C.ny] * (ku - bu) + S[j + C.jt] * kw - S[j + C.bt] * bw
+
+
+def answer(S, I, span, central):
+    """Normal and friction force of every clearance joint at t_n, each solved in closed form, in turn where joints share a body.
+
+    Most friction laws are solved with the velocity at t_n. A set-valued one must make the half-step velocity zero to stick: at t_n it would
+    only turn that round, and the body would tremble. ``ahead`` marks such a joint.
+    """
+    half, decay, gain, p = central
+    h = p * half
     for m in range(I[H.clearance_count]):
         r = I[H.clearance] + JC.SIZE * m
         j = I[r + JC.row]
@@ -136,6 +199,8 @@ def answer(S, I, span, h):
         nx = S[j + C.nx]
         ny = S[j + C.ny]
         gn, gt, gm = mobilities(S, I, j, b, k, I[r + JC.constrained])
+        ahead_t = gain * gt
+        ahead_m = gain * gm
         gn = h * gn
         gt = h * gt
         gm = h * gm
@@ -143,35 +208,41 @@ def answer(S, I, span, h):
         rv = S[k + P.vv] - S[b + P.vv]
         rate = nx * ru + ny * rv + S[j + C.jn] * S[k + P.vw] - S[j + C.bn] * S[b + P.vw]
         slip = nx * rv - ny * ru + S[j + C.jt] * S[k + P.vw] - S[j + C.bt] * S[b + P.vw]
-        normal, rate = normal_force(S[j + C.elastic], S[j + C.damping_coefficient], rate + gn * S[j + C.normal], gn)
+        push = S[j + C.elastic]
+        resisting = S[j + C.damping_coefficient]
+        if I[r + JC.film] != 0:
+            push, resisting = soaked(S, j, slip - gt * S[j + C.friction], gt)
+        normal, rate = normal_force(push, resisting, rate + gn * S[j + C.normal], gn)
         more = normal - S[j + C.normal]
         loose = slip - gm * more - gt * S[j + C.friction]
-        friction, memory = friction_law(
-            I[r + JC.friction],
-            normal,
-            loose,
-            gt,
-            S[j + C.memory],
-            S[Y.step],
-            S,
-            j + C.friction_slots,
-        )
+        dry = normal
+        across = 0.0
+        if I[r + JC.film] != 0:
+            across = carried(S, j, rate, loose, gt)
+            loose += gt * across
+            dry = S[j + C.elastic] if S[j + C.elastic] < normal else normal
+        free = loose
+        mobility = gt
+        if I[r + JC.ahead] != 0:
+            free = slip_after(S, j, b, k, decay, gain) - ahead_m * more - ahead_t * (S[j + C.friction] - across)
+            mobility = ahead_t
+        friction = friction_law(I[r + JC.friction], dry, free, mobility, S[Y.step], S, j + C.friction_slots, j + C.memory)
         slip = loose + gt * friction
-        press(S, j, b, k, more, friction - S[j + C.friction])
+        tangential = friction + across
+        press(S, j, b, k, more, tangential - S[j + C.friction])
         if I[r + JC.constrained] != 0:
-            hold(S, I, h, more, friction - S[j + C.friction])
+            hold(S, I, h, more, tangential - S[j + C.friction])
         elif I[r + JC.shared] != 0:
-            shove(S, j, b, k, h, more, friction - S[j + C.friction])
+            shove(S, j, b, k, h, more, tangential - S[j + C.friction])
         S[j + C.normal_force] = normal
-        S[j + C.friction_force] = friction
-        S[j + C.memory] = memory
-        lost = (normal - S[j + C.elastic]) * rate
+        S[j + C.friction_force] = tangential
+        lost = (normal - S[j + C.elastic]) * rate - across * slip
         rubbed = -friction * slip
         S[j + C.damping_power] = lost
         S[j + C.friction_power] = rubbed
         S[j + C.damping_work] += span * lost
         S[j + C.friction_work] += span * rubbed
-        square = normal * normal + friction * friction
+        square = normal * normal + tangential * tangential
         at = j + C.force_squared_max
         S[at] = larger(S[at], square)
         at = j + C.penetration_max

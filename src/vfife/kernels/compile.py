@@ -24,7 +24,7 @@ import numba
 
 lean = dict(error_model="numpy", no_rewrites=True, no_cfunc_wrapper=True, _nrt=False)
 jit = numba.njit(forceinline=True, no_cpython_wrapper=True, **lean)
-entry = numba.njit(cache=True, **lean)
+entry = numba.njit(cache=True, nogil=True, **lean)
 
 '''
 

@@ -94,78 +94,111 @@ def tiles(topology: Topology, layout: Layout) -> list[tuple[int, int, int, int, 
     return found
 
 
+class Lists:
+    """The lists of the integer array for one topology: records of rows of S and kinds."""
+
+    def __init__(self, topology: Topology) -> None:
+        self.t, self.graph, self.layout = topology, derive(topology), Layout(topology)
+        self.body = self.layout.records["particle"]
+        self.low, self.count = self.layout.rows, topology.row_starts[-1]
+        self.y = self.low + self.graph.size + self.count
+
+    def records(self, entity: str, *columns: Iterable[int]) -> NDArray[np.int64]:
+        """Rows of an entity with further columns."""
+        return np.column_stack([self.layout.records[entity], *(np.asarray(column, dtype=np.int64) for column in columns)])
+
+    def bodies(self, indices: Iterable[int]) -> NDArray[np.intp]:
+        """Rows of particles."""
+        return self.body[np.asarray(indices, dtype=np.intp)]
+
+    def function(self, indices: Iterable[int]) -> list[int]:
+        """Rows of functions, 0 for none."""
+        return [0 if k < 0 else self.layout.record("function", k) for k in indices]
+
+    def row(self, k: int, lever: int = 0) -> int:
+        """Row of a constraint, or of one of its levers."""
+        return self.layout.record("row", k) + lever
+
+    def particles(self) -> dict[str, Any]:
+        """Particles that are treated one by one, tiles of the others, elements."""
+        t, free = self.t, set(self.t.free)
+        nodes = np.asarray(t.element_nodes, dtype=np.intp).reshape(-1, 2)
+        units = self.layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
+        chosen = {"bound": [p for p in t.bound if p in free], "trig": t.trig, "jointed": self.graph.jointed, "pinned": self.graph.pinned}
+        found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
+        found["tile"] = tiles(t, self.layout)
+        found["element"] = self.records("element", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.element_release, units)
+        return found
+
+    def contacts(self) -> NDArray[np.int64]:
+        """Contacts with what their laws ask for."""
+        t = self.t
+        ahead = [int(t.friction_laws[kind].set_valued) for kind in t.clearance_friction]  # type: ignore[attr-defined]
+        film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.clearance_contact]
+        return self.records(
+            "clearance", self.bodies(t.clearance_bearing), self.bodies(t.clearance_journal), self.graph.shared, self.graph.constrained,
+            t.clearance_contact, t.clearance_friction, ahead, film, t.clearance_kind or [0] * len(t.clearance_bearing),
+        )  # fmt: skip
+
+    def constraints(self) -> dict[str, Any]:
+        """Ideal joints, their rows, and which rows meet at a body; two revolutes meet in one entry."""
+        t, graph, low, row = self.t, self.graph, self.low, self.row
+        starts, body = t.row_starts, self.body
+        ends = [pair for k, pair in enumerate(zip(t.ideal_bearing, t.ideal_journal, strict=True)) for _ in range(starts[k + 1] - starts[k])]
+        pins = [part for kind in t.kinds for part in ((1, 2) if kind == REVOLUTE else (0,) * IDEAL_ROWS[kind])]
+        lever = {False: Q.jb, True: Q.jk}
+        return {
+            "ideal": self.records(
+                "ideal", self.bodies(t.ideal_bearing), self.bodies(t.ideal_journal), t.kinds, [row(k) if self.count else 0 for k in starts[:-1]],
+                [self.y + k for k in starts[:-1]], self.function(t.ideal_function or [-1] * len(t.ideal_bearing)), np.diff(starts),
+            ),
+            "row": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k]) for k in range(self.count)],
+            "couple": [
+                (row(i), row(k), int(body[shared]), row(i, lever[si]), row(k, lever[sk]), int(si == sk), low + graph.start[i] + k,
+                 int(pins[i] and pins[k]), low + graph.start[min(i + 1, self.count - 1)] + k)
+                for i, k, shared, si, sk in graph.couples
+                if not (pins[i] and pins[k]) or (pins[i] == 1 and pins[k] == 1)
+            ],
+        }  # fmt: skip
+
+    def others(self) -> dict[str, Any]:
+        """Springs, drivers, loads, bodies and functions."""
+        t, layout, body = self.t, self.layout, self.body
+        ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
+        spans = {nodes: layout.record("element", e) for e, nodes in enumerate(t.element_nodes) if nodes in ends}
+        return {
+            "spring": self.records("spring", self.bodies(t.spring_first), self.bodies(t.spring_second), t.spring_kind),
+            "driven": self.records("driven", self.bodies(t.driven), self.function(t.driven_function)),
+            "load": self.records("load", self.bodies(t.load_particle), self.function(t.load_function), t.load_follow or [0] * len(t.load_particle)),
+            "body": [(layout.record("body", k), int(body[i]), int(body[j]), spans.get((i, j), 0)) for k, (i, j) in enumerate(t.body_nodes)],
+            "function": [(layout.record("function", k), start, *_argument(t, k, body)) for k, start in enumerate(t.function_start)],
+        }
+
+
+SIZES = {
+    "tile": JT, "element": JE, "clearance": JC, "ideal": JR, "row": JQ, "couple": JK, "spring": JG, "driven": JD, "load": JL, "body": JB,
+    "function": JF,
+}  # fmt: skip
+
+
 def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that loop's scratch."""
-    graph, t, layout = derive(topology), topology, Layout(topology)
-    body = layout.records["particle"]
-    low, free = layout.rows, set(t.free)
-    rows = t.row_starts[-1]
-    inverse, y, gn, gt = (low + graph.size + k * rows for k in range(4))
-
-    def records(entity: str, *columns: Iterable[int]) -> NDArray[np.int64]:
-        return np.column_stack([layout.records[entity], *(np.asarray(column, dtype=np.int64) for column in columns)])
-
-    def bodies(indices: Iterable[int]) -> NDArray[np.intp]:
-        return body[np.asarray(indices, dtype=np.intp)]
-
-    def function(indices: Iterable[int]) -> list[int]:
-        return [0 if k < 0 else layout.record("function", k) for k in indices]
-
-    def row(k: int, lever: int = 0) -> int:
-        return layout.record("row", k) + lever
-
-    nodes = np.asarray(t.element_nodes, dtype=np.intp).reshape(-1, 2)
-    spans = {(int(i), int(j)): layout.record("element", e) for e, (i, j) in enumerate(t.element_nodes)} if t.path_unit == 1 else {}
-    units = layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
-    ends = [pair for k, pair in enumerate(zip(t.ideal_bearing, t.ideal_journal, strict=True)) for _ in range(t.row_starts[k + 1] - t.row_starts[k])]
-    pins = [part for kind in t.kinds for part in ((1, 2) if kind == REVOLUTE else (0,) * IDEAL_ROWS[kind])]
-    lever = {False: Q.jb, True: Q.jk}
-    lists: dict[str, Any] = {
-        "bound": [(int(body[p]),) for p in t.bound if p in free],
-        "trig": [(int(body[p]),) for p in t.trig],
-        "jointed": [(int(body[p]),) for p in graph.jointed],
-        "pinned": [(int(body[p]),) for p in graph.pinned],
-        "tile": tiles(t, layout),
-        "element": records("element", bodies(nodes[:, 0]), bodies(nodes[:, 1]), t.element_release, units),
-        "clearance": records(
-            "clearance", bodies(t.clearance_bearing), bodies(t.clearance_journal), graph.shared, graph.constrained,
-            t.clearance_contact, t.clearance_friction, t.clearance_kind or [0] * len(t.clearance_bearing),
-        ),
-        "ideal": records(
-            "ideal", bodies(t.ideal_bearing), bodies(t.ideal_journal), t.kinds, [row(k) if rows else 0 for k in t.row_starts[:-1]],
-            [y + k for k in t.row_starts[:-1]], function(t.ideal_function or [-1] * len(t.ideal_bearing)), np.diff(t.row_starts),
-        ),
-        "row": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k]) for k in range(rows)],
-        "couple": [
-            (row(i), row(k), int(body[shared]), row(i, lever[si]), row(k, lever[sk]), int(si == sk), low + graph.start[i] + k,
-             int(pins[i] and pins[k]), low + graph.start[min(i + 1, rows - 1)] + k)
-            for i, k, shared, si, sk in graph.couples
-            if not (pins[i] and pins[k]) or (pins[i] == 1 and pins[k] == 1)
-        ],
-        "spring": records("spring", bodies(t.spring_first), bodies(t.spring_second), t.spring_kind),
-        "driven": records("driven", bodies(t.driven), function(t.driven_function)),
-        "load": records("load", bodies(t.load_particle), function(t.load_function), t.load_follow or [0] * len(t.load_particle)),
-        "body": [
-            (layout.record("body", k), int(body[i]), int(body[j]), spans.get((i, j), 0)) for k, (i, j) in enumerate(t.body_nodes)
-        ],
-        "function": [
-            (layout.record("function", k), start, *_argument(t, k, body)) for k, start in enumerate(t.function_start)
-        ],
-    }  # fmt: skip
-    sizes = {"tile": JT, "element": JE, "clearance": JC, "ideal": JR, "row": JQ, "couple": JK, "spring": JG, "driven": JD, "load": JL, "body": JB}
-    sizes["function"] = JF
+    made, t = Lists(topology), topology
+    lists = {**made.particles(), "clearance": made.contacts(), **made.constraints(), **made.others()}
     integers = np.zeros(H.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
     at = H.SIZE
     for name, values in lists.items():
         flat = np.asarray(values, dtype=np.int64).reshape(-1)
         integers[getattr(H, name)] = at
-        integers[getattr(H, f"{name}_count")] = len(flat) // (sizes[name].SIZE if name in sizes else 1)
+        integers[getattr(H, f"{name}_count")] = len(flat) // (SIZES[name].SIZE if name in SIZES else 1)
         integers[at : at + len(flat)] = flat
         at += len(flat)
-    integers[[H.profile, H.profile_count, H.inverse, H.y, H.gn, H.gt]] = low, graph.size, inverse, y, gn, gt
+    inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
+    integers[[H.profile, H.profile_count, H.inverse, H.y, H.gn, H.gt]] = made.low, made.graph.size, inverse, y, gn, gt
     worked = bool(t.load_particle) or any(k >= 0 for k in t.ideal_function)
-    integers[[H.plain, H.path_unit, H.damped, H.worked, H.close_again]] = layout.plain, t.path_unit, t.damped, worked, graph.close_again
-    return integers, layout, gt + rows
+    flags = (made.layout.plain, t.path_unit, t.damped, worked, made.graph.close_again)
+    integers[[H.plain, H.path_unit, H.damped, H.worked, H.close_again]] = flags
+    return integers, made.layout, gt + made.count
 
 
 def _argument(topology: Topology, k: int, body: NDArray[np.intp]) -> tuple[int, int, int]:

@@ -115,8 +115,8 @@ def factor(S, I, y, dt):
     """L D L^T of the matrix along its profile, in place, with the forward substitution of y on the way.
 
     A pivot lost to rounding (a redundant joint) is left out. Within some steps of a singular position, where the directions of two constraints
-    become one, the pivot goes as the square of the angle that is left and changes by as much as itself in a step, so what a whole correction does is
-    unbounded: there it is damped as in a least squares solution (Levenberg 1944), and inertia carries the mechanism through.
+    become one, the pivot goes as the square of the angle that is left and changes by as much as itself in a step. What a whole correction does is
+    unbounded there: it is damped as in a least squares solution (Levenberg 1944), and inertia carries the mechanism through.
     """
     inverse = I[H.inverse]
     share = singular(S, I, dt)
@@ -291,7 +291,7 @@ def close(S, I, dt, b, k, fresh):
                 pull(S, q + c * Q.SIZE, b_, k_, scale * S[at + c])
 
 
-def bend(S, i, moment):
+def turn_with(S, i, moment):
     """Moment of a joint at t_n, and the largest."""
     S[i + R.moment] = moment
     at = i + R.moment_max
@@ -305,17 +305,17 @@ def reaction(S, I, r):
     kind = I[r + JR.kind]
     force = S[q + Q.force]
     if kind == GEAR or kind == ANGLE:
-        bend(S, i, force)
+        turn_with(S, i, force)
     elif kind == REVOLUTE or kind == WELD:
         S[i + R.fx] = force
         S[i + R.fy] = S[q + Q.SIZE + Q.force]
         if kind == WELD:
-            bend(S, i, S[q + 2 * Q.SIZE + Q.force])
+            turn_with(S, i, S[q + 2 * Q.SIZE + Q.force])
     else:
         S[i + R.fx] = force * S[q + Q.nx]
         S[i + R.fy] = force * S[q + Q.ny]
         if kind == SLIDER:
-            bend(S, i, S[q + Q.SIZE + Q.force])
+            turn_with(S, i, S[q + Q.SIZE + Q.force])
 
 
 def spread(S, I, w, y, b, k, fx, fy, mk, mb):

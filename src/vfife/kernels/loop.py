@@ -300,7 +300,7 @@ def joints(S, I, n, start, span, central):
         close(S, I, dt, b, k, True)
     if I[H.clearance_count] > 0:
         velocities(S, I, p, h)
-        answer(S, I, span, p * h)
+        answer(S, I, span, central)
     if I[H.close_again] != 0 or (start and I[H.ideal_count] > 0):
         close(S, I, dt, b, k, False)
 

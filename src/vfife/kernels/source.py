@@ -15,7 +15,7 @@ from types import FunctionType
 from typing import Any
 
 from . import loop
-from .arrays import CONTACT_SLOTS, FRICTION_SLOTS, Fields
+from .arrays import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS, Fields
 
 
 class SourceError(ValueError):
@@ -100,7 +100,7 @@ def definition(function: Callable[..., Any], name: str) -> str:
 
 
 class _Literal(ast.NodeTransformer):
-    """Writes the row of a field, ``P.x``, and a number of the function's module as the numbers they are."""
+    """Writes the row of a field, ``P.x``, a number of the function's module and one of the module math as the numbers they are."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.space = function.__globals__
@@ -108,6 +108,13 @@ class _Literal(ast.NodeTransformer):
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None
+        if owner is math:
+            value = getattr(math, node.attr, None)
+            if isinstance(value, float):
+                return ast.Constant(value)
+            if node.attr != "sqrt":
+                raise SourceError(f"math.{node.attr} differs between machines in its last bits; math.sqrt alone does not")
+            return ast.Attribute(ast.Name("math", ast.Load()), "sqrt", ast.Load())
         return ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
@@ -123,19 +130,50 @@ def law_name(kind: str, law: type) -> str:
 
 
 def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
-    """An if-chain over forms of laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law``."""
-    signature = {"contact": "depth, slowness", "friction": "normal, free, mobility, memory, dt"}[kind]
-    room = {"contact": CONTACT_SLOTS, "friction": FRICTION_SLOTS}[kind]
-    rest = "0.0" if kind == "contact" else "memory"
-    lines = ["@jit", f"def {kind}_law(kind, {signature}, S, base):", "    first = 0.0", f"    second = {rest}"]
+    """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law(kind, ..., S, base, memory)``.
+
+    The friction law's memory lies in the rows from ``memory`` and is wiped where no normal force holds the surfaces together.
+    """
+    friction = kind == "friction"
+    given = "normal, free, mobility, dt" if friction else "depth, slowness"
+    lines = ["@jit", f"def {kind}_law(kind, {given}, S, base{', memory' if friction else ''}):", "    first = 0.0", "    second = 0.0"]
     for number, law in enumerate(laws):
-        count = len(law.slots)  # type: ignore[attr-defined]
-        if count > room:
-            raise SourceError(f"law {law.name or law.__name__!r} has {count} parameters; a law may have {room}")  # type: ignore[attr-defined]
+        count, rows = room(kind, law)
         name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
         slots = "".join(f"S[base + {k}], " for k in range(count))
-        lines += [f"    {'el' if number else ''}if kind == {number}:", f"        first, second = {name}({signature}, ({slots}))"]
-    lines.append("    return first, second")
+        held = [f"S[memory + {k}]" for k in range(rows)]
+        one = held[0] if rows == 1 else f"({', '.join(held)})" if held else "0.0"
+        arguments = f"normal, free, mobility, {one}, dt" if friction else given
+        lines += [f"    {'el' if number else ''}if kind == {number}:", f"        first, second = {name}({arguments}, ({slots}))"]
+        if rows > 1:
+            lines[-1] = lines[-1].replace("second", "kept", 1)
+        values = ["second"] if rows == 1 else [f"kept[{k}]" for k in range(rows)]
+        lines += [f"        {row} = {value} if normal > 0.0 else 0.0" for row, value in zip(held, values, strict=True)]
+    lines.append("    return first" if friction else "    return first, second")
+    return "\n".join(lines) + "\n"
+
+
+def room(kind: str, law: Any) -> tuple[int, int]:
+    """How many parameters and rows of memory a law takes; SourceError where there are not that many."""
+    slots, memory = {"contact": (CONTACT_SLOTS, 0), "friction": (FRICTION_SLOTS, FRICTION_MEMORY)}[kind]
+    count, rows = len(law.slots), len(law.memory) if kind == "friction" else 0
+    if count > slots:
+        raise SourceError(f"law {law.name or law.__name__!r} has {count} parameters; a law may have {slots}")
+    if rows > memory:
+        raise SourceError(f"law {law.name or law.__name__!r} remembers {rows} numbers; a law may remember {memory}")
+    return count, rows
+
+
+def films(laws: tuple[type, ...], gathered: Gathered) -> str:
+    """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
+    signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
+    lines = ["@jit", f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
+    for number, law in enumerate(laws):
+        if getattr(law, "film", False):
+            name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]
+            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
+            lines += [f"    if kind == {number}:", f"        {', '.join(answer)} = {name}({signature}, ({slots}))"]
+    lines.append(f"    return {', '.join(answer)}")
     return "\n".join(lines) + "\n"
 
 
@@ -145,6 +183,7 @@ def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...])
     gathered.given = {
         "contact_law": dispatch("contact", contact_laws, gathered),
         "friction_law": dispatch("friction", friction_laws, gathered),
+        "film_law": films(contact_laws, gathered),
     }
     gathered.add(loop.advance)
     return gathered.text()

@@ -4,7 +4,8 @@ from . import contact, friction
 from .contact import *  # noqa: F403
 from .friction import *  # noqa: F403
 from .law import ContactLaw, FrictionLaw, Law, Material, Pair, quantity
+from .materials import MATERIALS
 
-__all__ = ["ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"]
+__all__ = ["MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"]
 __all__ += contact.__all__
 __all__ += friction.__all__

@@ -15,6 +15,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 
+class LawError(ValueError):
+    """A law of the user's own that cannot be used: which law, in which file and line, why, and what to do."""
+
+
 @dataclass(frozen=True)
 class Material:
     """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3)."""
@@ -97,11 +101,16 @@ def quantity(
     return dataclasses.field(default=default, metadata=metadata)
 
 
+# Units of slots that several laws have, and that are no fields.
+SLOT_UNITS = {"damping_factor": "1", "exponent_beyond_1": "1", "ramp": "m/s"}
+
+
 @dataclass(frozen=True)
 class Law:
     """Shared by contact and friction laws. Subclasses register themselves by ``name``.
 
-    A law that is ``common`` is part of every data-driven loop, used or not, so that one compilation serves most models.
+    A law that is ``common`` is part of every data-driven loop, used or not, so that one compilation serves most models. ``slots`` names the
+    numbers that the function receives, ``slot_units`` their units where no field of the same name tells them.
     """
 
     name: ClassVar[str] = ""
@@ -109,12 +118,18 @@ class Law:
     formula: ClassVar[str] = ""
     slots: ClassVar[tuple[str, ...]] = ()
     common: ClassVar[bool] = False
+    slot_units: ClassVar[dict[str, str]] = {}
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own may be defined again."""
         super().__init_subclass__(**kwargs)
-        if cls.__dict__.get("name"):
-            cls.registry[cls.name] = cls
+        if not cls.__dict__.get("name"):
+            return
+        known = cls.registry.get(cls.name)
+        if known is not None and built_in(known) and (cls.__module__, cls.__qualname__) != (known.__module__, known.__qualname__):
+            raise ValueError(f"the name {cls.name!r} is taken by a law that vfife brings, {known.__name__}; call {cls.__qualname__} otherwise")
+        cls.registry[cls.name] = cls
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -146,11 +161,25 @@ class Law:
         """Numbers worth printing, by slot name."""
         return {name: f"{value:.6g}" for name, value in zip(self.slots, self.parameters(pair), strict=True)}
 
+    def units(self, pair: Pair) -> dict[str, str]:
+        """Unit of each slot: as ``slot_units`` says, else that of the field of the same name; "" where neither knows."""
+        fields = {field.name: str(field.metadata.get("unit", "")) for field in dataclasses.fields(self)}
+        return {slot: self.slot_units.get(slot, fields.get(slot, SLOT_UNITS.get(slot, ""))) for slot in self.slots}
+
+
+def built_in(law: type[Law]) -> bool:
+    """Whether a law is one that vfife brings."""
+    return law.__module__.startswith("vfife.laws.")
+
 
 @dataclass(frozen=True)
 class ContactLaw(Law):
-    """Normal contact law."""
+    """Normal contact law.
 
+    One with ``film`` also acts while the surfaces are apart, through a second static function ``film_force``; see ``Hydrodynamic``.
+    """
+
+    film: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     @staticmethod
@@ -161,6 +190,19 @@ class ContactLaw(Law):
         """
         raise NotImplementedError
 
+    def exponent_at(self, depth: float, pair: Pair) -> float:
+        """n = d ln F/d ln delta of the elastic force at a penetration (m): constant where F = K delta^n."""
+        p = self.parameters(pair)
+        low, high = (self.force(share * depth, 0.0, p)[0] for share in (0.999, 1.001))
+        return math.log(high / low) / math.log(1.001 / 0.999) if low > 0.0 else math.nan
+
+    def units(self, pair: Pair) -> dict[str, str]:
+        """Units of the slots; that of a stiffness follows from the exponent."""
+        found = super().units(pair)
+        if found.get("stiffness", "N/m") in ("", "N/m^n"):
+            found["stiffness"] = f"N/m^{self.exponent_at(0.05 * pair.clearance, pair):.4g}".removesuffix("^1")
+        return found
+
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) stored at a penetration (m), of any shape: integral of the elastic force."""
         raise NotImplementedError
@@ -168,11 +210,21 @@ class ContactLaw(Law):
 
 @dataclass(frozen=True)
 class FrictionLaw(Law):
-    """Friction law."""
+    """Friction law.
+
+    ``memory`` names what the law remembers from step to step, with units: up to three numbers, all zero at the start and again wherever the
+    normal force is zero, because bristles spring back when nothing presses on them. ``set_valued``: the law holds two surfaces together
+    without sliding by any force up to a limit; it then receives the sliding velocity half a step on, where sticking means exactly zero.
+    """
 
     registry: ClassVar[dict[str, type[Law]]] = {}
+    memory: ClassVar[tuple[str, ...]] = ()
+    set_valued: ClassVar[bool] = False
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force."""
+    def force(normal_force: float, free_velocity: float, mobility: float, memory: Any, dt: float, p: tuple[float, ...]) -> tuple[float, Any]:
+        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force.
+
+        ``memory`` is a number where the law names one, a tuple where it names several, 0 where it names none.
+        """
         raise NotImplementedError

@@ -8,7 +8,7 @@ from typing import Any
 from .. import joints, springs
 from ..bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
 from ..drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
-from ..laws import Material
+from ..laws import MATERIALS, Material
 from ..loads import PointForce
 from ..mechanism import Mechanism, Settings, Start
 from ..schema import (
@@ -51,7 +51,7 @@ SPRINGS: dict[str, type[springs.AnySpring]] = {
 
 def build(model: ModelFile, source: str | None = None) -> Mechanism:
     """The mechanism that a model file without faults describes."""
-    materials = {"steel": Material()}
+    materials = dict(MATERIALS)
     materials |= {name: Material(name, **fields(entry)) for name, entry in model.material.items()}
     return Mechanism(
         name=model.name,

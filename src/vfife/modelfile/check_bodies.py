@@ -98,7 +98,7 @@ def check_way(checks: Checks, path: Path, body: Raw) -> None:
     elements = body.get("elements", 4)
     if body.get("model") == "elastic" and isinstance(elements, int) and not isinstance(elements, bool) and 0 < elements < len(via) + 1:
         limit = f"at least {len(via) + 1}, one for each piece between start, via and end"
-        checks.add((*path, "elements"), f"{elements} elements for {len(via) + 1} pieces", "raise it", limit)
+        checks.add((*path, "elements"), f"{elements} element{'s' * (elements > 1)} for {len(via) + 1} pieces", "raise it", limit)
 
 
 def coincide(one: tuple[float, ...], two: tuple[float, ...], size: float) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from ..laws import MATERIALS
 from ..quantities import shown
 from ..schema import STATIC_ONLY, driver_kind
 from .faults import Fault, Path, place, suggestion
@@ -24,7 +25,7 @@ class Checks:
         self.raw, self.given = raw, given
         self.faults: list[Fault] = []
         self.suggestions = 0
-        self.materials = ("steel", *table(raw, "material"))
+        self.materials = (*MATERIALS, *table(raw, "material"))
         self.bodies = table(raw, "body")
         self.joints = dict(entries(raw, "joint"))
         self.drivers = dict(entries(raw, "driver"))

@@ -36,7 +36,8 @@ def model_schema() -> Json:
     top = described(raw)
     heads = {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, "description": top.pop("description")}
     top.pop("title", None)
-    return older({**heads, **top, "definitions": {**tables, **laws}})
+    schema: Json = older({**heads, **top, "definitions": {**tables, **laws}})
+    return schema
 
 
 def text() -> str:

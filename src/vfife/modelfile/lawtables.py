@@ -25,7 +25,7 @@ def read_law(kind: str, holder: Raw, path: Path, given: set[Path]) -> tuple[Law 
     registry = LAWS[kind].registry
     name = holder.get("law", DEFAULTS[kind].name)
     if not isinstance(name, str) or name not in registry:
-        remedy = suggestion(str(name), registry, f"name a {kind} law")
+        remedy = suggestion(str(name), registry, f"name a {kind} law, and with --laws the file of one of your own")
         return None, [Fault(place((*path, "law"), given), f"no {kind} law is called so", shown(name), "", remedy)]
     law, faults, values = registry[name], [], {}
     fields = {field.name: field for field in dataclasses.fields(law)}

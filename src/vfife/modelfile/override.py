@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from ..laws import Material
+from ..laws import MATERIALS
 from ..quantities import shown
 from ..schema import JOINT_TABLES
 from .faults import Fault, Path, suggestion
@@ -65,11 +65,11 @@ def resolve(raw: Raw, text: str) -> Path:
 
 def entry(raw: Raw, section: str, name: str, text: str) -> str:
     """The name in a section that is meant."""
-    if section == "material" and name == "steel":
-        steel = Material()
+    if section == "material" and name in MATERIALS:
+        known = MATERIALS[name]
         materials = raw.setdefault("material", {})
         if isinstance(materials, dict):
-            materials.setdefault("steel", {key: value for key, value in vars(steel).items() if key != "name"})
+            materials.setdefault(name, {key: value for key, value in vars(known).items() if key != "name"})
     if name in table(raw, section):
         return name
     found = [joint for joint, ends in connected(raw) if name in ends] if section == "joint" else []

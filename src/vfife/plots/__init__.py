@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import matplotlib
 
-from .curves import acceleration_curves, force_curves
+from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
-from .orbits import orbits
+from .orbits import journals, orbits
 from .style import STYLE
 
 if TYPE_CHECKING:
@@ -21,18 +21,20 @@ if TYPE_CHECKING:
 
 
 def figures(result: Result, reference: Result | None = None) -> dict[str, Figure]:
-    """Figures by name: ``mechanism``, ``orbits`` (with clearance joints), ``forces``, ``accelerations``.
+    """Figures by name: ``mechanism``, ``orbits`` (with clearance joints), ``forces``, ``moments`` (of gears and
+    drivers), ``accelerations``.
 
     The reference, whose curves lie below those of the result, is the result's own unless another one is given.
     """
     reference = reference if reference is not None else result.reference
     with matplotlib.rc_context(STYLE):
         found = {"mechanism": drawing(result)}
-        if result.record.assembly.clearances:
+        if journals(result):
             found["orbits"] = orbits(result)
         for name, figure in (
             ("forces", force_curves(result, reference)),
-            ("accelerations", acceleration_curves(result, reference)),
+            ("moments", moment_curves(result, reference)),
+            ("accelerations", None if result.record.static else acceleration_curves(result, reference)),
         ):
             if figure is not None:
                 found[name] = figure
@@ -51,4 +53,4 @@ def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
     return paths
 
 
-__all__ = ["acceleration_curves", "drawing", "figures", "force_curves", "orbits", "save"]
+__all__ = ["acceleration_curves", "drawing", "figures", "force_curves", "moment_curves", "orbits", "save"]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..analysis.forces import joint_rows
 from .style import BLUE, SKY, VERMILION, heading, one_legend, panels, scale_of
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from ..result import Result
 
 Array = NDArray[np.float64]
+NOISE = 1e-5  # of the largest force or moment (N, N m), below which a joint carries nothing
+MOST = 16  # panels of a figure; of more joints those with the largest forces
 Series = tuple[Array, Array | None]  # a line, and the extremes around it
 Curve = Callable[["Result", str], "Series | None"]
 
@@ -27,9 +30,31 @@ def force_curves(result: Result, reference: Result | None = None) -> Figure | No
 
     The line is the largest force in each output interval, so that no peak is missed.
     """
-    assembly = result.record.assembly
-    names = [*assembly.clearances, *assembly.ideals, *assembly.pivots]
-    return _figure(result, reference, names, _force, "joint force", "N", "joint ")
+    rows = joint_rows(result.record)
+    kinds = {"clearance": 0, "ideal": 1, "driven": 2}
+    loaded = {name: float(found[0].max()) for name in rows if (found := _force(result, name)) is not None}
+    noise = NOISE * max([0.0, *loaded.values(), *(float(np.abs(_moment(result, name)[0]).max()) for name in rows)])
+    names = sorted((name for name, most in loaded.items() if most > noise), key=lambda name: kinds[rows[name][0]])
+    if len(names) > MOST:
+        largest = sorted(names, key=lambda name: -loaded[name])[:MOST]
+        names = [name for name in names if name in largest]
+    return _figure(result, reference, names, _force, "joint force", "N", _titles(result))
+
+
+def moment_curves(result: Result, reference: Result | None = None) -> Figure | None:
+    """Moment of each gear, weld, guide and driver that has one, over the last crank turn; None without any."""
+    most = {name: float(np.abs(_moment(result, name)[0]).max()) for name in joint_rows(result.record)}
+    names = [name for name, size in most.items() if size > NOISE * max(most.values())][:MOST]
+    return _figure(result, reference, names, _moment, "moment", "N m", _titles(result))
+
+
+def _titles(result: Result) -> Callable[[str], str]:
+    mechanism = result.record.assembly.mechanism
+
+    def title(name: str) -> str:
+        return ("joint " if name in mechanism.joints else "gear " if name in mechanism.gears else "driver ") + name
+
+    return title
 
 
 def acceleration_curves(result: Result, reference: Result | None = None) -> Figure | None:
@@ -40,15 +65,21 @@ def acceleration_curves(result: Result, reference: Result | None = None) -> Figu
     sample's side.
     """
     bodies = [body.name for body in result.record.assembly.bodies.values() if body.driven is None]
-    names = [name for name in bodies if f"{name}.angular_acceleration.max" in result.measures]
-    return _figure(result, reference, names, _acceleration, "angular acceleration", "rad/s²")
+    names = [name for name in bodies if result.measures.get(f"{name}.angular_acceleration.max")]
+    return _figure(result, reference, names[:MOST], _acceleration, "angular acceleration", "rad/s²")
 
 
 def _force(result: Result, name: str) -> Series | None:
-    joints = list(result.record.assembly.mechanism.joints)
+    joints = list(joint_rows(result.record))
     if name not in joints:
         return None
-    return result.channels["joint_force_max"].values[:, joints.index(name)], None
+    return result.channels["joint_force" if result.record.static else "joint_force_max"].values[:, joints.index(name)], None
+
+
+def _moment(result: Result, name: str) -> Series:
+    joints = list(joint_rows(result.record))
+    values = result.channels["joint_moment"].values
+    return values[:, joints.index(name)] if name in joints else np.zeros(len(values)), None
 
 
 def _acceleration(result: Result, name: str) -> Series | None:
@@ -60,7 +91,9 @@ def _acceleration(result: Result, name: str) -> Series | None:
     return sample, np.copysign(result.channels["body_angular_acceleration_max"].values[:, k], sample)
 
 
-def _figure(result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, kind: str = "") -> Figure | None:
+def _figure(
+    result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, title: Callable[[str], str] = str
+) -> Figure | None:
     if not names:
         return None
     columns = 2 if len(names) > 1 else 1
@@ -70,14 +103,14 @@ def _figure(result: Result, reference: Result | None, names: Sequence[str], curv
         found = curve(result, name)
         if found is not None:
             _panel(ax, result, reference, (found, None if reference is None else curve(reference, name)), (what, unit))
-            ax.set_title(f"{kind}{name}")
+            ax.set_title(title(name))
         if k >= len(names) - columns:
-            ax.set_xlabel("time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)")
+            ax.set_xlabel(_axis(result))
             ax.tick_params(labelbottom=True)
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     one_legend(figure, axes)
-    turn = "" if result.crank is None or result.last_turn.all() else ", last turn"
+    turn = "" if result.crank is None or result.record.static or result.last_turn.all() else ", last turn"
     heading(figure, f"{result.name}: {what}{turn}")
     return figure
 
@@ -106,18 +139,26 @@ def _panel(
     ax.plot(x, factor * line, color=BLUE, lw=1.1, label=label, zorder=4)
     ax.set_ylabel(f"{quantity[0]}\n({unit})")
     ax.margins(x=0.0)
-    if result.crank is not None and 300.0 < abs(x[-1] - x[0]) <= 361.0:
+    if result.crank is not None and not result.record.static and 300.0 < abs(x[-1] - x[0]) <= 361.0:
         ax.set_xticks(np.arange(np.ceil(min(x) / 60.0 - 1e-6) * 60.0, max(x) + 1e-6, 60.0))
 
 
+def _axis(result: Result) -> str:
+    if result.record.static:
+        return "load factor"
+    return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"
+
+
 def abscissa(result: Result) -> Array:
-    """Crank angle (degrees), or time (ms) without a crank, at the outputs."""
+    """Crank angle (degrees), or time (ms) without a crank, at the outputs; load factors of a static analysis."""
+    if result.record.static:
+        return result.time
     return 1e3 * result.time if result.crank_angle is None else result.crank_angle
 
 
 def _one_turn(angle: Array, result: Result) -> tuple[Array, float]:
     """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they are."""
-    if result.crank is None:
+    if result.crank is None or result.record.static:
         return angle, 0.0
     origin = 360.0 * np.floor(min(angle[0], angle[-1]) / 360.0 + 1e-6)
     return angle - origin, float(origin)

@@ -26,16 +26,22 @@ def orbits(result: Result) -> Figure:
     The last crank turn is dark, what came before it is light (and cut off where it leaves the panel), onsets of
     contact in the last turn are dots; the circle of radius c is where the two surfaces touch.
     """
-    names = list(result.record.assembly.clearances)
+    names = journals(result)
     columns = min(len(names), MOST_COLUMNS)
     figure, axes = panels(math.ceil(len(names) / columns), columns, 3.9, 4.1, equal=True)
-    for k, (ax, name) in enumerate(zip(axes, names, strict=False)):
-        _panel(result, ax, k, name)
+    places = list(result.record.assembly.clearances)
+    for ax, name in zip(axes, names, strict=False):
+        _panel(result, ax, places.index(name), name)
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     one_legend(figure, axes)
     heading(figure, f"{result.name}: journal centres in their bearings")
     return figure
+
+
+def journals(result: Result) -> list[str]:
+    """Revolute joints with clearance: those whose journal moves inside a circle."""
+    return list(result.record.assembly.mechanism.clearances)
 
 
 def _panel(result: Result, ax: Axes, k: int, name: str) -> None:

@@ -69,7 +69,7 @@ class ModelFile(Table):
     gravity: tuple[Acceleration, Acceleration] = Field((0.0, 0.0), description="acceleration of gravity")
     run: RunTable = Field(RunTable(), description="defaults of a run")
     start: StartTable = Field(StartTable(), description="how a run starts")
-    material: dict[str, MaterialTable] = Field({}, description='materials by name; "steel" is there already')
+    material: dict[str, MaterialTable] = Field({}, description="materials by name, beside those of `vfife materials`")
     ground: dict[str, Place] = Field({}, description="points of the ground")
     body: dict[str, AnyBody] = Field({}, description="bodies by name")
     joint: dict[str, AnyJoint] = Field({}, description="joints by name")

@@ -14,6 +14,7 @@ from .herbert_mcwhannell import HerbertMcWhannell
 from .hertz import Hertz
 from .hu_guo import HuGuo
 from .hunt_crossley import HuntCrossley
+from .hydrodynamic import Hydrodynamic
 from .impact import Impact
 from .johnson import Johnson
 from .kelvin_voigt import KelvinVoigt
@@ -35,6 +36,7 @@ __all__ = [
     "Hertz",
     "HuGuo",
     "HuntCrossley",
+    "Hydrodynamic",
     "Impact",
     "Johnson",
     "KelvinVoigt",

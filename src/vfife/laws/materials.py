@@ -1,0 +1,37 @@
+"""Materials by the names that people know. Handbook values at room temperature; where a handbook gives a range, its middle.
+
+A part's own alloy, heat treatment or filler may differ: a table [material.NAME] in a model file takes the place of an entry.
+"""
+
+from __future__ import annotations
+
+from .law import Material
+
+SHIGLEY = "Budynas, Nisbett: Shigley's Mechanical Engineering Design, 10th ed. (2015), Table A-5"
+CALLISTER = "Callister, Rethwisch: Materials Science and Engineering, 9th ed. (2014), Appendix B"
+ASM = "ASM Handbook, vol. 2: Properties and Selection: Nonferrous Alloys (1990)"
+DOMININGHAUS = "Domininghaus: Plastics for Engineers (1993)"
+ASHBY = "Ashby: Materials Selection in Mechanical Design, 4th ed. (2011), Appendix A"
+
+# Name: Young's modulus (Pa), Poisson's ratio, density (kg/m^3), what it is, source.
+TABLE: dict[str, tuple[float, float, float, str, str]] = {
+    "steel": (207e9, 0.3, 7800.0, "carbon steel", f"{SHIGLEY} (207 GPa); 0.3 and 7800 kg/m^3 as the VFIFE paper takes them, Section 4.1"),
+    "stainless-steel": (190e9, 0.305, 7750.0, "18-8 stainless steel", SHIGLEY),
+    "cast-iron": (100e9, 0.211, 7200.0, "grey cast iron", SHIGLEY),
+    "aluminium": (71.7e9, 0.333, 2710.0, "aluminium alloys", SHIGLEY),
+    "magnesium": (44.8e9, 0.35, 1790.0, "magnesium alloys", SHIGLEY),
+    "titanium": (114e9, 0.34, 4420.0, "titanium alloys", SHIGLEY),
+    "copper": (119e9, 0.326, 8900.0, "copper", SHIGLEY),
+    "brass": (106e9, 0.324, 8540.0, "brass", SHIGLEY),
+    "bronze": (110e9, 0.341, 8860.0, "phosphor bronze C51000", ASM),
+    "ptfe": (0.475e9, 0.46, 2170.0, "polytetrafluoroethylene, 0.40 to 0.55 GPa", CALLISTER),
+    "nylon": (2.69e9, 0.39, 1140.0, "PA 66, dry, 1.59 to 3.79 GPa", CALLISTER),
+    "pom": (2.8e9, 0.35, 1410.0, "polyoxymethylene copolymer", DOMININGHAUS),
+    "peek": (3.6e9, 0.4, 1300.0, "polyetheretherketone, unfilled", DOMININGHAUS),
+    "polycarbonate": (2.38e9, 0.36, 1200.0, "polycarbonate", CALLISTER),
+    "rubber": (2e6, 0.4995, 925.0, "natural rubber at small strains, 1.5 to 2.5 MPa", ASHBY),
+    "silicon-nitride": (304e9, 0.3, 3300.0, "hot-pressed Si3N4", CALLISTER),
+    "alumina": (380e9, 0.22, 3980.0, "99.9 % Al2O3", CALLISTER),
+}
+
+MATERIALS: dict[str, Material] = {name: Material(name, *numbers[:3]) for name, numbers in TABLE.items()}

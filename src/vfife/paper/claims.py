@@ -1,0 +1,86 @@
+"""Every claim of the paper's text, each true or false with its numbers."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..assembly import Record
+from ..ensemble import placed
+from ..simulation import run
+from .contents import Chart, Item, Line, Panel, Table, Verdict
+from .context import described, settling
+from .impact import fig9, fig10
+from .influence import BODY, Influence
+from .one_joint import fig12, fig13
+from .three_joints import falling, fig15, fig16, fig17, fig18, fig19, fig20, rising, size_title, speed_title, table3
+
+if TYPE_CHECKING:
+    from .context import Context
+
+FIRST_TURNS, OUTPUTS = 3, 720
+
+
+def claims(context: Context) -> Item:
+    """All of them in one place, with the run-up that leads to the settled turn."""
+    found: list[tuple[str, Verdict]] = []
+    for figure in (fig9, fig10, fig12, fig13, table3, fig15, fig18, fig16, fig17, fig19, fig20):
+        made = context.once(figure.__name__, partial(figure, context))
+        found += [(made.title.partition(":")[0], verdict) for verdict in made.verdicts]
+    found += [("Table 4", verdict) for verdict in [*falling(context.speeds), rising(context.speeds)]]
+    found += [("Sect. 5.1", verdict) for verdict in run_up(context)]
+    rows = [[verdict.word, where, verdict.statement, verdict.numbers] for where, verdict in found]
+    held = sum(verdict.holds is True for _, verdict in found)
+    table = Table(f"{held} of {len(found)} hold", ["", "where", "claim, in our words", "numbers"], rows)
+    data = {"claims": [{"holds": v.holds, "where": where, "claim": v.statement, "numbers": v.numbers} for where, v in found]}
+    text = [
+        "Claims about one loose joint depend on parameters that are chosen, not known; those about three, on the set that was fitted to Table 3."
+    ]
+    return Item("claims", "Claims of the text", text, described(context.parameters), [decline(context)], [table], [], data)
+
+
+def run_up(context: Context) -> list[Verdict]:
+    """How the motion settles."""
+    runs = [*context.sizes, *context.speeds[:-1]]
+    apart = [astray(one, first_turns(context, one)) for one in runs]
+    onsets = [np.diff(one.member.turns.block("clearance_onsets").sum(axis=1)) for one in runs]
+    ends = "; ".join(f"{size_title(one)}, {speed_title(one)}: {settling(one)}" for one in runs)
+    sizes = [turns[0] for turns in apart[: len(context.sizes)]]
+    measure = "largest acceleration apart from the settled turn's, over the largest ideal one"
+    return [
+        Verdict("Strong vibration after the start declines", all(min(turns[0], 0.1) > turns[-1] for turns in apart),
+                f"{measure}, turn by turn: " + "; ".join(", ".join(f"{value:.2g}" for value in turns) for turns in apart)),
+        Verdict("The motion becomes periodic", all(one.member.settled is not None for one in runs), ends),
+        Verdict("The vibration at the start grows with the clearance", sizes == sorted(sizes),
+                f"{measure}, first turn: " + ", ".join(f"{value:.2f}" for value in sizes)),
+        Verdict("Contact is lost while the motion settles only", all(not n[-1] for n in onsets),
+                "contacts begun, turn by turn: " + "; ".join(", ".join(f"{count:.0f}" for count in n) for n in onsets)),
+    ]  # fmt: skip
+
+
+def first_turns(context: Context, one: Influence) -> Record:
+    """The run from its start, all outputs of the first turns."""
+    mechanism, step = one.member.assembly.mechanism, one.case.step
+    record: Record = context.once(f"start {one.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS)))
+    return record
+
+
+def astray(one: Influence, record: Record) -> list[float]:
+    """Largest difference of the follower's acceleration from the settled turn at the same crank angle, over the ideal maximum, turn by turn."""
+    row = one.member.assembly.bodies[BODY].row
+    settled = one.member.last.block("body_alpha")[1:, row]
+    turns = record.block("body_alpha")[1:, row].reshape(FIRST_TURNS, OUTPUTS)
+    return [float(np.abs(turn - settled).max() / one.ideal_acceleration) for turn in turns]
+
+
+def decline(context: Context) -> Chart:
+    """The follower's acceleration over the first turns."""
+    panels = []
+    for one in context.sizes:
+        record = first_turns(context, one)
+        turns = record.steps / record.steps[-1] * FIRST_TURNS
+        values = record.block("body_alpha")[:, record.assembly.bodies[BODY].row]
+        panels.append(Panel(size_title(one), "turns of the crank", "acceleration of follower ($10^3$ rad/s²)", [Line(turns, 1e-3 * values)]))
+    return Chart("settling", "From the start to the settled turn, 50π rad/s", panels, 3)

@@ -1,0 +1,81 @@
+"""The sheet a mechanism is drawn on: axes, scale, and where things are at the output that is drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..analysis.motion import pin_path
+from .style import GREY, INK
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ..mechanism import Mechanism
+    from ..result import Result
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Sheet:
+    """``factor`` turns metres into the units drawn, ``size`` is that of the drawing in those, ``shown`` the output that is drawn."""
+
+    ax: Axes
+    result: Result
+    factor: float
+    size: float
+    shown: int
+    colours: dict[str, str]
+    signs: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """What is drawn."""
+        return self.result.record.assembly.mechanism
+
+    def path(self, body: str, pin: str) -> Array:
+        """Path of a pin in the units drawn, shape (outputs, 2)."""
+        return self.factor * pin_path(self.result.record, body, pin)
+
+    def at(self, end: str) -> Array:
+        """Place of ``body.pin`` as it is drawn, shape (2,)."""
+        body, _, pin = end.partition(".")
+        return np.asarray(self.path(body, pin)[self.shown], dtype=float)
+
+    def angles(self, body: str) -> Array:
+        """Angle of a body (rad), 0 of the ground, shape (outputs,)."""
+        if body == "ground":
+            return np.zeros(len(self.result.record.steps))
+        column = list(self.result.record.assembly.bodies).index(body)
+        return np.asarray(self.result.channels["body_angle"].values[:, column], dtype=float)
+
+    def colour(self, body: str) -> str:
+        """Colour of a body; that of ink for the ground."""
+        return self.colours.get(body, INK)
+
+    def line(self, points: Any, **look: Any) -> Any:
+        """A line through points (n, 2)."""
+        style: dict[str, Any] = {"color": INK, "lw": 1.2, "zorder": 5} | look
+        return self.ax.plot(*np.asarray(points, dtype=float).T, **style)[0]
+
+    def circle(self, centre: Array, radius: float, **look: Any) -> Any:
+        """A circle."""
+        turn = np.linspace(0.0, 2.0 * np.pi, 121)
+        return self.line(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1), **look)
+
+    def hatched(self, first: Array, second: Array, inward: Array, depth: float) -> None:
+        """A surface from one point to another, its material hatched on the side that ``inward`` points to."""
+        self.line([first, second], lw=1.4, zorder=2)
+        corners = np.array([first, second, second + depth * inward, first + depth * inward])
+        look: dict[str, Any] = {"facecolor": "none", "edgecolor": GREY, "hatch": "//////", "lw": 0.0, "zorder": 1.5}
+        self.ax.fill(*corners.T, **look)
+
+    def box(self, centre: Array, along: Array, length: float, height: float, **look: Any) -> Any:
+        """A rectangle with its length along a unit vector."""
+        across = np.array([-along[1], along[0]])
+        corners = [centre + 0.5 * (i * length * along + j * height * across) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        return self.ax.fill(*np.array(corners).T, **look)[0]

@@ -1,0 +1,98 @@
+"""`vfife compare` and vfife.compare: the runs are those that `vfife run` makes with each law, and nothing else differs."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import vfife
+from cli.models import CASE_C
+from laws.test_own_laws import COPY, only_built_in_laws  # noqa: F401
+
+SHORT = {"turns": 0.5, "loop": "data-driven"}
+
+
+def test_each_run_is_the_run_of_its_law() -> None:
+    """Parameters that both laws have are kept (restitution 0.6, coefficient), those of its own are the law's defaults."""
+    model = vfife.load(CASE_C, set=[("joint.B.contact.restitution", 0.6)])
+    found = vfife.compare(model, ["pereira", vfife.LankaraniNikravesh], ["ambrosio", "none"], **SHORT)
+    assert [(row["contact"], row["friction"]) for row in found.rows] == [
+        ("pereira", "ambrosio"), ("pereira", "none"), ("lankarani-nikravesh", "ambrosio"), ("lankarani-nikravesh", "none"),
+    ]  # fmt: skip
+    for row, name, friction in ((found.rows[1], "pereira", "none"), (found.rows[2], "lankarani-nikravesh", "ambrosio")):
+        laws = [(f"joint.{joint}.{kind}.law", law) for joint in "BCD" for kind, law in (("contact", name), ("friction", friction))]
+        alone = vfife.simulate(vfife.load(CASE_C, set=[("joint.B.contact.restitution", 0.6), *laws]), **SHORT)
+        for joint in "BCD":
+            assert row["joints"][joint]["force.max"] == alone.measures[f"{joint}.force.max"]
+            assert row["joints"][joint]["lip_force"] == alone.measures[f"lip.{joint}.force"]
+        assert row["impacts"] == sum(alone.measures[f"{joint}.impacts"] for joint in "BCD")
+        lost = alone.ledger.terms["contact_loss"][-1] + alone.ledger.terms["friction_loss"][-1]
+        assert row["energy_lost"] == lost
+    joint = found.results[0].record.assembly.mechanism.clearances
+    assert joint["B"].contact == vfife.Pereira(restitution=0.6)
+    assert joint["C"].friction.coefficient == model.clearances["C"].friction.coefficient
+    assert found.results[2].record.assembly.mechanism.clearances["C"].contact.stiffness == 6.6e10
+    assert found.rows[1]["energy_lost"] != found.rows[0]["energy_lost"]
+
+
+def test_only_the_joint_that_is_named_changes() -> None:
+    found = vfife.compare(vfife.load(CASE_C), ["pereira"], joints=["C"], **SHORT)
+    laws = {name: joint.contact.name for name, joint in found.results[0].record.assembly.mechanism.clearances.items()}
+    assert laws == {"B": "lankarani-nikravesh", "C": "pereira", "D": "lankarani-nikravesh"}
+    assert list(found.rows[0]["joints"]) == ["C"] and found.rows[0]["friction"] == "ambrosio"
+
+
+def test_an_interrupt_keeps_what_is_complete() -> None:
+    def progress(name: str) -> None:
+        if name.startswith("2 of 3"):
+            raise KeyboardInterrupt
+
+    try:
+        found = vfife.compare(vfife.load(CASE_C), ["pereira"] * 3, progress=progress, **SHORT)
+    except KeyboardInterrupt:
+        pytest.fail("the run that was complete is lost")
+    assert len(found.rows) == 1 and found.planned == 3
+
+
+def test_the_command(command: Callable, tmp_path: Path) -> None:
+    (tmp_path / "my_laws.py").write_text(COPY)
+    words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,mine,pereira", "--laws", "my_laws.py", "--turns", 0.5)
+    done = command(*words, "-o", "out", "--json")
+    assert done.exit_code == 0, done.stderr
+    said = json.loads(done.stdout)
+    first, mine, pereira = said["runs"]
+    assert first["joints"] == mine["joints"] and first["force"] == mine["force"] != pereira["force"]
+    assert json.loads(Path("out/compare.json").read_text())["runs"] == said["runs"]
+    table = list(csv.DictReader(Path("out/compare.csv").read_text().splitlines()))
+    assert len(table) == 9 and float(table[0]["force.max"]) == first["joints"]["B"]["force.max"]
+    assert {path.name for path in Path("out").iterdir()} == {"compare.json", "compare.csv", "model.toml", "forces.png", "bars.png"}
+    assert all(Path(f"out/{name}.png").stat().st_size > 20_000 for name in ("forces", "bars"))
+    text = command(*words, "--quiet", "--no-figures", "--joint", "C")
+    assert text.exit_code == 0 and text.stdout == "" and Path("runs/four_bar_case_c-compare/compare.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], "name contact laws"),
+        (["--contact", "perreira"], 'did you mean "pereira"'),
+        (["--contact", "ambrosio"], "no contact law"),
+        (["--friction", "pereira"], "no friction law"),
+        (["--contact", "pereira", "--joint", "A"], "joint a is ideal"),
+        (["--contact", "pereira", "--joint", "Q"], "there is no joint"),
+        (["--contact", "pereira", "--set", "joint.C.clearance=0.5 um"], "no exponent for a clearance"),
+        (["--contact", "pereira", "--step", "1 ms"], "too large"),
+        (["--contact", "pereira", "--laws", "none.py"], "cannot be read"),
+    ],
+)
+def test_what_cannot_be_compared_is_told(command: Callable, words: list[str], expected: str) -> None:
+    done = command("compare", CASE_C, *words)
+    assert done.exit_code == 2 and expected in done.stderr.lower(), done.stderr
+    assert "Traceback" not in done.output and not Path("runs").exists()
+
+
+def test_a_model_without_clearance(command: Callable, pendulum: Path) -> None:
+    done = command("compare", pendulum, "--contact", "pereira")
+    assert done.exit_code == 2 and "no joint of this mechanism has clearance" in done.stderr

@@ -1,0 +1,436 @@
+"""What a friction law solves inside a step, against its own equation and against independent integrations."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from support import order
+from vfife.kernels.elementary import approach
+from vfife.laws import BengisuAkay, BrownMcPhee, Coulomb, Dahl, GonthierFriction, Karnopp, LuGre, Pair, Stribeck, Threlfall
+
+PAIR = Pair(0.01, 2e-4, 0.02)
+positive = st.floats(1e-3, 1e6)
+
+# ------------------------------------------------------------------------------------------------------------- elementary
+
+
+@pytest.mark.parametrize("x", [0.0, 1e-300, 1e-8, 0.3, *np.linspace(0.55, 0.65, 21), 1.0, 7.3, 39.9, 40.0, 1e3, 1e300])
+def test_approach(x):
+    assert approach(x) == pytest.approx(-math.expm1(-x), rel=1e-14, abs=0)
+
+
+# ------------------------------------------------------------------------------------------------------------- set-valued
+
+
+@settings(deadline=None, max_examples=500)
+@given(mu=st.floats(1e-6, 2.0) | st.just(0.0), normal=positive, free=st.floats(-5.0, 5.0), mobility=st.floats(1e-9, 1e-2))
+def test_coulomb_sticks_or_slides(mu, normal, free, mobility):
+    force, _ = Coulomb.force(normal, free, mobility, 0.0, 1e-6, (mu,))
+    if abs(free) <= mobility * mu * normal:
+        assert free + mobility * force == pytest.approx(0.0, abs=1e-15 * abs(free))
+    else:
+        assert force == pytest.approx(-math.copysign(mu * normal, free), rel=1e-15, abs=0)
+
+
+@settings(deadline=None, max_examples=500)
+@given(normal=positive, free=st.floats(-0.1, 0.1), mobility=st.floats(1e-9, 1e-3), band=st.floats(0.0, 1e-2))
+def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility, band):
+    law = Karnopp(0.2, 0.3, band)
+    force, _ = law.force(normal, free, mobility, 0.0, 1e-6, law.parameters(PAIR))
+    left = free + mobility * force
+    if abs(force) == pytest.approx(0.2 * normal, rel=1e-15) and abs(left) > band * (1 - 1e-12):
+        assert force * free < 0.0
+    else:
+        assert abs(force) <= 0.3 * normal
+        assert abs(left) <= 1e-15 * abs(free) or abs(force) == pytest.approx(0.3 * normal, rel=1e-15)
+
+
+@settings(deadline=None, max_examples=500)
+@given(
+    normal=positive, free=st.floats(-0.1, 0.1), mobility=st.floats(1e-9, 1e-3), last=st.floats(-0.01, 0.01), before=st.floats(-0.01, 0.01),
+    shape=st.floats(0.5, 3.0), viscous=st.floats(0.0, 10.0),
+)  # fmt: skip
+def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shape, viscous):
+    """Static and kinetic part at the extrapolated speed, sign and viscous part at the speed that is left."""
+    law = Stribeck(0.1, 0.2, 2e-3, shape, viscous)
+    force, (left, kept) = law.force(normal, free, mobility, (last, before), 1e-6, law.parameters(PAIR))
+    limit = 0.1 + 0.1 * math.exp(-((abs(1.5 * last - 0.5 * before) / 2e-3) ** shape))
+    rest = force / normal + viscous * 0.5 * (last + left)
+    assert kept == last
+    size = limit + viscous * (abs(last) + abs(left)) + abs(free) / (mobility * normal)
+    assert free + mobility * force == pytest.approx(left, rel=0, abs=1e-14 * (abs(free) + mobility * normal * size))
+    if left == 0.0:
+        assert abs(rest) <= limit + 1e-14 * size
+    else:
+        assert rest == pytest.approx(-math.copysign(limit, left), rel=0, abs=1e-13 * size)
+
+
+def block(law, steps, dt, speed, push, normal=9.81, sliding=False):
+    """Velocities at half steps of a block of 1 kg on a plane: one mass, kicked as the loop does by a constant push (N)."""
+    p, v, memory, speeds = law.parameters(PAIR), speed, tuple(speed if sliding else 0.0 for _ in law.memory), [speed]
+    for n in range(steps):
+        gain = dt if n else 0.5 * dt
+        force, memory = law.force(normal, v + gain * push, gain, memory or 0.0, dt, p)
+        memory = memory or ()
+        v = v + gain * (push + force)
+        speeds.append(v)
+    return np.array(speeds)
+
+
+@pytest.mark.parametrize("law", [Coulomb(0.3), Karnopp(0.2, 0.3, 1e-4), Stribeck(0.2, 0.3)], ids=lambda law: law.name)
+def test_block_on_an_incline_stays_to_rounding(law):
+    """Below the friction angle: 2e5 steps later it has moved by less than an atom's nucleus."""
+    angle = math.atan(0.299)
+    speeds = block(law, 200_000, 1e-5, 0.0, 9.81 * math.sin(angle), 9.81 * math.cos(angle))
+    assert np.abs(speeds).max() < 1e-18
+    assert abs(speeds.sum() * 1e-5) < 1e-18
+
+
+def test_block_on_an_incline_slides_above_the_friction_angle():
+    angle, dt, steps = math.atan(0.301), 1e-5, 20_000
+    speeds = block(Coulomb(0.3), steps, dt, 0.0, 9.81 * math.sin(angle), 9.81 * math.cos(angle))
+    assert speeds[-1] == pytest.approx((steps - 0.5) * dt * 9.81 * (math.sin(angle) - 0.3 * math.cos(angle)), rel=1e-11)
+
+
+@pytest.mark.parametrize("law", [Coulomb(0.3), Karnopp(0.3, 0.3, 0.0)], ids=lambda law: law.name)
+def test_a_block_that_slides_stops_and_rests(law):
+    """After v^2/(2 mu g), to half a step's path, and then at exactly no speed."""
+    dt = 1e-6
+    speeds = block(law, 400_000, dt, 1.0, 0.0)
+    way = dt * speeds[1:].sum()
+    assert way == pytest.approx(1.0 / (2 * 0.3 * 9.81), abs=0.5 * dt)
+    assert speeds[-1] == 0.0 and (speeds >= 0.0).all()
+
+
+def test_stribeck_curve_converges_to_its_differential_equation():
+    """A block slowed down through the Stribeck curve: second order, while an implicit half-step value would have the first."""
+    law = Stribeck(0.1, 0.3, 0.02, 2.0, 0.5)
+
+    def rate(t, v):
+        return -9.81 * (0.1 + 0.2 * np.exp(-((v / 0.02) ** 2)) + 0.5 * v)
+
+    exact = solve_ivp(rate, (0, 0.03), [0.05], rtol=1e-13, atol=1e-16).y[0, -1]
+    assert 0.0 < exact < 0.02
+    errors = []
+    for n in (300, 600, 1200, 2400):
+        speeds = block(law, n + 1, 0.03 / n, 0.05, 0.0, sliding=True)
+        errors.append(abs(0.5 * (speeds[-1] + speeds[-2]) - exact))
+    assert errors[-1] < 1e-6
+    assert order(errors)[-1] == pytest.approx(2.0, abs=0.4)
+
+
+# ---------------------------------------------------------------------------------------------------- curves of the speed
+
+
+def threlfall(law, v):
+    return law.coefficient * (1 - math.exp(-3 * v / law.v1)) / (1 - math.exp(-3)) if v < law.v1 else law.coefficient
+
+
+def bengisu_akay(law, v):
+    kinetic, static = law.coefficient, law.static_coefficient
+    return static - static / law.v0**2 * (v - law.v0) ** 2 if v < law.v0 else kinetic + (static - kinetic) * math.exp(-law.decay * (v - law.v0))
+
+
+def brown_mcphee(law, v):
+    x = v / law.transition_speed
+    return law.coefficient * math.tanh(4 * x) + (law.static_coefficient - law.coefficient) * x / (x * x / 4 + 0.75) ** 2
+
+
+CURVES = [
+    (Threlfall(0.3, 0.05), threlfall),
+    (BengisuAkay(0.2, 0.3, 0.02, 40.0), bengisu_akay),
+    (BrownMcPhee(0.2, 0.3, 0.02), brown_mcphee),
+]
+each_curve = pytest.mark.parametrize(("law", "curve"), CURVES, ids=[type(law).name for law, _ in CURVES])
+any_state = {
+    "normal": positive, "mobility": st.floats(1e-9, 1e-3), "free": st.floats(1e-9, 1.0) | st.floats(-1e-1, -1e-9),
+    "last": st.floats(-1.0, 1.0) | st.floats(-1e-2, 1e-2), "before": st.floats(-1.0, 1.0) | st.floats(-1e-2, 1e-2),
+}  # fmt: skip
+
+
+@each_curve
+@settings(deadline=None, max_examples=500)
+@given(**any_state)
+def test_a_curve_opposes_whatever_it_remembers(law, curve, normal, mobility, free, last, before):
+    """Bounded by static friction and never turning the sliding round, in any step from any past."""
+    force, (left, kept) = law.force(normal, free, mobility, (last, before), 1e-6, law.parameters(PAIR))
+    top = max(getattr(law, "static_coefficient", 0.0), law.coefficient)
+    assert kept == last and force * free <= 0.0 and abs(force) <= top * normal * (1 + 1e-14)
+    assert left == free + mobility * force and left * math.copysign(1.0, free) >= -1e-14 * abs(free)
+
+
+@each_curve
+@settings(deadline=None, max_examples=500)
+@given(normal=positive, mobility=any_state["mobility"], v=st.floats(1e-7, 1.0) | st.floats(1e-4, 5e-2), sign=st.sampled_from([1.0, -1.0]))
+def test_steady_sliding_is_exact(law, curve, normal, mobility, v, sign):
+    """The free velocity that the printed curve leaves at v, found by last and before at v, gives that curve's force: at any steepness."""
+    exact = normal * curve(law, v)
+    force, (left, _) = law.force(normal, sign * (v + mobility * exact), mobility, (sign * v, sign * v), 1e-6, law.parameters(PAIR))
+    assert force == pytest.approx(-sign * exact, rel=1e-9)
+    assert left == pytest.approx(sign * v, rel=1e-9, abs=1e-9 * mobility * exact)
+
+
+@each_curve
+def test_a_steep_curve_creeps_to_the_speed_that_holds(law, curve):
+    """A push below the peak, and steps in which the curve would change the speed by 400 of its own: one solution, found in a few steps."""
+    p, memory, normal, push = law.parameters(PAIR), (0.0, 0.0), 1e4, 0.6 * 0.2 * 1e4
+    v, mobility = 0.0, 5e-3
+    for _ in range(60):
+        free = v + mobility * push
+        force, memory = law.force(normal, free, mobility, memory, 1e-6, p)
+        v = free + mobility * force
+    exact = brentq(lambda v: normal * curve(law, v) - push, 0.0, 0.015)
+    assert v == pytest.approx(exact, rel=1e-6)
+
+
+@each_curve
+@pytest.mark.parametrize("start", [0.06, 0.012], ids=["over the peak", "below it"])
+def test_a_curve_converges_to_its_differential_equation(law, curve, start):
+    """1 kg pushed and braked, SciPy's velocity: second order, through kinks and falling parts as well."""
+
+    def push(t):
+        return 3.0 * 0.2 * math.sin(60.0 * t)
+
+    def rate(t, y):
+        return push(t) - 9.81 * math.copysign(curve(law, abs(y[0])), y[0])
+
+    exact = solve_ivp(rate, (0, 0.04), [start], rtol=1e-12, atol=1e-15, max_step=1e-5).y[0, -1]
+    errors, p = [], law.parameters(PAIR)
+    for n in (400, 800, 1600, 3200):
+        dt, v, memory = 0.04 / n, start, (start, start)
+        for k in range(n + 1):  # half steps as the loop makes them
+            half, gain = (0.5 * dt, dt) if k else (0.0, 0.5 * dt)
+            force, memory = law.force(9.81, v + half * push(k * dt), half, memory, dt, p)
+            if k == n:
+                errors.append(abs(memory[0] - exact))
+            v += gain * (push(k * dt) + force)
+    assert errors[-1] < 2e-8 * start
+    assert np.mean(order(errors)[-2:]) == pytest.approx(2.0, abs=0.1)
+
+
+def test_threlfall_is_whole_without_a_jump():
+    law = Threlfall(0.3, 0.05)
+    forces = [law.force(100.0, v, 0.0, (0.0, 0.0), 1e-6, law.parameters(PAIR))[0] for v in (0.05 * (1 - 1e-12), 0.05 * (1 + 1e-12), 3.0)]
+    assert forces == pytest.approx([-30.0] * 3, rel=1e-11)
+
+
+# ---------------------------------------------------------------------------------------------------------------- bristles
+
+
+@settings(deadline=None, max_examples=1000)
+@given(
+    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0), before=st.floats(-1.0, 1.0),
+    bent=st.floats(-1.5, 1.5).filter(lambda w: w == 0.0 or abs(w) > 1e-200), dt=st.floats(1e-8, 1e-3),
+)  # fmt: skip
+def test_bristles_solve_their_relation(normal, mobility, free, last, before, bent, dt):
+    """The step of the deflection as told, the velocity that the force leaves, and the force at both."""
+    mu, s0, s1, s2 = 0.15, 2e4, 20.0, 0.1
+    law = LuGre(mu, mu, 1e-3, s0, s1, s2)
+    z = bent * mu / s0
+    force, (after, v, kept) = law.force(normal, free, mobility, (z, last, before), dt, law.parameters(PAIR))
+    y = abs(1.5 * last - 0.5 * before) * dt * s0 / mu
+    fade, most = 1 / (1 + y + y * y / 2), max(abs(z), mu / s0)
+    told = z * fade + 0.5 * (v + last) * dt * (1 + y / 2) * fade
+    assert kept == last
+    assert after == pytest.approx(min(max(told, -most), most), rel=0, abs=1e-11 * (abs(told) + mu / s0))
+    terms = [s0 * after, s1 * (after - z) / dt, s2 * v]
+    size = sum(map(abs, terms)) + mu + s1 * most / dt
+    assert force == pytest.approx(-normal * sum(terms), rel=0, abs=1e-13 * normal * size)
+    size = abs(free) + abs(last) + mobility * normal * size
+    assert free + mobility * force == pytest.approx(v, rel=0, abs=1e-13 * size)
+
+
+@pytest.mark.parametrize("v", [3e-4, 0.02, 4.0])
+def test_bristles_bend_as_they_should_at_constant_velocity(v):
+    """z from nothing to steady sliding: second order to the closed solution, never past it, and the right end in steps of any size."""
+    law, g = LuGre(), 0.1 + 0.05 * math.exp(-((v / 1e-3) ** 2))
+    p, time, errors = law.parameters(PAIR), g / (1e4 * v), []
+    for n in (8, 16, 32, 64):
+        memory, worst = (0.0, v, v), 0.0
+        for k in range(2 * n):
+            _, memory = law.force(500.0, v, 0.0, memory, time / n, p)
+            assert memory[0] <= g / 1e4
+            worst = max(worst, abs(memory[0] * 1e4 / g + math.expm1(-(k + 1) / n)))
+        errors.append(worst)
+    assert errors[-1] < 3e-5 and order(errors)[-1] == pytest.approx(2.0, abs=0.1)
+    for dt in (time, 1e3 * time, 1e8 * time, 3.0 * time):
+        for _ in range(60):
+            _, memory = law.force(500.0, v, 0.0, memory, dt, p)
+        assert memory[0] == pytest.approx(g / 1e4, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", [Dahl(0.2, 3e4), LuGre(bristle_stiffness=3e4, bristle_damping=0.0)], ids=lambda law: law.name)
+def test_presliding_is_a_spring(law):
+    """Slow and short: force over displacement is the bristles' stiffness times the normal force, and it gives back what it took."""
+    dt, memory, way, work = 1e-4, tuple(0.0 for _ in law.memory), 0.0, 0.0
+    for k in range(2000):
+        v = 1e-9 * math.cos(math.pi * k / 1000) * math.pi / (1000 * dt)
+        force, memory = law.force(700.0, v, 0.0, memory, dt, law.parameters(PAIR))
+        way += v * dt
+        work -= force * v * dt
+        if k == 500:
+            assert -force / way == pytest.approx(700.0 * 3e4, rel=5e-3)
+    assert abs(work) < 0.05 * 700.0 * 3e4 * 1e-18
+
+
+def oscillation(law, dt, end=0.2):
+    """Deflections under a prescribed to and fro, in steps."""
+    memory, found = tuple(0.0 for _ in law.memory), []
+    for n in range(1, round(end / dt) + 1):
+        force, memory = law.force(100.0, 0.01 * math.sin(40.0 * n * dt), 0.0, memory, dt, law.parameters(PAIR))
+        found.append((memory[0], force))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("law", [Dahl(), LuGre(), LuGre(0.1, 0.3, 0.004, 5e3, 10.0, 0.2)], ids=["dahl", "lugre", "lugre steep"])
+def test_bristles_follow_their_differential_equation(law):
+    """SciPy's solution of dz/dt = v - sigma_0 |v| z/g: the deflection converges with the second order."""
+    p = [getattr(law, name, 0.0) for name in ("coefficient", "static_coefficient", "stribeck_speed", "bristle_stiffness")]
+    p[1] = max(p[1], p[0])
+
+    def rate(t, z):
+        v = 0.01 * math.sin(40.0 * t)
+        g = p[0] + (p[1] - p[0]) * math.exp(-((v / p[2]) ** 2)) if p[2] else p[0]
+        return v - p[3] * abs(v) * z / g
+
+    exact = solve_ivp(rate, (0, 0.2), [0.0], rtol=1e-12, atol=1e-18, max_step=2e-4, t_eval=np.arange(1, 21) * 0.01).y[0]
+    errors = []
+    for dt in (1e-4, 5e-5, 2.5e-5):
+        every = round(0.01 / dt)
+        errors.append(np.abs(oscillation(law, dt)[every - 1 :: every, 0] - exact).max() / np.abs(exact).max())
+    assert errors[-1] < 1e-4
+    assert order(errors)[-1] == pytest.approx(2.0, abs=0.3)
+
+
+def pulled(law, dt, end):
+    """Positions at steps of 1 kg on a plane (10 N) pulled by a spring of 2 N/m whose end moves at 0.1 m/s, central differences."""
+    p, x, v, memory, places = law.parameters(PAIR), 0.0, 0.0, (0.0, 0.0, 0.0), [0.0]
+    for n in range(round(end / dt)):
+        half, gain = (0.5 * dt, dt) if n else (0.0, 0.5 * dt)
+        push = 2.0 * (0.1 * n * dt - x)
+        force, memory = law.force(10.0, v + half * push, half, memory, dt, p)
+        v += gain * (push + force)
+        x += dt * v
+        places.append(x)
+    return np.array(places)
+
+
+def test_lugre_stick_slip_is_that_of_scipy():
+    """The example of the 1995 paper (mass, spring, speed and parameters are its own): four slips in 40 s, stiff for SciPy, not for us."""
+    law, end = LuGre(0.1, 0.15, 1e-3, 1e4, math.sqrt(1e5) / 10, 0.04), 40.0
+
+    def rate(t, y):
+        x, v, z = y
+        g = 1.0 + 0.5 * math.exp(-((v / 1e-3) ** 2))
+        dz = v - 1e5 * abs(v) * z / g
+        return [v, 2.0 * (0.1 * t - x) - 1e5 * z - math.sqrt(1e5) * dz - 0.4 * v, dz]
+
+    times = np.linspace(0.0, end, 401)
+    exact = solve_ivp(rate, (0, end), [0.0, 0.0, 0.0], method="Radau", rtol=1e-9, atol=1e-13, t_eval=times).y[0]
+    errors = []
+    for dt in (4e-4, 2e-4):
+        ours = pulled(law, dt, end)[:: round(0.1 / dt)]
+        errors.append(np.abs(ours - exact).max())
+    slips = (np.diff(exact) > 0.01) & ~np.concatenate([[False], np.diff(exact)[:-1] > 0.01])
+    assert slips.sum() >= 3
+    assert errors[-1] < 2e-3
+    stretch = 0.1 * times - exact
+    ours = 0.1 * times - pulled(law, 2e-4, end)[::500]
+    late = times > 15.0
+    assert np.ptp(ours[late]) == pytest.approx(np.ptp(stretch[late]), rel=2e-3)
+
+
+@pytest.mark.parametrize(("share", "coefficient"), [(0.0, 0.0), (0.99, 0.3), (1.01, 0.2), (50.0, 0.2)])
+def test_karnopp_band_ends_at_its_speed(share, coefficient):
+    """Nothing moves (mobility 0): static friction inside, kinetic friction outside."""
+    law = Karnopp(0.2, 0.3, 1e-3)
+    for sign in (1.0, -1.0):
+        force, _ = law.force(500.0, sign * share * 1e-3, 0.0, 0.0, 1e-6, law.parameters(PAIR))
+        assert force == pytest.approx(-sign * coefficient * 500.0, rel=1e-15)
+
+
+# ---------------------------------------------------------------------------------------------------------------- Gonthier
+
+DWELLING = GonthierFriction(0.1, 0.25, 0.004, 5e3, 10.0, 0.2, 0.02)
+STIFF = GonthierFriction(0.1, 0.25, 0.004, 5e5, 100.0, 0.2, 0.02)
+
+
+def gonthier(v, z, dwelt):
+    """Force per normal force and rates of deflection and dwell, as printed."""
+    law = DWELLING
+    s = math.exp(-((v / law.stribeck_speed) ** 2))
+    rate = s * v + (1 - s) * (law.coefficient * math.copysign(1.0, v) / law.bristle_damping - law.bristle_stiffness / law.bristle_damping * z)
+    most = law.coefficient + (law.static_coefficient - law.coefficient) * dwelt
+    bristles = min(max(law.bristle_stiffness * z + law.bristle_damping * rate, -most), most)
+    tau = law.dwell_time if s >= dwelt else law.bristle_damping / law.bristle_stiffness
+    return bristles + law.viscous * v, rate, (s - dwelt) / tau
+
+
+def test_gonthier_follows_its_differential_equation():
+    """A prescribed to and fro through v_S: deflection, dwell and force converge to SciPy's with the first order."""
+
+    def velocity(t):
+        return 0.01 * math.sin(40.0 * t)
+
+    times = np.arange(1, 41) * 0.005
+    exact = solve_ivp(
+        lambda t, y: gonthier(velocity(t), *y)[1:], (0, 0.2), [0.0, 0.0], rtol=1e-10, atol=1e-14, max_step=1e-4, t_eval=times, method="LSODA"
+    ).y.T
+    forces = np.array([gonthier(velocity(t), *y)[0] for t, y in zip(times, exact, strict=True)])
+    errors = []
+    for n in (50, 100, 200):
+        dt, memory, found = 0.005 / n, (0.0, 0.0), []
+        for k in range(1, 40 * n + 1):
+            force, memory = DWELLING.force(100.0, velocity(k * dt), 0.0, memory, dt, DWELLING.parameters(PAIR))
+            if k % n == 0:
+                found.append((*memory, -force / 100.0))
+        wanted = np.column_stack([exact, forces])
+        errors.append((np.abs(np.array(found) - wanted) / np.abs(wanted).max(axis=0)).max())
+    assert errors[-1] < 1e-2
+    assert order(errors)[-1] == pytest.approx(1.0, abs=0.25)
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.01, 0.1])
+def test_gonthier_breaks_away_the_harder_the_longer_it_stood(rest):
+    """The largest force after a rest of so long: mu_c + (mu_s - mu_c)(1 - exp(-rest/tau_dw)), and a little for the break-away itself."""
+    dt, memory, peak, p = 1e-5, (0.0, 0.0), 0.0, STIFF.parameters(PAIR)
+    for _ in range(round(rest / dt)):
+        _, memory = STIFF.force(100.0, 0.0, 0.0, memory, dt, p)
+    for k in range(600):
+        v = 0.02 * k / 600
+        force, memory = STIFF.force(100.0, v, 0.0, memory, dt, p)
+        peak = max(peak, -force / 100.0 - 0.2 * v)
+    assert peak == pytest.approx(0.1 - 0.15 * math.expm1(-rest / 0.02), abs=0.01)
+
+
+def test_gonthier_sticks_and_slips_as_scipy_says():
+    """1 kg on a plane pulled by a spring whose end moves: the positions of SciPy's stiff solution, first order in the step."""
+    push, stiff, normal = 0.02, 300.0, 20.0
+
+    def rate(t, y):
+        x, v, z, dwelt = y
+        force, *rates = gonthier(v, z, dwelt)
+        return [v, stiff * (push * t - x) - normal * force, *rates]
+
+    times = np.linspace(0.0, 1.0, 101)
+    exact = solve_ivp(rate, (0, 1.0), [0.0] * 4, method="Radau", rtol=1e-9, atol=1e-12, max_step=1e-3, t_eval=times).y[0]
+    errors, p = [], DWELLING.parameters(PAIR)
+    for dt in (2e-4, 1e-4, 5e-5):
+        x, v, memory, every, places = 0.0, 0.0, (0.0, 0.0), round(0.01 / dt), []
+        for n in range(round(1.0 / dt) + 1):
+            if n % every == 0:
+                places.append(x)
+            half, gain = (0.5 * dt, dt) if n else (0.0, 0.5 * dt)
+            pull = stiff * (push * n * dt - x)
+            force, memory = DWELLING.force(normal, v + half * pull, half, memory, dt, p)
+            v += gain * (pull + force)
+            x += dt * v
+        errors.append(np.abs(np.array(places) - exact).max())
+    assert np.diff(exact).max() > 5 * np.median(np.diff(exact))  # it slips
+    assert errors[-1] < 1e-4
+    assert 0.7 < order(errors)[-1] < 2.5

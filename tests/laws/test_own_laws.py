@@ -1,0 +1,285 @@
+"""Laws from the user's own file: what they compute, what is told of those that cannot be used, and what a run file keeps of them."""
+
+import linecache
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from support import bits, four_bar, lanes
+from vfife import Result, simulate
+from vfife.assemble import assemble
+from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh
+from vfife.laws.law import LawError
+from vfife.laws.own import load_laws
+from vfife.laws.trial import faults
+
+COPY = '''"""Lankarani and Nikravesh again, under a name of its own."""
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from vfife import ContactLaw, quantity
+
+SHARE = 0.75
+
+
+def hysteresis(elastic, factor, slowness):
+    """Damping coefficient (N s/m)."""
+    return elastic * factor * slowness
+
+
+@dataclass(frozen=True)
+class Mine(ContactLaw):
+    """F = K d^1.5 (1 + 3/4 (1 - e^2) d'/d'0)."""
+
+    name: ClassVar[str] = "mine"
+    source: ClassVar[str] = "own, 2026"
+    formula: ClassVar[str] = "F = K d^1.5 (1 + 3/4 (1 - e^2) d'/d'0)"
+    slots: ClassVar[tuple[str, ...]] = ("stiffness", "damping_factor")
+
+    restitution: float = quantity("1", "restitution coefficient", 0.9, above=0.0, high=1.0)
+    stiffness: float = quantity("N/m^1.5", "stiffness", 6.6e10, above=0.0)
+
+    def parameters(self, pair):
+        return self.stiffness, SHARE * (1.0 - self.restitution**2)
+
+    @staticmethod
+    def force(penetration, slowness, p):
+        stiffness, factor = p
+        elastic = stiffness * penetration * math.sqrt(penetration)
+        return elastic, hysteresis(elastic, factor, slowness)
+'''
+RUBBING = '''from dataclasses import dataclass
+from typing import ClassVar
+import vfife
+
+
+@dataclass(frozen=True)
+class Rubbing(vfife.FrictionLaw):
+    """F = -f N sign(v)."""
+
+    name: ClassVar[str] = "rubbing"
+    slots: ClassVar[tuple[str, ...]] = ("coefficient",)
+    coefficient: float = vfife.quantity("1", "coefficient", 0.1)
+
+    def parameters(self, pair):
+        return (self.coefficient,)
+
+    @staticmethod
+    def force(normal_force, free_velocity, mobility, memory, dt, p):
+        limit = p[0] * normal_force
+        return (-limit if free_velocity > 0.0 else limit), memory
+'''
+
+
+@pytest.fixture(autouse=True)
+def only_built_in_laws():
+    """Laws of these tests do not stay in the registries."""
+    before = dict(ContactLaw.registry), dict(FrictionLaw.registry)
+    yield
+    for law, kept in zip((ContactLaw, FrictionLaw), before, strict=True):
+        law.registry.clear()
+        law.registry.update(kept)
+
+
+def loaded(tmp_path: Path, text: str = COPY, name: str = "my_laws.py") -> list:
+    path = tmp_path / name
+    path.write_text(text)
+    return load_laws(path)
+
+
+# -------------------------------------------------------------------------------------------------------- what they compute
+
+
+@pytest.mark.parametrize("loop", ["interpreted", "data-driven", "generated"])
+def test_a_copy_of_a_built_in_law_takes_the_same_steps(tmp_path, loop):
+    """To the bit, in each loop."""
+    (mine,) = loaded(tmp_path)
+    rows = []
+    for law in (mine(restitution=0.7), LankaraniNikravesh(restitution=0.7, stiffness=6.6e10)):
+        model = assemble(four_bar("C", contact=law), 2e-6, duration=1e-3, force_step=True)
+        rows.append(bits(lanes([model], loop).advance(100, 5)))
+    assert (rows[0] == rows[1]).all()
+
+
+def test_a_changed_file_is_noticed(tmp_path):
+    """However quickly it is changed, and though it keeps its length: the step is compiled from what was read last."""
+    forces = []
+    for share in ("0.75", "0.15"):
+        (mine,) = loaded(tmp_path, COPY.replace("SHARE = 0.75", f"SHARE = {share}"))
+        model = assemble(four_bar("C", contact=mine(restitution=0.3)), 2e-6, duration=1e-3, force_step=True)
+        runner = lanes([model], "interpreted")
+        runner.advance(500, 1)
+        forces.append(runner.states[model.layout.row("clearance_damping_work", 0), 0])
+    assert forces[0] > 2.0 * forces[1] > 0.0
+
+
+def test_a_text_that_is_no_longer_on_disk_is_compiled_as_it_was_read(tmp_path):
+    (mine,) = loaded(tmp_path)
+    (tmp_path / "my_laws.py").write_text("# another text\n" * 50)
+    linecache.checkcache()
+    assert faults(mine) == []
+    lanes([assemble(four_bar("C", contact=mine()), 2e-6, duration=1e-3, force_step=True)], "interpreted").advance(1, 1)
+
+
+SCRIPT = """
+import vfife
+m = vfife.Mechanism()
+m.point("O", 0.0, 0.0)
+m.point_mass("j", mass=1.0, velocity=(1.0, 0.0, 0.0))
+m.clearance("J", "ground.O", "j.center", clearance=2e-4, bearing_radius=0.01, contact=Mine())
+print(float(vfife.simulate(m, duration=1e-3, loop="interpreted").measures["J.impacts"]))
+"""
+
+
+def test_a_law_in_a_script(tmp_path):
+    """As __main__, and as a notebook hands its cells over: text in linecache, no file."""
+    path = tmp_path / "script.py"
+    path.write_text(COPY + SCRIPT)
+    done = subprocess.run([sys.executable, path], capture_output=True, text=True)
+    assert done.stdout.strip() == "2.0", done.stderr
+    cell = "\n".join(
+        (
+            "import linecache",
+            f"text = {COPY + SCRIPT!r}",
+            "linecache.cache['<cell 1>'] = (len(text), None, text.splitlines(True), '<cell 1>')",
+            "exec(compile(text, '<cell 1>', 'exec'))",
+        )
+    )
+    done = subprocess.run([sys.executable, "-c", cell], capture_output=True, text=True)
+    assert done.stdout.strip() == "2.0", done.stderr
+    done = subprocess.run([sys.executable, "-"], input=COPY + SCRIPT, capture_output=True, text=True)
+    assert "write the law in a file" in done.stderr
+
+
+# ----------------------------------------------------------------------------------------------- what cannot be used, in words
+
+BODY = "elastic = stiffness * penetration * math.sqrt(penetration)"
+ANSWER = "return elastic, hysteresis(elastic, factor, slowness)"
+REFUSED = {
+    "no law": (COPY, "x = 1\n", "defines no law"),
+    "no name": ('    name: ClassVar[str] = "mine"\n', "", "no name"),
+    "a built-in's name": ('"mine"', '"pereira"', "'pereira' is taken by a law that vfife brings"),
+    "a bad name": ('"mine"', '"My law"', "small letters, digits and hyphens"),
+    "syntax": ("SHARE = 0.75", "SHARE = = 0.75", "line 8: this is no Python"),
+    "import": ("import math", "import nonsense_xyz", "line 2: No module named 'nonsense_xyz'"),
+    "an error": ("SHARE = 0.75", "SHARE = 1 / 0", "line 8: ZeroDivisionError"),
+    "an end": ("SHARE = 0.75", "raise SystemExit", "line 8: SystemExit"),
+    "no dataclass": ("@dataclass(frozen=True)\n", "", "no dataclass"),
+    "not static": ("    @staticmethod\n", "", "@staticmethod"),
+    "arguments": ("force(penetration, slowness, p)", "force(penetration, p)", "takes 2 arguments .penetration, p.; a contact law takes 3"),
+    "if": (BODY, f"{BODY}\n        if penetration > 1.0:\n            elastic = 0.0", "line 35: an `if` statement"),
+    "exp": (BODY, f"{BODY} * math.exp(penetration)", "math.exp differs between machines.*exp2"),
+    "numpy": ("import math", "import math\nimport numpy as np", "numpy.sqrt cannot be compiled"),
+    "power": (BODY, "elastic = stiffness * penetration**1.5", r"`\*\*` differs.*power"),
+    "max": (BODY, f"{BODY} * max(1.0, penetration)", "max.. cannot be compiled.*`a if a > b else b`"),
+    "in a function that is called": (
+        "return elastic * factor * slowness",
+        "return elastic * factor * math.cos(slowness)",
+        "hysteresis, line 13: math.cos",
+    ),
+    "a list": ("SHARE = 0.75", "SHARE = 0.75\nTABLE = [1.0]", "TABLE .list. cannot be compiled"),
+    "slots": ('("stiffness", "damping_factor")', '("stiffness",)', "gives 2 numbers, and slots names 1"),
+    "no number": ("return self.stiffness, SHARE", "return float('nan'), SHARE", "stiffness = nan"),
+    "one answer": (ANSWER, "return elastic", "two numbers, the elastic force"),
+    "infinite": (ANSWER, "return elastic, elastic * math.inf", "have to be finite"),
+    "apart": (ANSWER, "return elastic, factor", "damping coefficient is 0.1425 N s/m while the surfaces are apart"),
+    "division": (ANSWER, "return elastic, elastic / slowness", "divides by zero"),
+    "pulls": (BODY, f"{BODY} * (1.0 - penetration * 1e5)", "elastic force is -.* 0 or more"),
+    "gives energy": (ANSWER, "return elastic, -hysteresis(elastic, factor, slowness)", "damping coefficient is -"),
+    "at nothing": (BODY, f"{BODY} + 2.0", "is 2 N; it has to be 0 where nothing is pressed in"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_wrong_is_told(tmp_path, case):
+    old, new, expected = REFUSED[case]
+    text = COPY.replace(old, new)
+    if case == "numpy":
+        text = text.replace("math.sqrt(pen", "np.sqrt(pen")
+    if case == "a list":
+        text = text.replace("math.sqrt(pen", "TABLE[0] * math.sqrt(pen")
+    assert text != COPY
+    before = dict(ContactLaw.registry)
+    with pytest.raises(LawError, match=r"my_laws\.py.*(?s:.*)" + expected):
+        found = [fault for law in loaded(tmp_path, text) for fault in faults(law)]
+        raise LawError("\n".join(found))
+    if case not in ("slots", "no number", "one answer", "infinite", "apart", "division", "pulls", "gives energy", "at nothing"):
+        assert ContactLaw.registry == before, "a file that is refused leaves no law"
+
+
+def test_all_faults_at_once_before_a_run(tmp_path):
+    """assemble itself looks, so that a law in a script is told as well as one in a file; nothing is compiled."""
+    (mine,) = loaded(tmp_path, COPY.replace(ANSWER, "return elastic, -factor"))
+    (rubbing,) = loaded(tmp_path, RUBBING.replace("limit = p[0] * normal_force", "limit = p[0] * (normal_force + 1.0)"), "rubbing.py")
+    with pytest.raises(LawError) as told:
+        assemble(four_bar("BC", contact=mine(), friction=rubbing()))
+    assert "damping coefficient" in str(told.value) and "without a normal force" in str(told.value)
+    assert len(str(told.value).splitlines()) == 2
+
+
+def test_a_file_that_is_missing(tmp_path):
+    with pytest.raises(LawError, match="cannot be read .No such file"):
+        load_laws(tmp_path / "none.py")
+
+
+def test_two_files_may_not_share_a_name(tmp_path):
+    loaded(tmp_path)
+    with pytest.raises(LawError, match=r"'mine' already, from .*my_laws.py"):
+        loaded(tmp_path, name="others.py")
+    assert ContactLaw.registry["mine"].__module__ == "own_laws_my_laws"
+
+
+# ------------------------------------------------------------------------------------------------------ what a run file keeps
+
+
+def test_a_run_file_opens_without_the_law(tmp_path):
+    """It keeps the text, runs none of it, and gives the same numbers, the energies to the accuracy of a table."""
+    marker = tmp_path / "was run"
+    (mine,) = loaded(tmp_path, COPY + f"\nopen({str(marker)!r}, 'a').write('x')\n")
+    (rubbing,) = loaded(tmp_path, RUBBING, "rubbing.py")
+    first = simulate(four_bar("C", contact=mine(stiffness=5e10), friction=rubbing()), turns=0.25, loop="data-driven")
+    first.save(tmp_path / "run.sqlite")
+    assert marker.read_text() == "x"
+    del ContactLaw.registry["mine"], FrictionLaw.registry["rubbing"]
+    again = Result.load(tmp_path / "run.sqlite")
+    assert marker.read_text() == "x"
+    assert (again.record.rows == first.record.rows).all()
+    assert again.measures == first.measures
+    stored, table = (result.ledger.terms["contact"] for result in (first, again))
+    assert stored.max() > 1.0 and np.abs(table - stored).max() < 1e-4 * stored.max()
+    assert again.ledger.error == pytest.approx(first.ledger.error, rel=0.05)
+    law = again.record.assembly.mechanism.clearances["C"].contact
+    assert (law.name, law.stiffness) == ("mine", 5e10)
+    assert "mine" not in ContactLaw.registry and "rubbing" not in FrictionLaw.registry
+    again.save(tmp_path / "second.sqlite")
+    third = Result.load(tmp_path / "second.sqlite")
+    assert (third.ledger.terms["contact"] == table).all()
+    with pytest.raises(LawError, match="known from a run file only.*my_laws.py"):
+        simulate(again.record.assembly.mechanism, turns=0.25, reference=False, step=again.record.assembly.choice.step)
+
+
+def test_a_law_that_changed_since_does_not_stand_for_the_recorded_one(tmp_path):
+    (mine,) = loaded(tmp_path)
+    simulate(four_bar("C", contact=mine()), turns=0.05, loop="data-driven", reference=False).save(tmp_path / "run.sqlite")
+    assert type(Result.load(tmp_path / "run.sqlite").record.assembly.mechanism.clearances["C"].contact) is mine
+    (other,) = loaded(tmp_path, COPY.replace("0.75", "0.25"))
+    law = type(Result.load(tmp_path / "run.sqlite").record.assembly.mechanism.clearances["C"].contact)
+    assert law not in (mine, other) and law.name == "mine"
+    assert ContactLaw.registry["mine"] is other
+
+
+def test_a_film_of_ones_own_is_tried_out_too(tmp_path):
+    film = "    film: ClassVar[bool] = True\n\n    @staticmethod\n    def film_force(penetration, turning, sense, p):\n        return {answer}\n"
+    text = COPY + "\n" + film
+    (mine,) = loaded(tmp_path, text.format(answer="0.0, 0.0, 1.0, 1.0, 0.5 * sense"))
+    assert faults(mine) == []
+    assemble(four_bar("C", contact=mine()), 2e-6, duration=1e-3, force_step=True)
+    for answer, expected in (("0.0, 0.0", "five finite numbers"), ("0.0, 0.0, 1.0, 1.0, 2.0", "gives energy"), ("max(1.0, turning)", "max")):
+        with pytest.raises(LawError, match=expected):
+            raise LawError("\n".join(fault for law in loaded(tmp_path, text.format(answer=answer)) for fault in faults(law)))
+    with pytest.raises(LawError, match="static function film_force"):
+        loaded(tmp_path, COPY + "\n    film: ClassVar[bool] = True\n")

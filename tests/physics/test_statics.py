@@ -1,0 +1,155 @@
+"""Static analyses as runs: results, files, messages, loads that depend on the factor."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import vfife
+from vfife.assemble import assemble
+from vfife.bodies import Section
+from vfife.drivers import AngleTable, ConstantSpeed, StepTo, Torque
+from vfife.laws import Material
+from vfife.loads import PointForce
+from vfife.mechanism import Mechanism, Settings
+from vfife.result import Result
+from vfife.statics import equilibrium
+
+
+def beam(*factors: float, **settings) -> Mechanism:
+    """A cantilever of L = 1 m, EI = 1 N m^2."""
+    m = Mechanism("beam", settings=Settings(analysis="static", load_factors=factors or (1.0,), **settings))
+    m.point("O", 0.0, 0.0)
+    m.link("b", length=1.0, mass=1.0, model="elastic", elements=4, section=Section(1.0, 1e-4), material=Material(youngs_modulus=1e4))
+    m.weld("clamp", "ground.O", "b.start")
+    return m
+
+
+def tip(result: Result) -> np.ndarray:
+    return result.record.block("particle_y")[:, result.record.assembly.bodies["b"].nodes["end"]]
+
+
+def test_gravity_and_constant_loads_are_multiplied_and_tables_are_read():
+    """Small deflections: F L^3/3EI for each."""
+    m = beam(0.5, 1.0)
+    m.loads["constant"] = PointForce(name="constant", at="b.end", force=(0.0, 1e-4))
+    m.loads["table"] = PointForce(name="table", at="b.end", force=(0.0, 1e-4), times=(0.0, 0.5, 1.0), factors=(0.0, 3.0, 0.0))
+    found = tip(vfife.simulate(m))
+    assert found == pytest.approx(np.array([0.0, 0.5 + 3.0, 1.0]) * 1e-4 / 3.0, rel=1e-4, abs=1e-12)
+    n = beam(0.5, 1.0)
+    n.gravity = (0.0, -1e-4)
+    sag = tip(vfife.simulate(n))
+    assert sag[2] == pytest.approx(2.0 * sag[1], rel=1e-4)
+    lumped = sum(w * s**2 * (3.0 - s) / 6.0 for w, s in ((0.25, 0.25), (0.25, 0.5), (0.25, 0.75), (0.125, 1.0)))
+    assert sag[2] == pytest.approx(-1e-4 * lumped, rel=1e-4)
+
+
+def test_a_prescribed_travel_counts_from_the_start():
+    m = beam(0.5, 1.0)
+    m.drivers["push"] = StepTo(point="b.end", direction=(0.0, 1.0), travel=0.01, duration=1.0)
+    result = vfife.simulate(m)
+    assert tip(result) == pytest.approx([0.0, 0.005, 0.01], abs=1e-9)
+    k = result.record.assembly.ideals.index("push")
+    assert result.record.block("ideal_fy")[1:, k] == pytest.approx([0.015, 0.03], rel=1e-3)
+
+
+def test_a_torque_over_the_angle_is_multiplied():
+    """Torque T (1 - 2 a) against a torsional spring k: a = f T/(k + 2 f T)."""
+    m = Mechanism("lever", settings=Settings(analysis="static", load_factors=(0.5, 1.0)))
+    m.point("O", 0.0, 0.0)
+    m.link("arm", length=1.0, mass=1.0)
+    m.revolute("J", "ground.O", "arm.start")
+    m.torsional_spring("k", "ground", "arm", stiffness=4.0)
+    m.drivers["arm"] = Torque(body="arm", torque=(1.0, 0.0), angles=(0.0, 0.5))
+    angle = equilibrium(assemble(m)).block("particle_theta")[1:, 1]
+    assert angle == pytest.approx([0.5 / (4.0 + 1.0), 1.0 / (4.0 + 2.0)], rel=1e-6)
+
+
+def test_the_result_is_one_equilibrium_a_factor(tmp_path):
+    m = beam(0.5, 1.0)
+    m.loads["F"] = PointForce(name="F", at="b.end", force=(0.0, 1.0))
+    result = vfife.simulate(m)
+    assert result.time.tolist() == [0.0, 0.5, 1.0]
+    data = result.data
+    assert data["time"].attrs["units"] == "1"
+    assert not {"kinetic_energy", "energy_residual", "driver_work", "particle_u"} & set(data)
+    assert (data["iterations"][1:] > 100).all()
+    assert float(data["unbalanced"].max()) <= 1e-6
+    work = 0.5 * float(data["displacement"][-1])
+    assert float(data["strain_energy"][-1]) == pytest.approx(work, rel=0.1)
+    assert result.summary["energy_error"] is None
+    assert "work" not in str(result.summary["energy"])
+    assert result.measures["clamp.moment.max"] == pytest.approx(0.9436, rel=0.01)
+    result.save(tmp_path / "run.sqlite")
+    again = Result.load(tmp_path / "run.sqlite")
+    assert again.time.tolist() == result.time.tolist()
+    assert (again.record.rows == result.record.rows).all()
+    assert again.measures == result.measures
+    assert set(result.plot()) == {"mechanism", "forces"}
+
+
+def test_the_same_bits_again_and_interpreted():
+    m = beam(0.2, residual=1e-3)
+    m.loads["F"] = PointForce(name="F", at="b.end", force=(0.0, 1.0))
+    m.bodies["b"] = dataclasses.replace(m.bodies["b"], elements=2, material=Material(youngs_modulus=1e4), section=Section(1.0, 1e-2))
+    one, two = equilibrium(assemble(m)), equilibrium(assemble(m), loop="interpreted")
+    assert (one.rows == two.rows).all()
+
+
+def test_iterations_that_do_not_suffice_are_told_and_what_was_found_is_kept():
+    m = beam(0.0, 1.0, iterations=2000)
+    m.loads["F"] = PointForce(name="F", at="b.end", force=(0.0, 1.0))
+    record = equilibrium(assemble(m))
+    assert record.status == "not converged"
+    assert len(record.steps) == 2
+    for said in ("load factor 1", "2,000 iterations", "1.00e-06", "Allow more"):
+        assert said in record.message
+
+
+def test_what_nothing_holds_is_told():
+    m = Mechanism("free", gravity=(0.0, -9.81), settings=Settings(analysis="static"))
+    m.point_mass("p", mass=1.0)
+    record = equilibrium(assemble(m))
+    assert record.status == "diverged"
+    assert "runs away" in record.message and "3 free motions" in record.message
+    assert record.steps.tolist() == [0]
+
+
+def test_settings_without_meaning_are_refused_together():
+    m = beam()
+    m.settings = dataclasses.replace(m.settings, load_factors=(), duration=1.0, step=1e-5)
+    with pytest.raises(ValueError, match="static analysis") as caught:
+        vfife.simulate(m)
+    for said in ("load_factors is empty", "duration = 1", "step = 1e-05"):
+        assert said in str(caught.value)
+    n = Mechanism("crank", settings=Settings(analysis="static"))
+    n.point("O", 0.0, 0.0)
+    n.link("crank", length=1.0, mass=1.0)
+    n.revolute("A", "ground.O", "crank.start")
+    n.drive("crank", speed=100.0)
+    with pytest.raises(ValueError, match="turns 100 rad"):
+        vfife.simulate(n)
+    with pytest.raises(ValueError, match="turns = 2"):
+        vfife.simulate(beam(), turns=2.0)
+
+
+def test_a_crank_at_constant_speed_stands_at_speed_times_factor():
+    m = Mechanism("crank", gravity=(0.0, -10.0), settings=Settings(analysis="static", load_factors=(1.0, 2.0)))
+    m.point("O", 0.0, 0.0)
+    m.link("crank", length=1.0, mass=1.0, angle=0.2)
+    m.revolute("A", "ground.O", "crank.start")
+    m.drivers["crank"] = ConstantSpeed(body="crank", speed=0.5)
+    record = equilibrium(assemble(m))
+    assert record.block("particle_theta")[:, 1] == pytest.approx([0.2, 0.7, 1.2])
+    assert record.block("driven_torque")[1:, 0] == pytest.approx([5.0 * math.cos(0.7), 10.0 * math.cos(1.2)], rel=1e-9)
+    assert record.block("driven_fy")[1:, 0] == pytest.approx([10.0, 20.0], rel=1e-9)
+
+
+def test_a_table_of_angles_starts_where_it_says():
+    m = Mechanism("crank", settings=Settings(analysis="static", load_factors=(1.0,)))
+    m.point("O", 0.0, 0.0)
+    m.link("crank", length=1.0, mass=1.0)
+    m.revolute("A", "ground.O", "crank.start")
+    m.drivers["crank"] = AngleTable(body="crank", times=(0.0, 1.0), angles=(0.1, 0.4))
+    assert equilibrium(assemble(m)).block("particle_theta")[:, 1] == pytest.approx([0.1, 0.4])
