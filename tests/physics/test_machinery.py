@@ -1,4 +1,4 @@
-"""All joints, springs, gears and guides: the same bits in every loop, mirror symmetry, momenta of what floats, ledgers of second order."""
+"""What the machinery of every joint, spring and driver keeps: the same bits in all loops, mirror symmetry, momenta, a second-order ledger."""
 
 import dataclasses
 from functools import cache
