@@ -22,6 +22,7 @@ from .mechanism import Mechanism
 from .numbering import Numbering
 from .parts import Parts, in_bearing, parts_of, turning
 from .prestress import prestress, wanted
+from .refused import refuse_deep, refuse_idle, refuse_infinite
 from .stability import choose_step
 from .start import Given, cautions, ideal_motion, seated, surfaces
 
@@ -57,13 +58,16 @@ def assemble(
     StepError where the step is too large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     check(mechanism)
+    refuse_idle(mechanism)
     numbering = Numbering(mechanism)
     lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
     laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
     pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
     try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
     seats = seated(mechanism)
-    motion = ideal_motion(standing(mechanism), seats=seats, given=given)
+    with np.errstate(over="ignore", invalid="ignore"):
+        motion = ideal_motion(standing(mechanism), seats=seats, given=given)
+    refuse_infinite(motion)
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
@@ -71,6 +75,7 @@ def assemble(
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)
+    refuse_deep(filler, parts.touches)
     filler.springs(parts.springs)
     filler.drivers_and_loads(parts.loads)
     filler.seat(parts.touches, seats)

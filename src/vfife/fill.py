@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .assembly import BodyMap
 from .drivers import ConstantSpeed
 from .drives import kinematic_drivers
-from .kernels.arrays import BUSHING, GEAR, LINEAR, REVOLUTE, SLOT, STOP, TRAVEL, Layout
+from .kernels.arrays import BUSHING, GEAR, LINE, LINEAR, REVOLUTE, ROUND, SLOT, STOP, TRAVEL, Layout
 from .kernels.drive import polynomial
 from .mechanism import Mechanism
 from .numbering import Numbering, Place
@@ -212,14 +212,18 @@ class Filler:
 def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
     """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
     joint, pair = touch.joint, surfaces(mechanism, touch.joint)
-    arms = 0.0 if joint.friction_moment == "off" or joint.contact.film else 1.0
+    arms = touch.arms
+    if joint.friction_moment == "off" or joint.contact.film:
+        # At the centres, which are in one place but in a line or round outside: there both forces act at the journal's, lest they make a couple.
+        arms = ({LINE: 1.0, ROUND: -1.0}.get(touch.kind, 0.0) * touch.size, 0.0)
+    overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
     numbers = {
         "clearance_size": (touch.size,),
         "clearance_line_x": (touch.line[0],),
         "clearance_line_y": (touch.line[1],),
-        "clearance_arm_bearing": (arms * touch.arms[0],),
-        "clearance_arm_journal": (arms * touch.arms[1],),
-        "clearance_arm_overlap": (0.5 * arms if joint.friction_moment == "mid-overlap" else 0.0,),
+        "clearance_arm_bearing": (arms[0],),
+        "clearance_arm_journal": (arms[1],),
+        "clearance_arm_overlap": (overlap,),
         "clearance_floor": (joint.impact_speed_floor,),
         "clearance_landing": (joint.landing,),
         "clearance_contact": joint.contact.parameters(pair),

@@ -67,7 +67,8 @@ class Contact(Joint):
     """What all contacts with play share: surfaces, laws, and when a first contact counts as deep.
 
     ``impact_speed_floor`` (m/s) bounds the impact speed from below; a first contact that lands deeper than ``landing_depth`` (m) is counted, and
-    shortens an automatic step.
+    shortens an automatic step. Friction acts in the middle of the overlap, at both surfaces, or, with ``friction_moment`` off, at the journal's
+    centre (of a block, at those of its corners), so that it does not turn the round.
     """
 
     axial_length: float = 0.02

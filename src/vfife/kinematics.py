@@ -179,7 +179,8 @@ def _demand(system: RigidSystem, missing: Array, motion: Array, quantity: str) -
     if missed.any():
         joints = [joint.name for k, joint in enumerate(system.joints) if missed[system.rows(k)].any()]
         named = joints + [system.drive_name(drive) for drive in system.drives]
-        cause = "the position is a dead centre, the drives disagree, or the velocity given parts the joints"
+        cause = "the position is a dead centre, the drives disagree, or the velocity given parts the joints; "
+        cause += "start at another angle, or remove one of the drives or joints named"
         raise AssemblyError(f"no {quantity} satisfies {', '.join(named)}: {cause}", joints)
 
 

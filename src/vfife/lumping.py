@@ -190,5 +190,5 @@ def rigidified(body: Body) -> Body:
         )  # fmt: skip
     return RigidBody(
         name=body.name, angle=body.angle, position=body.position, velocity=body.velocity, material=body.material,
-        mass=mass, inertia=inertia, center=center, points={name: at for name, at in body.pins.items() if name != "center"},
+        mass=mass, inertia=inertia, center=center, points=dict(body.pins),
     )  # fmt: skip

@@ -33,6 +33,7 @@ from .kernels.arrays import (
 )  # fmt: skip
 from .mechanism import Mechanism, idealised
 from .numbering import Numbering, Place
+from .refused import spinless
 from .springs import Bushing, Spring, Stop
 from .start import Motion
 
@@ -83,12 +84,15 @@ class Load:
 def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
     """Joints without play that are no pivots of driven bodies, then gears, then drivers of anything else than a body on its pivot."""
     pivots = {joint.name for joint in numbering.pivots.values()}
-    found = []
+    points, found = spinless(mechanism), []
     for joint in mechanism.joints.values():
         if joint.name not in pivots and not isinstance(joint, Contact):
             bearing, journal = (numbering.place(side) for side in joint.sides)
             direction = unit(joint.direction) if isinstance(joint, Slider) else FACING
-            found.append(Ideal(joint.name, kind_of_joint(joint), bearing, journal, direction))
+            kind = kind_of_joint(joint)
+            if points & {side[0] for side in joint.sides}:  # there is no angle to keep
+                kind = {WELD: REVOLUTE, SLIDER: SLOT}.get(kind, kind)
+            found.append(Ideal(joint.name, kind, bearing, journal, direction))
     for gear in mechanism.gears.values():
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
         found.append(Ideal(gear.name, GEAR, ends[0], ends[1], ratio=gear.ratio))

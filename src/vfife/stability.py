@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 SAFETY = 0.9
 CONTACT_STEPS = 80  # steps in half a period of the stiffest contact
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
+MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
 
 
 class StepError(ValueError):
@@ -185,6 +186,11 @@ def choose_step(
             )
         every = _divisor(max(1, round((turn or length) / size)), per)
     count = max(1, math.ceil(length / size / every * (1.0 - 1e-9)))
+    if not every * count <= MOST_STEPS:
+        raise StepError(
+            f"a run of {length:.4g} s in steps of {size:.4g} s takes {length / size:.1e} of them, and no run does more than {MOST_STEPS:.0e}; "
+            f"the step was {f'chosen for {culprit}' if wanted == 'auto' else 'given'}: check the units of lengths, masses, stiffnesses and speeds"
+        )
     return StepChoice(size, stable, culprit, wanted == "auto", tuple(limits), turn, every, count)
 
 

@@ -80,6 +80,13 @@ def cause(record: Record) -> str:
             f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows, "
             "which is the likely cause; take --step auto, without --force-step."
         )
+    topology = record.assembly.topology
+    if record.assembly.ideals and not (topology.element_nodes or topology.clearance_bearing):
+        held = "the drivers lead it" if record.assembly.mobility is not None and record.assembly.mobility.after_drives == 0 else "the motion leads"
+        return (
+            f"The likely cause is that {held} to a place where the ideal joints cannot stay closed: a dead centre, or beyond the reach of the "
+            "links. Check lengths (vfife check tells the class of a four-bar), the course of the drivers, and the last outputs with `vfife plot`."
+        )
     deepest = ""
     if record.assembly.clearances:
         depths = record.block("clearance_penetration_max").max(axis=0)

@@ -84,15 +84,18 @@ def stretch(S, g, b, k, arms, ex, ey, p, h):
 
 
 def twist(S, g, b, k, stop, angle, p, h):
-    """Torsional spring, or a stop beyond one of its limits, which never pulls back; returned: power lost."""
+    """Torsional spring, or a stop beyond one of its limits, which never pulls back; returned: power lost.
+
+    A stop that does not push any more relaxes by itself: what it has stored goes into its damper as the angle comes back.
+    """
     n = (0.0, 0.0, 1.0, 1.0)
     over = angle - S[g + G.free]
     beyond = angle - S[g + G.high]
     x = (over if over < 0.0 else beyond if beyond > 0.0 else 0.0) if stop else over
     moment, elastic, rate = resist(S, g, 2, b, k, n, x, p, h)
     pushes = moment * x > 0.0 if stop else True
+    rate = rate if pushes else rate + p * h * (S[k + P.inverse_inertia] + S[b + P.inverse_inertia]) * moment
     moment = moment if pushes else 0.0
-    elastic = elastic if pushes else 0.0
     add(S, g, 2, b, k, n, moment)
     S[g + G.moment] = -moment
     S[g + G.energy] = 0.5 * S[g + G.stiffness + 2] * x * x
