@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
+import vfife
 from support import CRANK_SPEED, SQUARE, TURN, four_bar, go, joint_gap, largest_alpha, largest_force, particle, pin, with_settings, within
 from vfife.loads import PointForce
 from vfife.mechanism import Mechanism, Start
@@ -219,3 +220,18 @@ def test_a_rough_start_rings():
     """What the consistent one is for: unstressed links at full speed."""
     m = four_bar("", "elastic", elements=2, section=SQUARE)
     assert ringing(dataclasses.replace(m, start=Start(mode="rough")), 1e-6) > 0.2
+
+
+@pytest.mark.parametrize("inertia", [1e-4, 2e-6])
+def test_a_small_inertia_on_a_long_arm_sets_the_step(inertia):
+    """A body whose pin lies far outside its radius of gyration needs small turns; the automatic step knows, and energy is kept."""
+    m = Mechanism("arm", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.link("crank", length=0.3, mass=1.0)
+    m.rigid_body("far", mass=1.0, inertia=inertia, position=(1.3, 0.0), points={"pin": (-1.0, 0.0)})
+    m.revolute("A", "ground.O", "crank.start")
+    m.revolute("B", "crank.end", "far.pin")
+    m.drive("crank", speed=5.0)
+    result = vfife.simulate(m, turns=0.2, reference=False)
+    assert result.record.status == "complete" and "small inertia" in result.record.assembly.choice.culprit
+    assert result.ledger.error < 1e-5

@@ -86,7 +86,7 @@ def test_the_result_is_one_equilibrium_a_factor(tmp_path):
     assert again.time.tolist() == result.time.tolist()
     assert (again.record.rows == result.record.rows).all()
     assert again.measures == result.measures
-    assert set(result.plot()) == {"mechanism", "forces"}
+    assert set(result.plot()) == {"mechanism", "forces", "moments"}
 
 
 def test_the_same_bits_again_and_interpreted():
