@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..laws import ContactLaw, LankaraniNikravesh, Pereira
+from ..laws.contact.damping import delivered
 from .contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
 from .mechanisms import BEARING_RADIUS, JOURNAL_RADIUS, STIFFNESS, journal
 
@@ -43,17 +44,6 @@ def impact(law: ContactLaw, length: float, duration: float) -> tuple[Array, Arra
     )
     time = np.asarray(record.steps * record.assembly.choice.step, dtype=float)
     return time, record.block("clearance_penetration")[:, 0], record.block("clearance_normal_force")[:, 0], record.block("particle_u")[:, 1]
-
-
-def delivered(chi: float) -> float:
-    """Restitution e that a hysteresis factor really gives: chi (1 + e) = ln[(1 + chi)/(1 - chi e)], by bisection."""
-    if chi <= 0.0:
-        return 1.0
-    low, high = 1e-9, min(1.0, 1.0 / chi) * (1.0 - 1e-12)
-    for _ in range(200):
-        e = 0.5 * (low + high)
-        low, high = (e, high) if chi * (1.0 + e) > math.log((1.0 + chi) / (1.0 - chi * e)) else (low, e)
-    return low
 
 
 def first_impact(law: ContactLaw, length: float) -> dict[str, Array]:
