@@ -48,7 +48,7 @@ def refuse_idle(mechanism: Mechanism) -> None:
         for body, pin in joint.sides if isinstance(joint, Weld) else ():
             if released.get(body) in (pin, "both"):
                 faults.append(
-                    f"weld {name!r} holds {body}.{pin}, an end that is released, so no angle of the link: take an ideal joint, or no release"
+                    f"weld {name!r} holds {body}.{pin}, an end that is released, not the link: take an ideal joint, or remove the release"
                 )
     if faults:
         raise ValueError("; ".join(faults))
@@ -79,8 +79,7 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
 def refuse_infinite(motion: Motion) -> None:
     """ValueError where the start has numbers beyond all bounds."""
     for what, values in (("position", motion.position), ("velocity", motion.velocity), ("acceleration", motion.acceleration)):
-        sound = np.asarray(np.isfinite(values).all(axis=1))
-        bad = [name for name, fine in zip(motion.names, sound, strict=True) if not fine]
+        bad = [name for name, numbers in zip(motion.names, values, strict=True) if not np.isfinite(numbers).all()]
         if bad:
             raise ValueError(
                 f"the {what} of {', '.join(bad)} at the start is beyond all numbers: check the units of speeds, forces, lengths and masses"

@@ -183,11 +183,13 @@ def simulate(
     An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. A mechanism whose settings ask for
     a static analysis is brought to equilibrium instead (:func:`~vfife.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
     ``step``. ``start``: a former run (or its folder) to go on from, or states of bodies by name (:func:`~vfife.given.start_from`). Raises
-    ValueError for a mechanism that cannot be assembled and StepError for too large a step.
+    ValueError, all faults at once, for a mechanism that cannot be assembled and StepError for too large a step.
     """
+    from .modelfile import examined
     from .provenance import provenance
     from .result import Result
 
+    examined(mechanism)
     if mechanism.settings.analysis == "static":
         from .statics import equilibrium
 

@@ -204,6 +204,7 @@ def choose_step(
                 f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step)'
             )
         every = _divisor(max(1, round((turn or length) / size)), per)
+    every = min(every, max(1, math.ceil(length / size * (1.0 - 1e-9))))  # a run may be shorter than the time between two outputs of a turn
     count = max(1, math.ceil(length / size / every * (1.0 - 1e-9)))
     if not every * count <= MOST_STEPS:
         raise StepError(

@@ -174,7 +174,7 @@ def long_run(process: Callable, folder: Path) -> "subprocess.Popen[str]":
 def test_ctrl_c(process: Callable, tmp_path: Path) -> None:
     began = long_run(process, tmp_path / "long")
     began.send_signal(signal.SIGINT)
-    out, err = began.communicate(timeout=60)
+    out, err = began.communicate(timeout=240)
     assert began.returncode == 130
     assert json.loads(out)["status"] == "interrupted"
     assert "they are kept in" in err
@@ -184,7 +184,7 @@ def test_ctrl_c(process: Callable, tmp_path: Path) -> None:
 def test_killed_run_is_readable(process: Callable, command: Callable, tmp_path: Path) -> None:
     began = long_run(process, tmp_path / "long")
     began.kill()
-    began.communicate(timeout=60)
+    began.communicate(timeout=240)
     done = command("info", "long")
     assert done.exit_code == 0, done.stderr
     assert "unfinished" in done.stdout

@@ -140,7 +140,7 @@ def factor(S, I, y, dt):
             wanted -= ratio * S[y + c]
             S[at + c] = ratio
         least = share * diagonal
-        S[inverse + r] = left / (left * left + least * least) if left > 1e-12 * diagonal else 0.0
+        S[inverse + r] = left / (left * left + least * least + 1e-300) if left > 1e-12 * diagonal else 0.0
         S[y + r] = wanted
 
 

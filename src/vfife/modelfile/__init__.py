@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .faults import Fault, ModelError
-from .read import load, loads
+from .read import examined, load, loads
 from .write import dump
 
-__all__ = ["Fault", "ModelError", "dump", "load", "loads"]
+__all__ = ["Fault", "ModelError", "dump", "examined", "load", "loads"]

@@ -21,6 +21,7 @@ from .checks import EFFORTS, Checks, article
 from .faults import Fault, ModelError, Path, place, suggestion
 from .override import override
 from .tables import Raw, entries, known_keys, table
+from .write import dump
 
 Items = Iterable[tuple[str, Any]]
 
@@ -65,6 +66,20 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
     if faults:
         raise ModelError(faults, known_as)
     return mechanism
+
+
+def examined(mechanism: Mechanism) -> None:
+    """Raises ModelError with every fault that a file of this mechanism would have, so that Python hears the same sentences.
+
+    Nouns that no file has a table for, as laws and bodies of one's own, are not examined.
+    """
+    try:
+        text = dump(mechanism)
+    except TypeError:
+        return
+    laws = {type(law) for joint in mechanism.contacts.values() for law in (joint.contact, joint.friction)}
+    if all(law.registry.get(law.name) is law for law in laws):
+        loads(text, file=mechanism.name or "mechanism")
 
 
 def across(raw: Raw, given: set[Path]) -> list[Fault]:

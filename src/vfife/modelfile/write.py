@@ -96,7 +96,7 @@ def body_tables(name: str, body: Body) -> Iterator[tuple[str, Entries]]:
     leave: tuple[str, ...] = ("name", "material")
     default: Body
     if isinstance(body, Link):
-        leave = (*leave, "link_model", *({"pins": "extra_points"}.get(key, key) for key in IDLE_KEYS[body.link_model]))
+        leave = (*leave, "link_model", *({"pins": "extra_points"}.get(key, key) for key in IDLE_KEYS.get(body.link_model, ())))
         default = Link(name="", length=NAN)
     elif isinstance(body, RigidBody):
         default = RigidBody(name="", mass=NAN, inertia=NAN)
