@@ -55,6 +55,11 @@ _LAZY = {
 }
 
 
+def __dir__() -> list[str]:
+    """What can be completed: all public names, loaded or not."""
+    return sorted({*__all__, *_LAZY, *globals()})
+
+
 def __getattr__(name: str) -> Any:
     """Loads what needs compiled code or large libraries when it is first asked for."""
     if name in _LAZY:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +98,11 @@ def with_restitution(law: ContactLaw, value: float) -> ContactLaw:
 # --------------------------------------------------------------------------------------------------------------- friction
 
 
+def nothing_remembered(law: FrictionLaw) -> Any:
+    """Memory of a law at its start: a number, or a tuple where it remembers several."""
+    return 0.0 if len(law.memory) < 2 else (0.0,) * len(law.memory)
+
+
 def steady_sliding(law: FrictionLaw, pair: Pair, normal: float, speeds: Sequence[float] | Array) -> Array:
     """Friction force (N) at constant sliding velocities (m/s), a memory having settled, shape of ``speeds``."""
     p = law.parameters(pair)
@@ -106,7 +112,7 @@ def steady_sliding(law: FrictionLaw, pair: Pair, normal: float, speeds: Sequence
 def settled(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: float) -> float:
     """Friction force (N) at one sliding velocity, after 0.1 mm of it at the most where the law remembers."""
     mobility = 1e-9 * max(abs(speed), 1e-12) / normal  # so little that the force does not change the velocity
-    dt, memory, last = 1e-8 / max(abs(speed), 1e-12), 0.0, np.inf
+    dt, memory, last = 1e-8 / max(abs(speed), 1e-12), nothing_remembered(law), np.inf
     force = 0.0
     for n in range(10_000):
         force, after = law.force(normal, speed, mobility, memory, dt, p)
@@ -119,14 +125,14 @@ def settled(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: float)
 
 def remembers(law: FrictionLaw, pair: Pair, normal: float) -> bool:
     """Whether a law has a memory."""
-    return bool(law.force(normal, 1e-3, 1e-12, 0.0, 1e-6, law.parameters(pair))[1] != 0.0)
+    return bool(law.memory)
 
 
 def breakaway(law: FrictionLaw, pair: Pair, normal: float, speed: float = 1e-4) -> float:
     """Displacement (m) at which a law with memory, pulled slowly from rest, has reached 95 % of its largest force."""
     p = law.parameters(pair)
     for step in np.geomspace(1e-10, 1e-5, 26):
-        memory, forces = 0.0, []
+        memory, forces = nothing_remembered(law), []
         for _ in range(400):
             force, memory = law.force(normal, speed, 1e-9 * speed / normal, memory, float(step) / speed, p)
             forces.append(abs(force))
@@ -138,7 +144,7 @@ def breakaway(law: FrictionLaw, pair: Pair, normal: float, speed: float = 1e-4) 
 
 def presliding(law: FrictionLaw, pair: Pair, normal: float, amplitude: float, speed: float = 1e-4) -> tuple[Array, Array]:
     """Displacement (m) and friction force (N), each of shape (samples,), of two slow strokes to and fro about the start."""
-    p, count, memory, place = law.parameters(pair), 400, 0.0, 0.0
+    p, count, memory, place = law.parameters(pair), 400, nothing_remembered(law), 0.0
     step = amplitude / count
     rows = [(0.0, 0.0)]
     for sense, strokes in ((1, 1), (-1, 2), (1, 2), (-1, 2), (1, 2)):

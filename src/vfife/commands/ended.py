@@ -128,6 +128,8 @@ def export(
 ) -> None:
     """Write all channels of a run as NetCDF, with units."""
     with sentences(str(target)):
+        if target.suffix.lower() not in (".nc", ".nc4", ".h5"):
+            raise ValueError(f'this writes NetCDF, not "{target.suffix or target.name}"; name a file such as {target.stem}.nc')
         if target.is_dir():
             raise ValueError("this is a folder; name a file, such as out.nc")
         if target.exists() and not force:
