@@ -80,7 +80,9 @@ def assemble(
     filler.drivers_and_loads(parts.loads)
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
-    choice = choose_step(mechanism, filler.layout, filler.state, topology, parts.touches, step, expected, owners, **run)
+    choice = choose_step(
+        mechanism, filler.layout, filler.state, topology, parts.touches, step, expected, owners, free=motion.mobility.after_drives, **run
+    )
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     pivots = tuple(joint.name for joint in numbering.pivots.values())

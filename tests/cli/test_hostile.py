@@ -1,4 +1,4 @@
-"""Mechanisms that cannot be, or cannot be meant: a sentence with names and a remedy, exit code 2, soon; through Python a ValueError that says the same."""
+"""Mechanisms that cannot be, or cannot be meant: a sentence with names and a remedy, exit code 2, soon; in Python a ValueError that says it."""
 
 from __future__ import annotations
 
