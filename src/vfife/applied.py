@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .drivers import Driver, Torque
-from .functions import spline, torque_function
+from .functions import clamped, torque_function
 from .lumping import rigid_properties
 from .mechanism import Mechanism
 from .placing import world
@@ -93,7 +93,7 @@ def constant_forces(now: Instant, pushed: Iterable[Applied]) -> Array:
 def _loads(now: Instant) -> Iterator[Applied]:
     for load in now.mechanism.loads.values():
         body, pin, at, _ = now.pin(load.at)
-        factor = 1.0 if load.times is None or load.factors is None else spline(load.times, load.factors)(now.time)[0]
+        factor = 1.0 if load.times is None or load.factors is None else clamped(load.times, load.factors)(now.time)[0]
         fx, fy = load.force
         if load.follow:
             c, s = math.cos(now.position[now.row(body), 2]), math.sin(now.position[now.row(body), 2])

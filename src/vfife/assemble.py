@@ -22,7 +22,7 @@ from .mechanism import Mechanism
 from .numbering import Numbering
 from .parts import Parts, in_bearing, parts_of, turning
 from .prestress import prestress, wanted
-from .refused import refuse_deep, refuse_idle, refuse_infinite
+from .refused import refuse_deep, refuse_idle, refuse_infinite, refuse_stuck
 from .stability import choose_step
 from .start import Given, cautions, ideal_motion, seated, surfaces
 
@@ -68,6 +68,8 @@ def assemble(
     with np.errstate(over="ignore", invalid="ignore"):
         motion = ideal_motion(standing(mechanism), seats=seats, given=given)
     refuse_infinite(motion)
+    if not numbering.meshes:  # what is held as rigid may still bend
+        refuse_stuck(motion)
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
@@ -81,7 +83,17 @@ def assemble(
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     choice = choose_step(
-        mechanism, filler.layout, filler.state, topology, parts.touches, step, expected, owners, [j.name for j in parts.ideals], **run
+        mechanism,
+        filler.layout,
+        filler.state,
+        topology,
+        parts.touches,
+        step,
+        expected,
+        owners,
+        [j.name for j in parts.ideals],
+        free=motion.mobility.after_drives,
+        **run,
     )
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)

@@ -68,7 +68,7 @@ class Torque(Driver):
     """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along ``direction``.
 
     A constant, or a table over time (s), over the speed of the body (``speeds``, rad/s: a motor's curve) or over its angle from the start
-    (``angles``, rad). Tables over time are splines; those over speed and angle are too, and keep their end values beyond their ends.
+    (``angles``, rad). Tables are natural cubic splines through their points and keep their end values beyond.
     """
 
     torque: float | tuple[float, ...]

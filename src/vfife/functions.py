@@ -113,7 +113,7 @@ def torque_function(driver: Torque) -> Polynomials:
         return constant(float(driver.torque))
     if driver.speeds is not None or driver.angles is not None:
         return clamped(driver.speeds or driver.angles or (), driver.torque)
-    return spline(driver.times, driver.torque) if driver.times is not None else constant(float(driver.torque[0]))
+    return clamped(driver.times, driver.torque) if driver.times is not None else constant(float(driver.torque[0]))
 
 
 def largest_speed(driver: Driver) -> float:

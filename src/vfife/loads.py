@@ -9,7 +9,8 @@ from dataclasses import dataclass
 class PointForce:
     """Force (N) and moment (N m) at ``at`` = ``body.pin``; fixed in space, or turning with the body where it is to ``follow``.
 
-    With ``times`` (s) and ``factors`` both are multiplied by a function of time, the factors joined by a cubic spline.
+    With ``times`` (s) and ``factors`` both are multiplied by a function of time, the factors joined by a natural cubic
+    spline; before the first and after the last time they keep their end values.
     """
 
     name: str

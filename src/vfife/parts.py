@@ -11,7 +11,7 @@ import numpy as np
 from .applied import driven_body
 from .drivers import ConstantSpeed, Torque
 from .drives import constraint_drivers, kinematic_drivers
-from .functions import constant, motion_function, spline, torque_function
+from .functions import clamped, constant, motion_function, torque_function
 from .joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, IdealRevolute, Joint, Slider, Weld
 from .kernels.arrays import (
     ANGLE,
@@ -233,7 +233,7 @@ def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Lo
     found = []
     for load in mechanism.loads.values():
         body, _, pin = load.at.partition(".")
-        function = constant(1.0) if load.times is None or load.factors is None else spline(load.times, load.factors)
+        function = constant(1.0) if load.times is None or load.factors is None else clamped(load.times, load.factors)
         found.append(Load(numbering.place((body, pin)), numbering.function(function), load.force, load.moment, load.follow))
     for name, driver in mechanism.drivers.items():
         if not isinstance(driver, Torque):

@@ -124,3 +124,15 @@ def start_depth(filler: Filler, touch: Touch) -> float:
         return (c * x - s * y) * ex + (s * x + c * y) * ey - touch.size
     beyond = math.hypot(ex, ey) - touch.size
     return -beyond if touch.kind == ROUND else beyond
+
+
+def refuse_stuck(motion: Motion) -> None:
+    """ValueError where joints and other drivers hold what a driver is to move."""
+    drives = motion.system.drives
+    found = motion.mobility
+    if found.free - found.after_drives < len(drives):
+        names = ", ".join(drive.name for drive in drives)
+        raise ValueError(
+            f"the drivers ({names}) prescribe {len(drives)} motions, and the joints leave {found.free - found.after_drives} of them free here: joints "
+            "or another driver hold what is driven, or this is a dead centre; remove a driver, loosen a joint, or start elsewhere"
+        )

@@ -170,10 +170,12 @@ def choose_step(
     duration: float | None = None,
     outputs: int | None = None,
     force_step: bool = False,
+    free: int = 0,
 ) -> StepChoice:
     """The step, its limits, and the number of steps and outputs.
 
-    "auto" takes 0.9 of the stable step, at most 1/80 of half a period of the stiffest contact, and divides a turn into whole steps. Raises
+    "auto" takes 0.9 of the stable step, at most 1/80 of half a period of the stiffest contact, and divides a turn into whole steps; where ``free``
+    motions are left to a driven mechanism, they have a period of their own, which may be shorter than a turn. Raises
     StepError for a larger one than stable unless ``force_step``.
     """
     if mechanism.settings.analysis == "static":
@@ -191,8 +193,9 @@ def choose_step(
         for name, value in contact_limits(touches, layout, state, topology, expected or {}).items():
             accurate = 0.5 * math.pi * value / CONTACT_STEPS
             largest, culprit = min((largest, culprit), (accurate, f"joint {name}, {CONTACT_STEPS} steps in half a period of its contact"))
-        default = (turn or _time_scale(mechanism, layout, state, length)) / TURN_STEPS
-        largest, culprit = min((largest, culprit), (default, f"{TURN_STEPS} steps a turn" if turn else "the motion itself"))
+        own = _time_scale(mechanism, layout, state, length) if free or not turn else math.inf
+        default = (min(turn or math.inf, own) / TURN_STEPS, f"{TURN_STEPS} steps a turn" if turn and turn <= own else "the motion itself")
+        largest, culprit = min((largest, culprit), default)
         chunk = turn or length / max(1, round(length / (turn or length)))
         every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12)))
         size = chunk / (per * every)

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 import vfife
+from vfife.assemble import assemble
+from vfife.drivers import Ramp
 from vfife.joints import ClearanceRevolute
 from vfife.mechanism import Mechanism
 from vfife.modelfile import examined
@@ -203,3 +205,17 @@ def test_a_run_shorter_than_an_output_of_a_slow_crank_lasts_as_long_as_asked() -
     m.drive("rod", speed=1e-3)
     choice = begun(m, 1e-4, duration=0.01).choice
     assert choice.steps * choice.step == pytest.approx(0.01, rel=0.02)
+
+
+def test_a_driver_of_what_is_held() -> None:
+    """A wheel geared to a block in a guide, which cannot turn: a ramp from rest is consistent at the start, and moves nothing."""
+    m = Mechanism("held")
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("wheel", mass=1.0, inertia=0.5)
+    m.rigid_body("block", mass=1.0, inertia=0.5)
+    m.revolute("A", "ground.O", "wheel.center")
+    m.slider("B", "ground.O", "block.center")
+    m.gear("G", "wheel", "block", ratio=-1.0)
+    m.drivers["wheel"] = Ramp(body="wheel", speed=4.0, duration=0.01)
+    with pytest.raises(ValueError, match=r"the drivers \(wheel\) prescribe 1 motions, and the joints leave 0 of them free"):
+        assemble(m, 1e-4, duration=0.01)

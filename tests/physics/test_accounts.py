@@ -107,6 +107,17 @@ def test_what_would_turn_a_particle_without_inertia_is_refused(what: str) -> Non
     assemble(m)
 
 
+def test_automatic_step_resolves_what_hangs_on_a_slow_crank() -> None:
+    """A turn takes 628 s, a swing one second."""
+    m = pendulum()
+    m.link("low", length=0.3, mass=1.0, angle=0.2)
+    m.revolute("K", "rod.end", "low.start")
+    m.drive("rod", speed=1e-2)
+    record = run(assemble(m, duration=2.0), loop="data-driven")
+    assert record.status == "complete"
+    assert ledger(record).error < 1e-5
+
+
 @pytest.mark.parametrize("end", ["start", "end"])
 def test_weld_to_a_released_end_is_refused(end: str) -> None:
     m = Mechanism("hinge")

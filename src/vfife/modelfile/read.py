@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
 from pydantic import ValidationError
 
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, Settings
 from ..quantities import kind_of, shown
 from ..schema import CLEARANCE_ONLY, JOINT_TABLES, SPRING_TABLES, ModelFile, driver_kind, joint_kind, spring_kind
 from .build import build, unsuited
@@ -71,8 +72,11 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
 def examined(mechanism: Mechanism) -> None:
     """Raises ModelError with every fault that a file of this mechanism would have, so that Python hears the same sentences.
 
-    Nouns that no file has a table for, as laws and bodies of one's own, are not examined.
+    Nouns that no file has a table for, as laws and bodies of one's own, are not examined, nor are settings of a static analysis, which tell their
+    own faults.
     """
+    if mechanism.settings.analysis == "static":
+        mechanism = replace(mechanism, settings=Settings())
     try:
         text = dump(mechanism)
     except TypeError:
