@@ -132,7 +132,8 @@ def refuse_stuck(motion: Motion) -> None:
     found = motion.mobility
     if found.free - found.after_drives < len(drives):
         names = ", ".join(drive.name for drive in drives)
+        left = found.free - found.after_drives
         raise ValueError(
-            f"the drivers ({names}) prescribe {len(drives)} motions, and the joints leave {found.free - found.after_drives} of them free here: joints "
-            "or another driver hold what is driven, or this is a dead centre; remove a driver, loosen a joint, or start elsewhere"
+            f"the drivers ({names}) prescribe {len(drives)} motions, and the joints leave {left} of them free here: joints or another driver hold "
+            "what is driven, or this is a dead centre; remove a driver, loosen a joint, or start elsewhere"
         )
