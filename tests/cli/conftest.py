@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -42,10 +43,15 @@ def case_c_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def hear() -> None:
+    """Ctrl-C as a terminal gives it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def start(*words: Any, cwd: Path) -> subprocess.Popen[str]:
-    """``python -m vfife`` in a process of its own."""
+    """``python -m vfife`` in a process of its own, which hears Ctrl-C even where this one, started in the background, does not."""
     line = [sys.executable, "-m", "vfife", *map(str, words)]
-    return subprocess.Popen(line, cwd=cwd, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(line, cwd=cwd, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=hear)
 
 
 @pytest.fixture

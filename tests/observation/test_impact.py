@@ -77,6 +77,7 @@ def test_small_sliding_through_dahls_law():
     @dataclass(frozen=True)
     class Dahl(FrictionLaw):
         name: ClassVar[str] = "dahl-of-this-test"
+        memory: ClassVar[tuple[str, ...]] = ("deflection (m)",)
 
         def parameters(self, pair):
             return 0.1, 1e7

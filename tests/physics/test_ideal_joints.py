@@ -222,7 +222,7 @@ def test_a_rough_start_rings():
     assert ringing(dataclasses.replace(m, start=Start(mode="rough")), 1e-6) > 0.2
 
 
-@pytest.mark.parametrize("inertia", [1e-4, 2e-6])
+@pytest.mark.parametrize("inertia", [2e-6, 1e-7])
 def test_a_small_inertia_on_a_long_arm_sets_the_step(inertia):
     """A body whose pin lies far outside its radius of gyration needs small turns; the automatic step knows, and energy is kept."""
     m = Mechanism("arm", gravity=(0.0, -9.81))
