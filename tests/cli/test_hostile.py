@@ -219,3 +219,14 @@ def test_a_driver_of_what_is_held() -> None:
     m.drivers["wheel"] = Ramp(body="wheel", speed=4.0, duration=0.01)
     with pytest.raises(ValueError, match=r"the drivers \(wheel\) prescribe 1 motions, and the joints leave 0 of them free"):
         assemble(m, 1e-4, duration=0.01)
+
+
+def test_two_materials_of_one_name_run_from_python() -> None:
+    """No file can hold them, but nothing is wrong with the mechanism."""
+    m = Mechanism("two steels", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    for name, modulus in (("first", 2.0e11), ("second", 2.1e11)):
+        m.link(name, length=0.2, mass=1.0, material=vfife.Material(youngs_modulus=modulus))
+    m.revolute("A", "ground.O", "first.start")
+    m.revolute("B", "first.end", "second.start")
+    assert vfife.simulate(m, duration=1e-3, reference=False).record.status == "complete"

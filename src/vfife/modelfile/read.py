@@ -72,14 +72,14 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
 def examined(mechanism: Mechanism) -> None:
     """Raises ModelError with every fault that a file of this mechanism would have, so that Python hears the same sentences.
 
-    Nouns that no file has a table for, as laws and bodies of one's own, are not examined, nor are settings of a static analysis, which tell their
+    What no file can hold, as laws and bodies of one's own or two materials of one name, is not examined, nor are settings of a static analysis, which tell their
     own faults.
     """
     if mechanism.settings.analysis == "static":
         mechanism = replace(mechanism, settings=Settings())
     try:
         text = dump(mechanism)
-    except TypeError:
+    except (TypeError, ValueError):
         return
     laws = {type(law) for joint in mechanism.contacts.values() for law in (joint.contact, joint.friction)}
     if all(law.registry.get(law.name) is law for law in laws):
