@@ -72,8 +72,8 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
 def examined(mechanism: Mechanism) -> None:
     """Raises ModelError with every fault that a file of this mechanism would have, so that Python hears the same sentences.
 
-    What no file can hold, as laws and bodies of one's own or two materials of one name, is not examined, nor are settings of a static analysis, which tell their
-    own faults.
+    What no file can hold, as laws and bodies of one's own or two materials of one name, is not examined, nor are settings of a static analysis,
+    which tell their own faults.
     """
     if mechanism.settings.analysis == "static":
         mechanism = replace(mechanism, settings=Settings())
