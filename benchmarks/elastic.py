@@ -16,8 +16,8 @@ from environments import Missing, run
 from measure import Options, Part, interleaved, seconds, table
 
 from vfife import Mechanism, Section
-from vfife.assemble import assemble
-from vfife.kernels.runner import Runner
+from vfife.assembly.assemble import assemble
+from vfife.codegen.runner import Runner
 
 TARGET = {"data-driven": 20e6, "generated": 80e6}
 SECTION = Section.square(1e-3)

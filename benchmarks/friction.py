@@ -13,8 +13,8 @@ import numpy as np
 from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 
 import vfife
-from vfife.assemble import assemble
-from vfife.kernels.runner import Runner
+from vfife.assembly.assemble import assemble
+from vfife.codegen.runner import Runner
 from vfife.laws import FrictionLaw
 
 MODELS = {"links_of_their_own": "four_bar.toml", "shared_bodies": "four_bar_case_c.toml"}

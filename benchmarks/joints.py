@@ -8,8 +8,8 @@ import numpy as np
 from measure import Options, Part, interleaved, seconds, table
 
 from vfife import Mechanism
-from vfife.assemble import assemble
-from vfife.kernels.runner import Runner
+from vfife.assembly.assemble import assemble
+from vfife.codegen.runner import Runner
 
 BODIES = (2, 3, 5, 10)
 STEPS = 20_000

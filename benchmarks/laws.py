@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from measure import Options, Part, interleaved, table
 
-from vfife.assemble import assemble
-from vfife.kernels.compile import compiled
+from vfife.assembly.assemble import assemble
+from vfife.codegen.compile import compiled
+from vfife.codegen.runner import Runner
+from vfife.codegen.source import Gathered
 from vfife.kernels.elementary import log, power
-from vfife.kernels.runner import Runner
-from vfife.kernels.source import Gathered
 from vfife.laws import ContactLaw, Frictionless
-from vfife.mechanism import Mechanism, Start
-from vfife.simulation import recorded_rows
+from vfife.model.mechanism import Mechanism, Start
+from vfife.solvers.record import recorded_rows
 
 REFERENCE = "lankarani-nikravesh"
 LANES = (1, 4)

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vfife import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
-from vfife.kernels.arrays import Layout, Topology
-from vfife.kernels.runner import Runner
+from vfife.codegen.runner import Runner
+from vfife.kernels.arrays import Layout
+from vfife.kernels.topology import Topology
 
 FOLLOWER_PIN = 4  # particle
 TOPOLOGY = Topology(

@@ -18,9 +18,9 @@ from typing import ClassVar
 import numpy as np
 
 import vfife
-from vfife.assemble import assemble
-from vfife.kernels.runner import Runner
-from vfife.simulation import recorded_rows
+from vfife.assembly.assemble import assemble
+from vfife.codegen.runner import Runner
+from vfife.solvers.record import recorded_rows
 
 MODEL = Path(__file__).resolve().parents[1] / "examples" / "four_bar_case_c.toml"
 STEPS, ROUNDS = 200_000, 15

@@ -15,8 +15,8 @@ from environments import Missing, run
 from measure import EXAMPLES, Options, Part, table
 
 import vfife
-from vfife.assemble import assemble
-from vfife.simulation import run as advance
+from vfife.assembly.assemble import assemble
+from vfife.solvers.transient import run as advance
 
 TURN = 0.04
 MODELS = {"a": "four_bar_ideal.toml", "b": "four_bar_case_b.toml", "c": "four_bar_case_c.toml"}

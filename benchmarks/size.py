@@ -10,9 +10,9 @@ import numpy as np
 from measure import Options, Part, table
 
 from vfife import Mechanism, Section
-from vfife.assemble import assemble
-from vfife.bodies import Member
-from vfife.kernels.runner import Runner
+from vfife.assembly.assemble import assemble
+from vfife.codegen.runner import Runner
+from vfife.model.bodies import Member
 
 SIZES = (10, 100, 1000, 10_000, 100_000)
 STEPS = 2e6  # element-steps of a timed run

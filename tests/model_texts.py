@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from vfife.modelfile import ModelError
+from vfife.errors import ModelError
 from vfife.modelfile import loads as read
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FILES = sorted(EXAMPLES.glob("*.toml"))
-TEMPLATES = sorted((EXAMPLES.parent / "src" / "vfife" / "templates").glob("*.toml"))
+TEMPLATES = sorted((EXAMPLES.parent / "src" / "vfife" / "modelfile" / "templates").glob("*.toml"))
 DEMO = EXAMPLES / "four_bar.toml"
 
 FOUR_BAR = """

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from vfife.assemble import assemble
-from vfife.assembly import Assembly, Record
-from vfife.bodies import Link, RigidBody, Section
-from vfife.kernels.runner import Runner
+from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
+from vfife.codegen.runner import Runner
 from vfife.laws import Ambrosio, ContactLaw, LankaraniNikravesh
-from vfife.mechanism import Mechanism
-from vfife.simulation import recorded_rows, run
+from vfife.model.bodies import Link, RigidBody, Section
+from vfife.model.mechanism import Mechanism
+from vfife.solvers.record import Record, recorded_rows
+from vfife.solvers.transient import run
 
 CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 TURN = 0.04  # s, one turn of that crank

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from support import SQUARE, bits, four_bar, journal_in_bearing
-from vfife.assemble import assemble, refitted
-from vfife.ensemble import advance, distance, ensemble, placed
+from vfife.assembly.assemble import assemble, refitted
 from vfife.laws import Ambrosio, LankaraniNikravesh, Pereira
-from vfife.simulation import run
+from vfife.solvers.ensemble import advance, distance, ensemble, placed
+from vfife.solvers.transient import run
 
 BARS = {"section": SQUARE, "release": "both", "stiffness_factor": 1000.0}
 TURNS, OUTPUTS = 4, 40

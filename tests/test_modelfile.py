@@ -16,13 +16,13 @@ import pytest
 
 from model_texts import DEMO, EXAMPLES, FILES, FOUR_BAR, faults, only, with_lines
 from support import CONTACT_LAWS, contact_law
-from vfife import bodies, drivers, joints, loads, mechanism, springs
 from vfife.laws import Ambrosio, ContactLaw, Frictionless, LankaraniNikravesh, Material, Pereira, quantity
-from vfife.mechanism import Settings, Start
+from vfife.model import bodies, drivers, joints, loads, mechanism, springs
+from vfife.model.mechanism import Settings, Start
 from vfife.modelfile import dump, load
 from vfife.modelfile import loads as read
 from vfife.modelfile.build import JOINTS, SPRINGS
-from vfife.schema import (
+from vfife.modelfile.schema import (
     JOINT_TABLES,
     SPRING_TABLES,
     BushingTable,

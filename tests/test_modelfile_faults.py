@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from model_texts import FOUR_BAR, faults, only, with_lines
-from vfife.modelfile import ModelError, load
+from vfife.errors import ModelError
+from vfife.modelfile import load
 from vfife.modelfile import loads as read
 
 # -------------------------------------------------------------------------------------------------------------- faults

@@ -8,9 +8,9 @@ import time
 import pytest
 
 from model_texts import PLAYGROUND, faults, only, played
-from vfife import bodies, drivers, joints, springs
 from vfife.laws import Material
-from vfife.mechanism import Settings
+from vfife.model import bodies, drivers, joints, springs
+from vfife.model.mechanism import Settings
 from vfife.modelfile import dump
 from vfife.modelfile import loads as read
 

@@ -16,10 +16,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from model_texts import DEMO, FILES, FOUR_BAR, PLAYGROUND, TEMPLATES
-from vfife import bodies, drivers, joints, loads, springs
+from vfife.errors import ModelError
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Material, Pereira
-from vfife.mechanism import Mechanism, Settings, Start
-from vfife.modelfile import ModelError, dump, load
+from vfife.model import bodies, drivers, joints, loads, springs
+from vfife.model.mechanism import Mechanism, Settings, Start
+from vfife.modelfile import dump, load
 from vfife.modelfile import loads as read
 
 # --------------------------------------------------------------------------------------------------------- round trips

@@ -16,14 +16,16 @@ from schemas import complaints
 from vfife.modelfile.jsonschema import text
 from vfife.modelfile.tables import LAWS
 
-SHIPPED = Path(vfife.__file__).with_name("model.schema.json")
+SHIPPED = Path(vfife.__file__).parent / "modelfile" / "model.schema.json"
 SCHEMA = json.loads(text())
 MODELS = {path.stem: path.read_text(encoding="utf-8") for path in (*FILES, *TEMPLATES)} | {"everything": PLAYGROUND, "four-bar text": FOUR_BAR}
 
 
 def test_the_shipped_schema_is_that_of_the_code() -> None:
     if SHIPPED.read_text(encoding="utf-8") != text():
-        pytest.fail("model.schema.json is not what the tables and laws say; run: vfife schema -o src/vfife/model.schema.json", pytrace=False)
+        pytest.fail(
+            "model.schema.json is not what tables and laws say; run: vfife schema -o src/vfife/modelfile/model.schema.json", pytrace=False
+        )
 
 
 @pytest.mark.parametrize("name", MODELS)

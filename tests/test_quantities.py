@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vfife.quantities import DIMENSIONS, UNITS, QuantityError, dimension_of, number
+from vfife.errors import QuantityError
+from vfife.units import DIMENSIONS, UNITS, dimension_of, number
 
 EVERYDAY = [
     ("0.5 mm", "m", 5e-4),
@@ -54,9 +55,7 @@ def test_everyday_units_are_exact(text: str, unit: str, expected: float) -> None
 
 
 def test_everyday_units_need_no_pint() -> None:
-    code = (
-        f"import sys\nfrom vfife.quantities import number\nfor text, unit, _ in {EVERYDAY!r}: number(text, unit)\nsys.exit('pint' in sys.modules)"
-    )
+    code = f"import sys\nfrom vfife.units import number\nfor text, unit, _ in {EVERYDAY!r}: number(text, unit)\nsys.exit('pint' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60, check=False).returncode == 0
 
 
@@ -155,7 +154,7 @@ def test_every_example_is_of_its_dimension(words: str, unit: str, example: str) 
 
 @pytest.mark.parametrize("unit", [unit for unit in UNITS if unit not in ("1", "%", "°", "rpm", "Nm", "rev")])
 def test_the_table_agrees_with_pint(unit: str) -> None:
-    from vfife.quantities import _measure, _through_pint
+    from vfife.units import _measure, _through_pint
 
     (exact, rough, pi), exponents = _measure(unit)
     (_, factor, _), same = _through_pint(unit)

@@ -7,9 +7,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .bodies import Link, PointMass, RigidBody, Section
-from .drivers import AngleTable, ConstantSpeed, Ramp, Torque
-from .joints import ClearanceRevolute, IdealRevolute
 from .laws import (
     MATERIALS,
     Ambrosio,
@@ -32,16 +29,19 @@ from .laws import (
     Threlfall,
     quantity,
 )
-from .loads import PointForce
-from .mechanism import Mechanism, Settings, Start
+from .model.bodies import Link, PointMass, RigidBody, Section
+from .model.drivers import AngleTable, ConstantSpeed, Ramp, Torque
+from .model.joints import ClearanceRevolute, IdealRevolute
+from .model.loads import PointForce
+from .model.mechanism import Mechanism, Settings, Start
 
 if TYPE_CHECKING:
     from . import gallery
-    from .comparison import compare
-    from .laws.own import load_laws
+    from .laws.user import load_laws
     from .modelfile import load
     from .result import Result
     from .simulation import simulate
+    from .study.compare import compare
 
 __version__ = "0.1.0"
 

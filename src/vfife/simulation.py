@@ -1,144 +1,25 @@
-"""Runs an assembled mechanism chunk by chunk: progress, Ctrl-C, run file, a stop where numbers blow up."""
+"""Simulates a mechanism: assembles it at its start, runs it beside its ideal reference, gives the result."""
 
 from __future__ import annotations
 
 import dataclasses
-import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
-from .assemble import assemble
-from .assembly import Assembly, Record
-from .bounds import unsound
-from .drivers import ConstantSpeed, Torque
-from .mechanism import Mechanism
+from .assembly.assemble import assemble
+from .assembly.assembled import Assembly
+from .model.drivers import ConstantSpeed, Torque
+from .model.mechanism import Mechanism
+from .solvers.progress import Progress
+from .solvers.record import Record, recorded_rows
+from .solvers.transient import Loop, choose_loop, run
 
 if TYPE_CHECKING:
     from .result import Result
-    from .runfile import RunFile
+    from .results.runfile import RunFile
 
-Loop = Literal["auto", "data-driven", "generated", "interpreted"]
 Start: TypeAlias = "Result | str | Path | Mapping[str, Any] | None"
-
-CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
-SAVED = 30e-9  # seconds that straight-line code saves for each step and element or joint
-LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still written out
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Where a run stands."""
-
-    done: int
-    steps: int
-    seconds: float
-    text: str = ""
-
-    @property
-    def share(self) -> float:
-        """Part that is done, 0 to 1."""
-        return self.done / self.steps
-
-    @property
-    def speed(self) -> float:
-        """Steps a second."""
-        return self.done / self.seconds if self.seconds > 0.0 else 0.0
-
-    @property
-    def left(self) -> float:
-        """Seconds left."""
-        return (self.steps - self.done) / self.speed if self.speed else float("nan")
-
-
-def entities(assembly: Assembly) -> int:
-    """Elements and joints: what a step's work grows with."""
-    t = assembly.topology
-    return len(t.element_nodes) + len(t.clearance_bearing) + len(t.ideal_bearing) + len(t.spring_first)
-
-
-def compilation(assembly: Assembly) -> float:
-    """Seconds (measured on one machine, a guess elsewhere) that straight-line code takes to compile: it grows with the square of its lines."""
-    t = assembly.topology
-    lines = 60 * len(t.element_nodes) + 190 * len(t.clearance_bearing) + 150 * len(t.ideal_bearing) + 20 * len(t.free)
-    return 1.0 + 3.5e-6 * lines**2
-
-
-def choose_loop(assembly: Assembly, loop: Loop) -> str:
-    """The loop of a run: straight-line code where it saves more time than its compilation costs, or is compiled already."""
-    if assembly.mechanism.settings.analysis == "static":
-        return "interpreted" if loop == "interpreted" else "data-driven"
-    if loop != "auto":
-        return loop
-    if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1:
-        return "data-driven"
-    saved = SAVED * max(entities(assembly), 2) * assembly.choice.steps
-    return "generated" if saved > compilation(assembly) or (saved > 0.2 and _compiled(assembly)) else "data-driven"
-
-
-def _compiled(assembly: Assembly) -> bool:
-    from .kernels.compile import is_compiled
-    from .kernels.generate import straight_line
-
-    return is_compiled(straight_line(assembly.topology, 1), "advance")
-
-
-def recorded_rows(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S that a run keeps: all state and all extremes."""
-    return np.array(assembly.layout.of("state", "extreme"), dtype=np.uint32)
-
-
-def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None) -> Record:
-    """Steps a mechanism from its start to the end of its choice of steps.
-
-    Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed
-    before is kept.
-    """
-    from .kernels.runner import Runner
-    from .laws.recorded import refuse_recorded
-
-    refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
-    kept = recorded_rows(assembly)
-    chosen = choose_loop(assembly, loop)
-    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
-    choice = assembly.choice
-    parts = [runner.advance(1, 1)[:, :, 0]]
-    record = Record(assembly, np.zeros(1, dtype=np.int64), parts[0], kept, loop=chosen)
-    status, done, wall, chunk = "complete", 0, 0.0, 1
-    if file is not None:
-        file.append(np.zeros(1, dtype=np.int64), parts[0])
-    try:
-        while done < choice.outputs:
-            some = min(chunk, choice.outputs - done)
-            began = time.perf_counter()
-            rows = runner.advance(choice.outputs_every, some)[:, :, 0]
-            spent = time.perf_counter() - began
-            wall += spent
-            broken = unsound(assembly, kept, rows).any(axis=1)
-            sound = int(np.argmax(broken)) if broken.any() else len(rows)
-            parts.append(rows[:sound])
-            steps = (done + 1 + np.arange(sound)) * choice.outputs_every
-            if file is not None:
-                file.append(steps, rows[:sound])
-                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[:, 0])
-            done += sound
-            if sound < some:
-                status = "diverged"
-                break
-            if progress is not None:
-                progress(Progress(done * choice.outputs_every, choice.steps, wall))
-            chunk = max(1, min(4 * some, int(some * CHUNK_SECONDS / max(spent, 1e-6))))
-    except KeyboardInterrupt:
-        status = "interrupted"
-    record.steps = np.arange(done + 1, dtype=np.int64) * choice.outputs_every
-    record.rows = np.concatenate(parts)[: done + 1]
-    record.wall, record.status = wall, status
-    record.final = runner.states[:, 0].copy() if status == "complete" else None
-    return record
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
@@ -181,17 +62,18 @@ def simulate(
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; ``outputs`` per turn (per run without a crank); ``loop`` "auto",
     "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run the ideal mechanism to compare with.
     An automatic step is halved, three times at the most, while first contacts land deeper than a joint allows. A mechanism whose settings ask for
-    a static analysis is brought to equilibrium instead (:func:`~vfife.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
-    ``step``. ``start``: a former run (or its folder) to go on from, or states of bodies by name (:func:`~vfife.given.start_from`). Raises
-    ValueError, all faults at once, for a mechanism that cannot be assembled and StepError for too large a step.
+    a static analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``,
+    ``duration`` nor ``step``. ``start``: a former run (or its folder) to go on from, or states of bodies by name
+    (:func:`~vfife.results.start_from.start_from`). Raises ValueError,
+    all faults at once, for a mechanism that cannot be assembled and StepError for too large a step.
     """
     from .modelfile import examined
-    from .provenance import provenance
     from .result import Result
+    from .results.provenance import provenance
 
     examined(mechanism)
     if mechanism.settings.analysis == "static":
-        from .statics import equilibrium
+        from .solvers.statics import equilibrium
 
         given = {"turns": turns, "duration": duration, "step": step}
         asked: Any = {name: value for name, value in given.items() if value is not None}
@@ -219,9 +101,12 @@ def begun(mechanism: Mechanism, step: float | str | None = None, start: Start = 
     """
     if start is None:
         return assemble(mechanism, step, **options)
-    from .continued import alike, continued, former
-    from .given import given
+    from .result import Result
+    from .results.restart import alike, continued, former
+    from .results.start_from import given
 
+    if isinstance(start, str | Path):
+        start = Result.load(start)
     assembly = assemble(mechanism, step, given=given(start, mechanism, time), **options)
     record = former(start, time)
     return continued(assembly, record) if record is not None and alike(assembly, record) else assembly

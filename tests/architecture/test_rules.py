@@ -57,7 +57,7 @@ def loaded_by(code: str) -> set[str]:
 HELP = """
 import sys
 sys.argv = ["vfife", "--help"]
-from vfife.cli import app
+from vfife.cli.app import app
 try:
     app()
 except SystemExit as end:

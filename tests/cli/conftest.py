@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from cli.models import CASE_C, PENDULUM, ROOT
-from vfife.cli import app
+from vfife.cli.app import app
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "agg"}
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import vfife
-from vfife.assemble import assemble
-from vfife.drivers import Ramp
-from vfife.joints import ClearanceRevolute
-from vfife.mechanism import Mechanism
+from vfife.assembly.assemble import assemble
+from vfife.model.drivers import Ramp
+from vfife.model.joints import ClearanceRevolute
+from vfife.model.mechanism import Mechanism
 from vfife.modelfile import examined
 from vfife.simulation import begun
 

@@ -14,7 +14,7 @@ from cli.test_bad_input import refused
 from cli.test_start_up import ENVIRONMENT
 from vfife.modelfile import dump, load, loads
 
-TEMPLATES = sorted((ROOT / "src" / "vfife" / "templates").glob("*.toml"))
+TEMPLATES = sorted((ROOT / "src" / "vfife" / "modelfile" / "templates").glob("*.toml"))
 NAMES = [path.stem for path in TEMPLATES]
 
 
@@ -90,7 +90,7 @@ def test_the_schema_is_printed_or_written(command: Callable) -> None:
 
 
 def test_a_typing_error_of_a_million_elements_is_told_within_two_seconds(tmp_path: Path) -> None:
-    text = (ROOT / "src" / "vfife" / "templates" / "frame.toml").read_text(encoding="utf-8")
+    text = (ROOT / "src" / "vfife" / "modelfile" / "templates" / "frame.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(text.replace("elements = 8", "elements = 99_999").replace("elements = 6", "elements = 1_000_000", 1))
     words = [sys.executable, "-m", "vfife", "check", str(tmp_path / "mine.toml")]
     began = time.perf_counter()

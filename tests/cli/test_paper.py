@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from vfife.commands.paper import NAMES, chosen
+from vfife.cli.paper import NAMES, chosen
 from vfife.paper.contents import Chart, Item, Line, Panel, Parameter, Table, Verdict
 from vfife.paper.page import Folder, page
 

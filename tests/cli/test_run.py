@@ -13,7 +13,7 @@ import pytest
 
 import vfife
 from cli.models import CASE_C
-from vfife.kernels.runner import Runner
+from vfife.codegen.runner import Runner
 
 KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures"}
 STABLE_NOT = ["joint.B.kind=ideal", "joint.C.kind=ideal", "joint.D.kind=ideal", "body.follower.model=elastic"]

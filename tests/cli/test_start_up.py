@@ -14,7 +14,7 @@ LISTED = """
 import sys
 sys.argv = ["vfife", *{words!r}]
 try:
-    from vfife.cli import app
+    from vfife.cli.app import app
     app()
 finally:
     print(*sorted({{name.partition(".")[0] for name in sys.modules}}), file=sys.stderr)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vfife.kernels import compile as compiling
+from vfife.codegen import compile as compiling
 
 TEXT = """@jit
 def half(x):
@@ -33,7 +33,7 @@ print(json.dumps([compiles, result]))
 """
 
 TRIPLED = """
-    from vfife.kernels.compile import compiled
+    from vfife.codegen.compile import compiled
     S = np.arange(3.0)
     compiled({text!r}, "tripled")(S)
     result = S.tolist()

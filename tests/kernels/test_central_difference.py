@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support import particle, with_settings
-from vfife.assemble import assemble
-from vfife.bodies import Section
-from vfife.kernels.step import coefficients
-from vfife.mechanism import Mechanism
-from vfife.simulation import run
+from vfife.assembly.assemble import assemble
+from vfife.kernels.central_difference import coefficients
+from vfife.model.bodies import Section
+from vfife.model.mechanism import Mechanism
+from vfife.solvers.transient import run
 
 
 def positions_only(count, dt, damping, acceleration, d0, v0):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from support import EPS
-from vfife.kernels import loop
-from vfife.kernels.arrays import Topology
-from vfife.kernels.graph import tables
+from vfife.codegen.graph import tables
+from vfife.kernels import step as loop
+from vfife.kernels.topology import Topology
 
 LENGTH, EA, EI = 0.7, 2.07e8, 1.7e4
 RELEASED = {"none": 0, "start": 1, "end": 2, "both": 3}

@@ -9,15 +9,16 @@ import numpy as np
 import pytest
 
 from support import bits, go, journal_in_bearing, lanes, with_settings
-from vfife.assemble import assemble
-from vfife.drivers import Torque
+from vfife.assembly.assemble import assemble
+from vfife.codegen.compile import interpreted
+from vfife.codegen.source import Gathered, dispatch
+from vfife.codegen.straight_line import straight_line
+from vfife.errors import SourceError
 from vfife.kernels.arrays import FRICTION_MEMORY, Layout
-from vfife.kernels.compile import interpreted
-from vfife.kernels.generate import straight_line
-from vfife.kernels.source import Gathered, SourceError, dispatch
 from vfife.laws import FrictionLaw, LankaraniNikravesh, LuGre, Stribeck, quantity
 from vfife.laws.law import Pair
-from vfife.mechanism import Mechanism
+from vfife.model.drivers import Torque
+from vfife.model.mechanism import Mechanism
 
 LAWS = sorted(FrictionLaw.registry.values(), key=lambda law: law.name)
 CONTACT = LankaraniNikravesh(0.6, 1e9)

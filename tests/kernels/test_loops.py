@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from support import CONTACT_LAWS, SQUARE, bits, contact_law, four_bar, lanes, with_settings
-from vfife.assemble import assemble
-from vfife.drivers import Ramp, Torque
+from vfife.assembly.assemble import assemble
+from vfife.codegen.compile import interpreted
+from vfife.codegen.straight_line import straight_line
 from vfife.kernels.arrays import BLOCKS
-from vfife.kernels.compile import interpreted
-from vfife.kernels.generate import straight_line
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
+from vfife.model.drivers import Ramp, Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
 
 LANES = 4
 

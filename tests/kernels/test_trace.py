@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from support import bits, four_bar, lanes
-from vfife.assemble import assemble
+from vfife.assembly.assemble import assemble
+from vfife.codegen.compile import compiled, interpreted
+from vfife.codegen.source import Gathered, data_driven, dispatch
+from vfife.codegen.straight_line import straight_line
+from vfife.codegen.trace import Branch
+from vfife.errors import LawError, SourceError
 from vfife.kernels.arrays import CONTACT_SLOTS
-from vfife.kernels.compile import compiled, interpreted
-from vfife.kernels.generate import straight_line
-from vfife.kernels.source import Gathered, SourceError, data_driven, dispatch
-from vfife.kernels.trace import Branch
 from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh, Pair
-from vfife.laws.law import LawError
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import vfife.laws  # registers them
 from support import CONTACT_LAWS, all_contact_laws, contact_law, go, journal_in_bearing, particle
-from vfife.kernels.pin import normal_force
+from vfife.kernels.geometry import normal_force
 from vfife.laws import ContactLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira
 
 LAWS = CONTACT_LAWS

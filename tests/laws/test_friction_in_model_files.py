@@ -5,8 +5,9 @@ import dataclasses
 import pytest
 
 from model_texts import FOUR_BAR
+from vfife.errors import ModelError
 from vfife.laws import FrictionLaw, LuGre
-from vfife.modelfile import ModelError, dump, loads
+from vfife.modelfile import dump, loads
 
 LAWS = sorted(FrictionLaw.registry.values(), key=lambda law: law.name)
 OLD = 'law = "ambrosio"\nv0 = "0.01 m/s"\nv1 = "0.1 m/s"\n'

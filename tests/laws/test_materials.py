@@ -4,9 +4,10 @@ import pytest
 
 import vfife
 from model_texts import FOUR_BAR
+from vfife.errors import ModelError
 from vfife.laws import MATERIALS, Material
 from vfife.laws.materials import TABLE
-from vfife.modelfile import ModelError, dump, loads
+from vfife.modelfile import dump, loads
 
 
 def test_steel_is_what_it_was():

@@ -10,11 +10,11 @@ import pytest
 
 from support import bits, four_bar, lanes
 from vfife import Result, simulate
-from vfife.assemble import assemble
+from vfife.assembly.assemble import assemble
+from vfife.errors import LawError
 from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh
-from vfife.laws.law import LawError
-from vfife.laws.own import load_laws
-from vfife.laws.trial import faults
+from vfife.laws.check import faults
+from vfife.laws.user import load_laws
 
 COPY = '''"""Lankarani and Nikravesh again, under a name of its own."""
 import math

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from support import CONTACT_LAWS, contact_law, four_bar, go, journal_in_bearing
-from vfife.assemble import assemble
+from vfife.assembly.assemble import assemble
 from vfife.laws import Flores, Frictionless, Goldsmith, Hertz, Johnson, LankaraniNikravesh, LeeWang, Liu, Material, Pair, Pereira
 from vfife.laws.contact.damping import DAMPING, delivered
 from vfife.result import Result

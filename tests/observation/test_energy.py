@@ -8,10 +8,10 @@ import pytest
 
 from support import SQUARE, four_bar, go, journal_in_bearing, times, with_settings
 from vfife.analysis import ledger
-from vfife.analysis.energy import elastic_energy
 from vfife.analysis.motion import velocities
 from vfife.laws import Ambrosio, ContactLaw, LankaraniNikravesh
-from vfife.mechanism import Mechanism
+from vfife.laws.elasticity import elastic_energy
+from vfife.model.mechanism import Mechanism
 
 G = 9.81
 
@@ -75,7 +75,7 @@ def test_driver_lifts_a_weight() -> None:
 
 
 def test_moment_that_changes_in_time() -> None:
-    from vfife.loads import PointForce
+    from vfife.model.loads import PointForce
 
     m = dataclasses.replace(pendulum(), gravity=(0.0, 0.0))
     m.loads["push"] = PointForce(name="push", at="rod.end", force=(1.0, 2.0), moment=3.0, times=(0.0, 0.5, 1.0), factors=(0.0, 1.0, -1.0))

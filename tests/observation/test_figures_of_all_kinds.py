@@ -10,15 +10,15 @@ from rich.console import Console
 
 import vfife
 from vfife import gallery
-from vfife.bodies import Section
-from vfife.drivers import Torque
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
+from vfife.model.bodies import Section
+from vfife.model.drivers import Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
 from vfife.plots import figures
 from vfife.plots.outlines import outline
 from vfife.plots.springsigns import tangent, zigzag
+from vfife.report.summary import show
 from vfife.result import Result
-from vfife.summary import show
 
 
 def everything() -> Mechanism:

@@ -11,10 +11,10 @@ import pytest
 from rich.console import Console
 
 from support import SQUARE, four_bar, go, journal_in_bearing
+from vfife.errors import RunFileError
+from vfife.report.summary import report, show
 from vfife.result import Result
-from vfife.runfile import RunFileError
 from vfife.simulation import simulate
-from vfife.summary import report, show
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +178,7 @@ def test_figures_without_a_crank() -> None:
 def test_numbers_and_files_load_neither_xarray_nor_matplotlib(result: Result, tmp_path: Path) -> None:
     result.save(tmp_path / "run.sqlite")
     code = (
-        "import sys; from vfife.result import Result; from vfife.summary import report\n"
+        "import sys; from vfife.result import Result; from vfife.report.summary import report\n"
         f"result = Result.load({str(tmp_path)!r}); report(result); result.measures; result.channels\n"
         "print(sorted({'xarray', 'matplotlib', 'numba', 'pandas', 'scipy'} & set(sys.modules)))"
     )

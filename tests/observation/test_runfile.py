@@ -12,13 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vfife.packing import packed, unpacked
-from vfife.runfile import RunFile, RunFileError
+from vfife.errors import RunFileError
+from vfife.results.packing import packed, unpacked
+from vfife.results.runfile import RunFile
 
 WRITER = """
 import sys
 import numpy as np
-from vfife.runfile import RunFile
+from vfife.results.runfile import RunFile
 file = RunFile.create(sys.argv[1], {"step": 1e-6})
 steps = np.arange(50)
 while True:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.bodies import Section
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism, Settings
+from vfife.model.bodies import Section
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism, Settings
 
 LENGTH, FORCE = 0.5, 20.0
 

@@ -7,14 +7,14 @@ import pytest
 
 from vfife.analysis.energy import ledger
 from vfife.analysis.motion import velocities
-from vfife.assemble import assemble
-from vfife.assembly import Record
-from vfife.bodies import Member, Section
-from vfife.drivers import Torque
+from vfife.assembly.assemble import assemble
 from vfife.laws import Coulomb, LankaraniNikravesh
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
-from vfife.simulation import run
+from vfife.model.bodies import Member, Section
+from vfife.model.drivers import Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+from vfife.solvers.record import Record
+from vfife.solvers.transient import run
 
 
 def pendulum(angle: float = -0.5) -> Mechanism:

@@ -5,7 +5,7 @@ import pytest
 
 from support import go, onsets, particle, pin
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
-from vfife.mechanism import Mechanism
+from vfife.model.mechanism import Mechanism
 
 STIFFNESS, RESTITUTION, CLEARANCE, RADIUS = 6.6e10, 0.5, 3e-4, 0.01
 CHI = 0.75 * (1 - RESTITUTION**2)

@@ -5,8 +5,8 @@ import pytest
 
 import vfife
 from support import SQUARE, four_bar
-from vfife.bodies import Section
-from vfife.mechanism import Mechanism
+from vfife.model.bodies import Section
+from vfife.model.mechanism import Mechanism
 
 SPEED = 20.0
 

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from support import SQUARE, four_bar, go, observed, order, particle, with_settings
-from vfife.bodies import Section
 from vfife.laws import Material
-from vfife.mechanism import Mechanism, Start
+from vfife.model.bodies import Section
+from vfife.model.mechanism import Mechanism, Start
 
 
 def pendulum(angle: float = math.pi) -> Mechanism:

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from vfife.commands.check import freedom
-from vfife.fourbar import classified, grashof
-from vfife.mechanism import Mechanism
-from vfife.start import ideal_motion
+from vfife.cli.check import freedom
+from vfife.kinematics.grashof import classified, grashof
+from vfife.kinematics.initial import ideal_motion
+from vfife.model.mechanism import Mechanism
 
 
 @pytest.mark.parametrize(

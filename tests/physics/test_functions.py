@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from vfife.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
-from vfife.functions import Polynomials, clamped, largest_speed, motion_function, torque_function, turning_speed
-from vfife.kernels.drive import polynomial
+from vfife.kernels.polynomial import polynomial
+from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
+from vfife.model.functions import Polynomials, clamped, largest_speed, motion_function, torque_function, turning_speed
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.7, -2.0])

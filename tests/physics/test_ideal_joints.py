@@ -9,8 +9,8 @@ from scipy.signal import savgol_filter
 
 import vfife
 from support import CRANK_SPEED, SQUARE, TURN, four_bar, go, joint_gap, largest_alpha, largest_force, particle, pin, with_settings, within
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism, Start
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism, Start
 
 # Maxima with ideal joints at constant crank speed: method.md, section 2. Speed/pi, follower (rad/s^2), joints B, C, D (N) of uniform rods
 # and of one two-particle element per link.

@@ -6,13 +6,13 @@ import math
 import numpy as np
 import pytest
 
-from vfife.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
-from vfife.given import start_from
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
-from vfife.prestress import prestress
+from vfife.assembly.prestress import prestress
+from vfife.kinematics.initial import constraint_drivers, ideal_motion, kinematic_drivers
+from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+from vfife.results.start_from import start_from
 from vfife.simulation import simulate
-from vfife.start import constraint_drivers, ideal_motion, kinematic_drivers
 
 
 def slider_crank(crank=0.05, rod=0.12, masses=(0.30, 0.21, 0.14), inertias=(1e-4, 2.5e-4, 1e-4), gravity=0.0, angle=0.0, speed=None):
@@ -340,7 +340,7 @@ def test_a_start_by_name_is_closed_and_its_velocities_projected():
 
 def test_a_given_start_leaves_journals_where_they_are():
     m = four_bar(None)
-    from vfife.joints import ClearanceRevolute
+    from vfife.model.joints import ClearanceRevolute
 
     m.joints["C"] = ClearanceRevolute(name="C", bearing="coupler.end", journal="follower.end", clearance=5e-4, bearing_radius=0.01)
     exact = ideal_motion(four_bar(), 0.0)

@@ -5,16 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vfife.kinematics import (
-    AssemblyError,
-    Drive,
-    Pin,
-    RigidSystem,
-    accelerations,
-    close,
-    velocities,
-)
-from vfife.mobility import mobility
+from vfife.errors import AssemblyError
+from vfife.kinematics.mobility import mobility
+from vfife.kinematics.solve import Drive, Pin, RigidSystem, accelerations, close, velocities
 
 GRAVITY = 9.81
 

@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from support import SQUARE, four_bar, go, largest_force, particle, pin, times, with_settings, within
-from vfife.drivers import AngleTable, Ramp, Torque
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
+from vfife.model.drivers import AngleTable, Ramp, Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
 
 
 def free_body(**motion) -> Mechanism:

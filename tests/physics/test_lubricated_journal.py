@@ -10,7 +10,7 @@ from scipy.integrate import quad
 import vfife
 from support import bits, lanes
 from vfife.analysis.forces import eccentricity, joint_force
-from vfife.assemble import assemble
+from vfife.assembly.assemble import assemble
 from vfife.laws import Hydrodynamic, LankaraniNikravesh, Pair
 
 VISCOSITY, RADIUS, LENGTH, CLEARANCE = 0.03, 0.02, 0.02, 1e-4
@@ -125,7 +125,7 @@ def test_the_ledger_closes_in_a_mechanism():
 
 def test_a_dry_joint_costs_nothing():
     """The generated step of a model without films does not mention one."""
-    from vfife.kernels.generate import trace
+    from vfife.codegen.straight_line import trace
 
     m = driven()
     counts = []

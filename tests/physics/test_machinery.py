@@ -9,18 +9,18 @@ import pytest
 from support import bits, lanes, mirrored, order, with_settings
 from vfife.analysis import ledger
 from vfife.analysis.motion import velocities
-from vfife.assemble import assemble
-from vfife.bodies import Member, Section
-from vfife.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque
-from vfife.joints import ExternalContact
+from vfife.assembly.assemble import assemble
+from vfife.codegen.compile import interpreted
+from vfife.codegen.straight_line import straight_line
 from vfife.kernels.arrays import BLOCKS
-from vfife.kernels.compile import interpreted
-from vfife.kernels.generate import straight_line
 from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
-from vfife.simulation import run
-from vfife.springs import Stop, TorsionalSpring
+from vfife.model.bodies import Member, Section
+from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque
+from vfife.model.joints import ExternalContact
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+from vfife.model.springs import Stop, TorsionalSpring
+from vfife.solvers.transient import run
 from vfife.verification.lagrange import solved
 from vfife.verification.pendulums import double_four_bar
 

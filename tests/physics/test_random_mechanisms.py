@@ -15,18 +15,19 @@ from hypothesis import strategies as st
 
 from vfife.analysis.energy import ledger
 from vfife.analysis.motion import velocities
-from vfife.assemble import assemble
-from vfife.assembly import Assembly, Record
-from vfife.bodies import RigidBody, Section
-from vfife.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
-from vfife.drives import rigid_system
+from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
+from vfife.kinematics.drives import rigid_system
+from vfife.kinematics.initial import ideal_motion
+from vfife.kinematics.system import equations
 from vfife.laws import Ambrosio, Coulomb, Frictionless, LankaraniNikravesh
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
+from vfife.model.bodies import RigidBody, Section
+from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
 from vfife.modelfile import dump, examined, loads
-from vfife.rigidsystem import equations
-from vfife.simulation import run
-from vfife.start import ideal_motion
+from vfife.solvers.record import Record
+from vfife.solvers.transient import run
 
 SIZE = 1.0  # m, of a body
 STEP = 1e-4  # s

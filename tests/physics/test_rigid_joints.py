@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vfife.constraints import Drive, Gear, Pin, Slide, Travel, Weld
-from vfife.kinematics import AssemblyError, RigidSystem, accelerations, close, velocities
-from vfife.mobility import mobility
+from vfife.errors import AssemblyError
+from vfife.kinematics.constraints import Drive, Gear, Pin, Slide, Travel, Weld
+from vfife.kinematics.mobility import mobility
+from vfife.kinematics.solve import RigidSystem, accelerations, close, velocities
 
 GROUND = [0.0, 0.0, 0.0]
 

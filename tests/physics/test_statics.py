@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.assemble import assemble
-from vfife.bodies import Section
-from vfife.drivers import AngleTable, ConstantSpeed, StepTo, Torque
+from vfife.assembly.assemble import assemble
 from vfife.laws import Material
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism, Settings
+from vfife.model.bodies import Section
+from vfife.model.drivers import AngleTable, ConstantSpeed, StepTo, Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism, Settings
 from vfife.result import Result
-from vfife.statics import equilibrium
+from vfife.solvers.statics import equilibrium
 
 
 def beam(*factors: float, **settings) -> Mechanism:

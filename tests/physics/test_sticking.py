@@ -8,12 +8,13 @@ from scipy.integrate import solve_ivp
 
 from support import particle, times, with_settings
 from vfife.analysis import ledger
-from vfife.assemble import assemble
-from vfife.assembly import Assembly, Record
-from vfife.drivers import Torque
+from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
 from vfife.laws import Coulomb, FrictionLaw, Karnopp, LankaraniNikravesh, Stribeck
-from vfife.mechanism import Mechanism
-from vfife.simulation import run
+from vfife.model.drivers import Torque
+from vfife.model.mechanism import Mechanism
+from vfife.solvers.record import Record
+from vfife.solvers.transient import run
 
 G, CLEARANCE, RADIUS, STIFFNESS, STEP, BITE = 9.81, 3e-4, 0.01, 1e9, 5e-6, 1e-5
 CONTACT = LankaraniNikravesh(0.5, STIFFNESS)

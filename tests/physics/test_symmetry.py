@@ -25,13 +25,13 @@ from support import (
     with_settings,
     within,
 )  # fmt: skip
-from vfife.assemble import assemble
-from vfife.drivers import Ramp, Torque
+from vfife.assembly.assemble import assemble
 from vfife.kernels.arrays import BY_NAME
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism
-from vfife.simulation import run
+from vfife.model.drivers import Ramp, Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+from vfife.solvers.transient import run
 
 
 def free_chain(

@@ -186,7 +186,7 @@ def test_start_angle_moves_along_the_same_ideal_motion():
     """A mechanism started elsewhere on the branch turns through the same ideal motion."""
     p = Parameters(crank_angle=2.0)
     runs = [four_bar(q, 2e-4).ideal() for q in (p, dataclasses.replace(p, crank_angle=0.0))]
-    from vfife.ensemble import ensemble
+    from vfife.solvers.ensemble import ensemble
 
     one, other = ensemble(runs, step=1e-5, turns=1, outputs=400)
     assert one.turns.block("body_alpha_max")[-1] == pytest.approx(other.turns.block("body_alpha_max")[-1], rel=1e-5)
@@ -319,6 +319,6 @@ def test_without_friction_the_motion_does_not_settle(context):
 
 
 def test_every_item_has_a_maker():
-    from vfife.commands.paper import NAMES
+    from vfife.cli.paper import NAMES
 
     assert tuple(ITEMS) == NAMES

@@ -7,14 +7,14 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
-from vfife.assemble import assemble
-from vfife.assembly import Record
-from vfife.bodies import Member, Section
-from vfife.drivers import AngleTable, ConstantSpeed
+from vfife.assembly.assemble import assemble
 from vfife.laws import Frictionless, LankaraniNikravesh, Material
-from vfife.loads import PointForce
-from vfife.mechanism import Mechanism, Settings
-from vfife.statics import equilibrium
+from vfife.model.bodies import Member, Section
+from vfife.model.drivers import AngleTable, ConstantSpeed
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism, Settings
+from vfife.solvers.record import Record
+from vfife.solvers.statics import equilibrium
 
 DEAD = {0.5: (0.015919, 0.162144), 1.0: (0.056433, 0.301721), 2.0: (0.160642, 0.493457), 5.0: (0.387628, 0.713792), 10.0: (0.554996, 0.810609)}
 

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import Record
-from ..laws import ContactLaw
+from ..laws.elasticity import elastic_energy
+from ..solvers.record import Record
 from .motion import AXES, is_free, velocities
 
 Array = NDArray[np.float64]
@@ -123,17 +123,6 @@ def contact(record: Record) -> Array:
         slots = tuple(float(value) for value in assembly.state[row : row + len(law.slots)])
         total += elastic_energy(law, depth[:, index], slots)
     return total
-
-
-def elastic_energy(law: ContactLaw, depth: Array, slots: tuple[float, ...]) -> Array:
-    """Elastic energy (J) at penetrations (m): the law's own, or its elastic force summed up where it has none."""
-    try:
-        return np.asarray(law.elastic_energy(depth, slots), dtype=float)
-    except NotImplementedError:
-        grid = np.linspace(0.0, max(float(depth.max()), 1e-12), 2001)
-        force = np.array([law.force(float(d), 0.0, slots)[0] for d in grid])
-        steps = 0.5 * (force[1:] + force[:-1]) * np.diff(grid)
-        return np.asarray(np.interp(depth, grid, np.concatenate([[0.0], np.cumsum(steps)])), dtype=float)
 
 
 def constant_loads(record: Record) -> Array:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import Record
+from ..solvers.record import Record
 from .forces import joint_force, joint_moment, joint_rows
 from .motion import is_free
 

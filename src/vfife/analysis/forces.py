@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import Record
+from ..solvers.record import Record
 from .motion import seen
 
 Array = NDArray[np.float64]

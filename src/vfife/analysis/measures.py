@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import Record
-from ..bodies import PointMass
+from ..model.bodies import PointMass
+from ..solvers.record import Record
 from .equilibria import static_measures
 from .forces import joint_force_max, joint_rows, shares
 from .influence import influence

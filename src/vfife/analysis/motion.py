@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import BodyMap, Record
+from ..assembly.assembled import BodyMap
+from ..solvers.record import Record
 
 Array = NDArray[np.float64]
 AXES = (("x", "u", "ax"), ("y", "v", "ay"), ("theta", "w", "aw"))  # position, velocity and acceleration of each axis

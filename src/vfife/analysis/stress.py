@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import Record
-from ..bodies import Body, Frame, Link, Section
+from ..model.bodies import Body, Frame, Link, Section
+from ..solvers.record import Record
 
 Array = NDArray[np.float64]
 

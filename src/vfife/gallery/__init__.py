@@ -1,4 +1,4 @@
-"""Mechanisms to start from, each a function with keyword parameters (SI units) that returns a :class:`~vfife.mechanism.Mechanism`.
+"""Mechanisms to start from, each a function with keyword parameters (SI units) that returns a :class:`~vfife.model.mechanism.Mechanism`.
 
 With its default values a function builds what the model file of the same name in ``examples/`` holds.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..laws import Coulomb, FrictionLaw
-from ..mechanism import Mechanism, Settings
+from ..model.mechanism import Mechanism, Settings
 
 
 def block_on_incline(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..bodies import Section
 from ..laws import Ambrosio, LankaraniNikravesh, Pereira
-from ..mechanism import Mechanism, Settings
+from ..model.bodies import Section
+from ..model.mechanism import Mechanism, Settings
 
 SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 JOINTS = (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start"))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from ..bodies import Member, Section
-from ..drivers import AngleTable
 from ..laws import Material
-from ..loads import PointForce
-from ..mechanism import Mechanism, Settings
+from ..model.bodies import Member, Section
+from ..model.drivers import AngleTable
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism, Settings
 
 INCH = 0.0254
 

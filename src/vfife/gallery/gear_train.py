@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..drivers import Torque
-from ..mechanism import Mechanism, Settings
+from ..model.drivers import Torque
+from ..model.mechanism import Mechanism, Settings
 
 
 def gear_train(

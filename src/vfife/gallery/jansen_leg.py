@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..mechanism import Mechanism, Settings
+from ..model.mechanism import Mechanism, Settings
 
 # Jansen's "eleven holy numbers", a to k, with the height l of the crank's axis over the frame's pivot and the crank m.
 HOLY = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..laws import ContactLaw, Frictionless, LankaraniNikravesh
-from ..mechanism import Mechanism, Settings
+from ..model.mechanism import Mechanism, Settings
 
 
 def journal_in_bearing(*, mass: float = 1.0, speed: float = 1.0, clearance: float = 0.5e-3, contact: ContactLaw | None = None) -> Mechanism:

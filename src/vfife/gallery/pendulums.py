@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ..bodies import Section
 from ..laws import Material
-from ..mechanism import Mechanism, Settings, Start
+from ..model.bodies import Section
+from ..model.mechanism import Mechanism, Settings, Start
 
 GRAVITY = (0.0, -9.81)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..loads import PointForce
-from ..mechanism import Mechanism, Settings
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism, Settings
 
 
 def six_bar_press(*, speed: float = 2.0 * math.pi, turns: float = 1.0) -> Mechanism:

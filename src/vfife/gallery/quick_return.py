@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..mechanism import Mechanism, Settings
+from ..model.mechanism import Mechanism, Settings
 
 
 def quick_return(

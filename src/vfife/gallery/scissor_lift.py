@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..drivers import StepTo
-from ..mechanism import Mechanism, Settings
+from ..model.drivers import StepTo
+from ..model.mechanism import Mechanism, Settings
 
 
 def scissor_lift(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..mechanism import Mechanism, Settings
+from ..model.mechanism import Mechanism, Settings
 
 
 def scotch_yoke(*, crank: float = 0.05, mass: float = 2.0, speed: float = 20.0 * math.pi, turns: float = 1.0) -> Mechanism:

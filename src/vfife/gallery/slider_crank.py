@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..bodies import RigidBody
 from ..laws import Ambrosio, Frictionless, LankaraniNikravesh
-from ..mechanism import Mechanism, Settings
+from ..model.bodies import RigidBody
+from ..model.mechanism import Mechanism, Settings
 
 CRANK, ROD = 0.050, 0.120  # m
 

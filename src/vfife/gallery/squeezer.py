@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..drivers import Torque
-from ..mechanism import Mechanism, Settings
+from ..model.drivers import Torque
+from ..model.mechanism import Mechanism, Settings
 
 # Name: mass (kg), inertia (kg m^2), angle at the start (rad), centre of mass and pins (m) in the frame of the body.
 BODIES: dict[str, tuple[float, float, float, tuple[float, float], dict[str, tuple[float, float]]]] = {

@@ -6,10 +6,11 @@ holds the last resistance already; the change of the resistance enters through t
 
 import math
 
-from .arrays import BUSHING, JG, LINEAR, STOP, G, H, P
-from .clearance import expected
-from .pin import arm
-from .step import larger
+from .arrays import JG, G, H, P
+from .central_difference import larger
+from .contact import expected
+from .geometry import arm
+from .topology import BUSHING, LINEAR, STOP
 
 
 def resist(S, g, axis, b, k, n, x, p, h):

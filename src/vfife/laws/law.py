@@ -15,10 +15,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 
-class LawError(ValueError):
-    """A law of the user's own that cannot be used: which law, in which file and line, why, and what to do."""
-
-
 @dataclass(frozen=True)
 class Material:
     """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3)."""

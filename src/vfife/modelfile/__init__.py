@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from .faults import Fault, ModelError
 from .read import examined, load, loads
 from .write import dump
 
-__all__ = ["Fault", "ModelError", "dump", "examined", "load", "loads"]
+__all__ = ["dump", "examined", "load", "loads"]

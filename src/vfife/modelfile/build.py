@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .. import joints, springs
-from ..bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
-from ..drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
+from ..errors import Fault, place
 from ..laws import MATERIALS, Material
-from ..loads import PointForce
-from ..mechanism import Mechanism, Settings, Start
-from ..schema import (
+from ..model import joints, springs
+from ..model.bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
+from ..model.drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism, Settings, Start
+from ..model.surfaces import surfaces
+from .lawtables import law_or_default, senseless
+from .schema import (
     BodyTable,
     ContactTable,
     DriverTable,
@@ -27,9 +30,6 @@ from ..schema import (
     SliderDriverTable,
     Table,
 )
-from ..start import surfaces
-from .faults import Fault, place
-from .lawtables import law_or_default, senseless
 
 Materials = Mapping[str, Material]
 

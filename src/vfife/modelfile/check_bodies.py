@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..schema import MOST_ELEMENTS, body_kind
+from ..errors import Path
 from .checks import Checks, article, moves, sides
-from .faults import Path
+from .schema import MOST_ELEMENTS, body_kind
 from .tables import IDLE_KEYS, Raw, amount, amounts, own_pins, table, text
 
 SHAPES = ("square", "rectangle", "round", "tube")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ..schema import driver_kind, joint_kind
+from ..errors import Path
 from .checks import EFFORTS, MOTIONS, Checks, body_of, moves, shown_name, sides
-from .faults import Path
+from .schema import driver_kind, joint_kind
 from .tables import Raw, amounts, entries, text
 
 # What goes with a speed, a travel, an amplitude, places over time, or a torque or force; what is needed first.

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..schema import JOINT_TABLES, ContactTable, body_kind, joint_kind, spring_kind
+from ..errors import Path
 from .checks import Checks, shown_name, sides
-from .faults import Path
 from .lawtables import read_law
+from .schema import JOINT_TABLES, ContactTable, body_kind, joint_kind, spring_kind
 from .tables import Raw, amount, amounts, entries, table, text
 
 HOLDING = ("ideal", "weld")  # two of these between two rigid bodies leave them no motion

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from ..errors import Fault, Path, place, shown, suggestion
 from ..laws import MATERIALS
-from ..quantities import shown
-from ..schema import STATIC_ONLY, driver_kind
-from .faults import Fault, Path, place, suggestion
+from .schema import STATIC_ONLY, driver_kind
 from .tables import NAMED, Raw, amount, amounts, entries, pins, table, text
 
 NAME_LIMIT = 64

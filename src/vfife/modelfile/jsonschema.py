@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..laws import Law
-from ..readers import Choice, Measure
-from ..schema import ModelFile
+from ..model.readers import Choice, Measure
 from .lawtables import DEFAULTS, SYMBOLIC
+from .schema import ModelFile
 from .tables import LAWS
 
 Json = dict[str, Any]

@@ -8,11 +8,10 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from ..joints import ClearanceRevolute
+from ..errors import Fault, Path, kind_of, place, shown, suggestion
 from ..laws import ContactLaw, FrictionLaw, Law, Pair
-from ..quantities import kind_of, shown
-from ..readers import Choice, Measure, refuse
-from .faults import Fault, Path, place, suggestion
+from ..model.joints import ClearanceRevolute
+from ..model.readers import Choice, Measure, refuse
 from .tables import LAWS, Raw, law_fields
 
 DEFAULTS: dict[str, Any] = {field.name: field.default_factory for field in dataclasses.fields(ClearanceRevolute) if field.name in LAWS}

@@ -7,10 +7,9 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from ..errors import Fault, Path, shown, suggestion
 from ..laws import MATERIALS
-from ..quantities import shown
-from ..schema import JOINT_TABLES
-from .faults import Fault, Path, suggestion
+from .schema import JOINT_TABLES
 from .tables import IDLE_KEYS, LAWS, NAMED, Raw, entries, known_keys, law_fields, table
 
 

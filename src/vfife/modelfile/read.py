@@ -11,16 +11,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..mechanism import Mechanism, Settings
-from ..quantities import kind_of, shown
-from ..schema import CLEARANCE_ONLY, JOINT_TABLES, SPRING_TABLES, ModelFile, driver_kind, joint_kind, spring_kind
+from ..errors import Fault, ModelError, Path, kind_of, place, shown, suggestion
+from ..model.mechanism import Mechanism, Settings
 from .build import build, unsuited
 from .check_bodies import check_body
 from .check_drivers import check_drivers, check_loads
 from .check_joints import check_gears, check_joints, check_springs
 from .checks import EFFORTS, Checks, article
-from .faults import Fault, ModelError, Path, place, suggestion
 from .override import override
+from .schema import CLEARANCE_ONLY, JOINT_TABLES, SPRING_TABLES, ModelFile, driver_kind, joint_kind, spring_kind
 from .tables import Raw, entries, known_keys, table
 from .write import dump
 

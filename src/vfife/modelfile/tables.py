@@ -6,9 +6,10 @@ import dataclasses
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from ..errors import Path, QuantityError
 from ..laws import ContactLaw, FrictionLaw, Law
-from ..quantities import QuantityError, number
-from ..schema import (
+from ..units import number
+from .schema import (
     BODY_TABLES,
     DRIVER_TABLES,
     JOINT_TABLES,
@@ -24,7 +25,6 @@ from ..schema import (
     Table,
     body_kind,
 )
-from .faults import Path
 
 Raw = dict[str, Any]
 

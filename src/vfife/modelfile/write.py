@@ -8,15 +8,15 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
-from ..drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
-from ..joints import Contact, ExternalContact, Gear, IdealRevolute, Joint
 from ..laws import Law, Material
-from ..loads import PointForce
-from ..mechanism import Mechanism, Settings, Start
-from ..schema import STATIC_ONLY
-from ..springs import AnySpring, Spring
+from ..model.bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
+from ..model.drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
+from ..model.joints import Contact, ExternalContact, Gear, IdealRevolute, Joint
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism, Settings, Start
+from ..model.springs import AnySpring, Spring
 from .build import JOINTS, SPRINGS
+from .schema import STATIC_ONLY
 from .tables import IDLE_KEYS
 
 Entries = Mapping[str, Any]

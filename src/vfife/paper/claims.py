@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..assembly import Record
-from ..ensemble import placed
-from ..simulation import run
+from ..solvers.ensemble import placed
+from ..solvers.record import Record
+from ..solvers.transient import run
 from .contents import Chart, Item, Line, Panel, Table, Verdict
 from .context import described, settling
 from .impact import fig9, fig10

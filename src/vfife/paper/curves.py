@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis import forces, motion
-from ..assembly import Record
-from ..ensemble import Member
+from ..solvers.ensemble import Member
+from ..solvers.record import Record
 from .contents import Line, Panel, Style
 from .influence import BODY, JOINT
 

@@ -36,8 +36,8 @@ STATED = (
 @cache
 def impact(law: ContactLaw, length: float, duration: float) -> tuple[Array, Array, Array, Array]:
     """Time (s), penetration (m), normal force (N) and velocity (m/s) of the journal, from its start at the bearing's centre."""
-    from ..assemble import assemble
-    from ..simulation import run
+    from ..assembly.assemble import assemble
+    from ..solvers.transient import run
 
     record = run(
         assemble(journal(law, axial_length=length, mass=MASS, speed=SPEED), STEP, duration=duration, outputs=round(duration / (10 * STEP)))

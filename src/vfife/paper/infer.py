@@ -31,7 +31,7 @@ def outcome(searches: Sequence[Search], seed: int, budget: float, seconds: float
 
     What was found with stiff bars is kept as its limit, rigid bars, if it fits there, too.
     """
-    from ..provenance import versions
+    from ..results.provenance import versions
 
     structures, finalists = [], []
     fits: list[dict[str, Any]] = []

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from ..analysis.influence import lip
-from ..ensemble import Member, advance, ensemble, placed
+from ..solvers.ensemble import Member, advance, ensemble, placed
 from .mechanisms import FASTEST, Parameters, four_bar
 
 STEP = 1e-6  # s

@@ -7,11 +7,11 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..bodies import Section
-from ..joints import FrictionMoment
 from ..laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, Pereira
-from ..lumping import rigidified
-from ..mechanism import Mechanism
+from ..model.bodies import Section
+from ..model.joints import FrictionMoment
+from ..model.lumping import rigidified
+from ..model.mechanism import Mechanism
 
 GROUND, CRANK, COUPLER, FOLLOWER = 0.150, 0.400, 0.260, 0.460  # m, Table 1
 MASSES = {"crank": 3.120, "coupler": 2.028, "follower": 3.588}  # kg, Table 1
@@ -104,7 +104,7 @@ def four_bar(p: Parameters, clearance: float, speed: float = FASTEST, loose: str
 
 def loosened(p: Parameters, mechanism: Mechanism, clearance: float) -> dict[str, Any]:
     """Joints B, C and D with clearance (m)."""
-    from ..joints import ClearanceRevolute
+    from ..model.joints import ClearanceRevolute
 
     return {
         name: ClearanceRevolute(

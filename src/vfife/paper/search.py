@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.influence import lip
-from ..assemble import refitted
-from ..assembly import Assembly
-from ..ensemble import advance, placed
+from ..assembly.assemble import refitted
+from ..assembly.assembled import Assembly
 from ..laws import ContactLaw, Pereira
+from ..solvers.ensemble import advance, placed
 from .influence import STEP, TOLERANCE, ideal_maxima, maxima
 from .mechanisms import CLEARANCES, FASTEST, Parameters, four_bar, loosened
 

@@ -17,10 +17,10 @@ from .style import STYLE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..result import Result
+    from ..results.view import View
 
 
-def figures(result: Result, reference: Result | None = None) -> dict[str, Figure]:
+def figures(result: View, reference: View | None = None) -> dict[str, Figure]:
     """Figures by name: ``mechanism``, ``orbits`` (with clearance joints), ``forces``, ``moments`` (of gears and
     drivers), ``accelerations``.
 

@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..result import Result
+    from ..results.view import View
 
 Array = NDArray[np.float64]
 NOISE = 1e-5  # of the largest force or moment (N, N m), below which a joint carries nothing
 MOST = 16  # panels of a figure; of more joints those with the largest forces
 Series = tuple[Array, Array | None]  # a line, and the extremes around it
-Curve = Callable[["Result", str], "Series | None"]
+Curve = Callable[["View", str], "Series | None"]
 
 
-def force_curves(result: Result, reference: Result | None = None) -> Figure | None:
+def force_curves(result: View, reference: View | None = None) -> Figure | None:
     """Size of each joint's force over the last crank turn, one panel a joint; joints with clearance first, None
     without any joint.
 
@@ -41,14 +41,14 @@ def force_curves(result: Result, reference: Result | None = None) -> Figure | No
     return _figure(result, reference, names, _force, "joint force", "N", _titles(result))
 
 
-def moment_curves(result: Result, reference: Result | None = None) -> Figure | None:
+def moment_curves(result: View, reference: View | None = None) -> Figure | None:
     """Moment of each gear, weld, guide and driver that has one, over the last crank turn; None without any."""
     most = {name: float(np.abs(_moment(result, name)[0]).max()) for name in joint_rows(result.record)}
     names = [name for name, size in most.items() if size > NOISE * max(most.values())][:MOST]
     return _figure(result, reference, names, _moment, "moment", "N m", _titles(result))
 
 
-def _titles(result: Result) -> Callable[[str], str]:
+def _titles(result: View) -> Callable[[str], str]:
     mechanism = result.record.assembly.mechanism
 
     def title(name: str) -> str:
@@ -57,7 +57,7 @@ def _titles(result: Result) -> Callable[[str], str]:
     return title
 
 
-def acceleration_curves(result: Result, reference: Result | None = None) -> Figure | None:
+def acceleration_curves(result: View, reference: View | None = None) -> Figure | None:
     """Angular acceleration of each body that is not driven over the last crank turn, one panel a body, or None
     without any.
 
@@ -69,20 +69,20 @@ def acceleration_curves(result: Result, reference: Result | None = None) -> Figu
     return _figure(result, reference, names[:MOST], _acceleration, "angular acceleration", "rad/s²")
 
 
-def _force(result: Result, name: str) -> Series | None:
+def _force(result: View, name: str) -> Series | None:
     joints = list(joint_rows(result.record))
     if name not in joints:
         return None
     return result.channels["joint_force" if result.record.static else "joint_force_max"].values[:, joints.index(name)], None
 
 
-def _moment(result: Result, name: str) -> Series:
+def _moment(result: View, name: str) -> Series:
     joints = list(joint_rows(result.record))
     values = result.channels["joint_moment"].values
     return values[:, joints.index(name)] if name in joints else np.zeros(len(values)), None
 
 
-def _acceleration(result: Result, name: str) -> Series | None:
+def _acceleration(result: View, name: str) -> Series | None:
     bodies = list(result.record.assembly.bodies)
     if name not in bodies:
         return None
@@ -92,7 +92,7 @@ def _acceleration(result: Result, name: str) -> Series | None:
 
 
 def _figure(
-    result: Result, reference: Result | None, names: Sequence[str], curve: Curve, what: str, unit: str, title: Callable[[str], str] = str
+    result: View, reference: View | None, names: Sequence[str], curve: Curve, what: str, unit: str, title: Callable[[str], str] = str
 ) -> Figure | None:
     if not names:
         return None
@@ -117,8 +117,8 @@ def _figure(
 
 def _panel(
     ax: Axes,
-    result: Result,
-    reference: Result | None,
+    result: View,
+    reference: View | None,
     curves: tuple[Series, Series | None],
     quantity: tuple[str, str],
 ) -> None:
@@ -143,20 +143,20 @@ def _panel(
         ax.set_xticks(np.arange(np.ceil(min(x) / 60.0 - 1e-6) * 60.0, max(x) + 1e-6, 60.0))
 
 
-def _axis(result: Result) -> str:
+def _axis(result: View) -> str:
     if result.record.static:
         return "load factor"
     return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"
 
 
-def abscissa(result: Result) -> Array:
+def abscissa(result: View) -> Array:
     """Crank angle (degrees), or time (ms) without a crank, at the outputs; load factors of a static analysis."""
     if result.record.static:
         return result.time
     return 1e3 * result.time if result.crank_angle is None else result.crank_angle
 
 
-def _one_turn(angle: Array, result: Result) -> tuple[Array, float]:
+def _one_turn(angle: Array, result: View) -> tuple[Array, float]:
     """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they are."""
     if result.crank is None or result.record.static:
         return angle, 0.0
@@ -164,7 +164,7 @@ def _one_turn(angle: Array, result: Result) -> tuple[Array, float]:
     return angle - origin, float(origin)
 
 
-def _ideal_turn(reference: Result, values: Array, x: Array, origin: float) -> tuple[Array, Array]:
+def _ideal_turn(reference: View, values: Array, x: Array, origin: float) -> tuple[Array, Array]:
     """The reference's curve over the same angles: its last turn, shifted by whole turns; times are compared as they
     are.
     """

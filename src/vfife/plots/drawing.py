@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..joints import ClearanceRevolute, ClearanceSlider, ExternalContact
+from ..model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact
 from .jointsigns import joint_names, joint_signs
 from .outlines import Outline, loose_pins, outline
 from .sheet import Sheet
@@ -17,14 +17,14 @@ from .style import BODIES, heading, length_unit, panels
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..result import Result
+    from ..results.view import View
 
 Array = NDArray[np.float64]
 POSITIONS = 12  # faint ones over a turn
 MOST_NAMED = 12  # bodies that the legend names
 
 
-def drawing(result: Result) -> Figure:
+def drawing(result: View) -> Figure:
     """Bodies at the start of the run (a static analysis: at its end), other positions faint behind them, joints with their names."""
     mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
@@ -62,13 +62,13 @@ def drawing(result: Result) -> Figure:
     return figure
 
 
-def _when(result: Result, shown: int, faint: bool) -> str:
+def _when(result: View, shown: int, faint: bool) -> str:
     if result.record.static:
         return f"at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
     return "at the start" + ("" if not faint else " (faint: over the last turn)" if result.crank is not None else " (faint: later)")
 
 
-def _extent(result: Result, outlines: dict[str, Outline]) -> tuple[Array, Array]:
+def _extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
     """Lower left and upper right corner (m) of what is drawn, with a margin that holds the signs for the ground."""
     mechanism = result.record.assembly.mechanism
     points = [one.path.reshape(-1, 2) for one in outlines.values()]
@@ -103,7 +103,7 @@ def _sizes(joint: object) -> tuple[float, float]:
     return (joint.bearing_radius or 0.0, joint.journal_radius) if isinstance(joint, ExternalContact) else (0.0, 0.0)
 
 
-def _later(result: Result, shown: int) -> list[int]:
+def _later(result: View, shown: int) -> list[int]:
     """Outputs at which the mechanism is drawn faintly."""
     if result.record.static:
         return [k for k in range(len(result.record.steps)) if k != shown]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..joints import ClearanceRevolute, ClearanceSlider, ExternalContact, Joint, Slider, Weld
+from ..model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact, Joint, Slider, Weld
 from .sheet import Sheet
 from .style import INK
 

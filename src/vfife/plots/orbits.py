@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..result import Result
+    from ..results.view import View
 
 MOST_COLUMNS = 3
 
 
-def orbits(result: Result) -> Figure:
+def orbits(result: View) -> Figure:
     """Path of each journal's centre seen from its bearing's centre, global axes, one panel a joint.
 
     The last crank turn is dark, what came before it is light (and cut off where it leaves the panel), onsets of
@@ -39,12 +39,12 @@ def orbits(result: Result) -> Figure:
     return figure
 
 
-def journals(result: Result) -> list[str]:
+def journals(result: View) -> list[str]:
     """Revolute joints with clearance: those whose journal moves inside a circle."""
     return list(result.record.assembly.mechanism.clearances)
 
 
-def _panel(result: Result, ax: Axes, k: int, name: str) -> None:
+def _panel(result: View, ax: Axes, k: int, name: str) -> None:
     clearance = result.record.assembly.mechanism.clearances[name].clearance
     factor, unit = length_unit(clearance)
     x, y = (factor * result.channels[f"eccentricity_{axis}"].values[:, k] for axis in ("x", "y"))

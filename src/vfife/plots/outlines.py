@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.motion import pin_path
-from ..bodies import Link
+from ..model.bodies import Link
 
 if TYPE_CHECKING:
-    from ..result import Result
+    from ..results.view import View
 
 Array = NDArray[np.float64]
 FEW = 30  # nodes of an elastic link that are still shown as dots
@@ -28,7 +28,7 @@ class Outline:
     dots: bool = False
 
 
-def outline(result: Result, name: str) -> Outline:
+def outline(result: View, name: str) -> Outline:
     """Nodes of an elastic link, members of a frame, or the pins of a rigid body that lie on its hull."""
     record = result.record
     body = record.assembly.bodies[name]
@@ -47,7 +47,7 @@ def outline(result: Result, name: str) -> Outline:
     return Outline(np.stack([pin_path(record, name, pin) for pin in pins or [CENTER]], axis=1), plate)
 
 
-def drawn_pins(result: Result, name: str) -> list[str]:
+def drawn_pins(result: View, name: str) -> list[str]:
     """Pins of a rigid body that are drawn: its own, and those that something is fixed to; the centre of mass where there is but one pin."""
     mechanism = result.record.assembly.mechanism
     noun = mechanism.bodies[name]
@@ -58,7 +58,7 @@ def drawn_pins(result: Result, name: str) -> list[str]:
     return pins
 
 
-def attached(result: Result, name: str) -> set[str]:
+def attached(result: View, name: str) -> set[str]:
     """Pins of a body that a joint, spring or bushing takes hold of."""
     mechanism = result.record.assembly.mechanism
     ends = [end for joint in mechanism.joints.values() for end in (joint.bearing, joint.journal)]
@@ -66,7 +66,7 @@ def attached(result: Result, name: str) -> set[str]:
     return {pin for body, _, pin in (end.partition(".") for end in ends) if body == name}
 
 
-def loose_pins(result: Result, name: str) -> list[str]:
+def loose_pins(result: View, name: str) -> list[str]:
     """Pins of a body that nothing takes hold of: feet, pens and ends, whose paths are worth seeing."""
     noun = result.record.assembly.mechanism.bodies[name]
     own = noun.pins if not result.record.assembly.bodies[name].elements else [pin for pin in ("start", "end") if pin in noun.pins]
@@ -74,11 +74,11 @@ def loose_pins(result: Result, name: str) -> list[str]:
     return [pin for pin in own if pin != CENTER and pin not in held]
 
 
-def _particles(result: Result, nodes: list[int]) -> Array:
+def _particles(result: View, nodes: list[int]) -> Array:
     return np.stack([result.record.block(f"particle_{axis}")[:, nodes] for axis in "xy"], axis=2)
 
 
-def _members(result: Result, elements: list[int]) -> Array:
+def _members(result: View, elements: list[int]) -> Array:
     pairs = np.array([result.record.assembly.topology.element_nodes[e][:2] for e in elements])
     ends = [_particles(result, list(pairs[:, k])) for k in (0, 1)]
     gaps = np.full_like(ends[0], np.nan)

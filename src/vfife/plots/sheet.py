@@ -14,8 +14,8 @@ from .style import GREY, INK
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..mechanism import Mechanism
-    from ..result import Result
+    from ..model.mechanism import Mechanism
+    from ..results.view import View
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ class Sheet:
     """``factor`` turns metres into the units drawn, ``size`` is that of the drawing in those, ``shown`` the output that is drawn."""
 
     ax: Axes
-    result: Result
+    result: View
     factor: float
     size: float
     shown: int

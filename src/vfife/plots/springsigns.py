@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..joints import Gear, IdealRevolute
-from ..springs import Bushing, Spring, Stop, TorsionalSpring
+from ..model.joints import Gear, IdealRevolute
+from ..model.springs import Bushing, Spring, Stop, TorsionalSpring
 from .sheet import Sheet
 from .style import GREEN, GREY, INK, VERMILION
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..bodies import Section
-from ..drivers import AngleTable
 from ..laws import Material
-from ..loads import PointForce
-from ..mechanism import Mechanism
+from ..model.bodies import Section
+from ..model.drivers import AngleTable
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .seen import Seen, frequency, run
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ..drivers import Harmonic, Ramp, StepTo, Torque
-from ..loads import PointForce
-from ..mechanism import Mechanism
+from ..model.drivers import Harmonic, Ramp, StepTo, Torque
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

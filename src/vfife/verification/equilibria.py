@@ -8,11 +8,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bodies import Member, Section
-from ..drivers import AngleTable
 from ..laws import Material
-from ..loads import PointForce
-from ..mechanism import Mechanism
+from ..model.bodies import Member, Section
+from ..model.drivers import AngleTable
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run

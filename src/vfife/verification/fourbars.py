@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ..bodies import Section
 from ..laws import Ambrosio, LankaraniNikravesh
-from ..mechanism import Mechanism
+from ..model.bodies import Section
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

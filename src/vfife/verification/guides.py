@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from ..drivers import ConstantSpeed
 from ..laws import Ambrosio, LankaraniNikravesh
-from ..mechanism import Mechanism
+from ..model.drivers import ConstantSpeed
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ..laws import Ambrosio, Frictionless, Hertz, HuntCrossley, LankaraniNikravesh
-from ..mechanism import Mechanism
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .seen import Seen, run
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ..mechanism import Mechanism
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from ..drivers import Harmonic
-from ..mechanism import Mechanism
+from ..model.drivers import Harmonic
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .lagrange import Pin, integrate, solved
 from .seen import run

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from ..analysis import Ledger, ledger
 from ..analysis.motion import body_motion, pin_path, times, velocities
-from ..assemble import assemble
-from ..assembly import Record
-from ..mechanism import Mechanism
+from ..assembly.assemble import assemble
+from ..model.mechanism import Mechanism
 from ..simulation import simulate
-from ..statics import equilibrium
+from ..solvers.record import Record
+from ..solvers.statics import equilibrium
 
 Array = NDArray[np.float64]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..drivers import Torque
-from ..mechanism import Mechanism
+from ..model.drivers import Torque
+from ..model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

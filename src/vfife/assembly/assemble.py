@@ -1,0 +1,176 @@
+"""Mechanism -> arrays: numbering, lumped masses, start positions and velocities. With ``parts`` and ``fill`` what knows nouns and kernels."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.arrays import Layout
+from ..kernels.topology import Topology
+from ..kinematics.drives import standing
+from ..kinematics.initial import Given, ideal_motion, seated
+from ..laws import ContactLaw, FrictionLaw, Law
+from ..laws.check import try_out
+from ..model.functions import Polynomials
+from ..model.joints import ClearanceRevolute
+from ..model.mechanism import Mechanism
+from ..model.surfaces import cautions, surfaces
+from .assembled import Assembly
+from .checks import refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck
+from .entities import Parts, in_bearing, parts_of, turning
+from .fill import Filler, touch_rows
+from .numbering import Numbering
+from .prestress import prestress, wanted
+from .timestep import choose_step
+
+
+def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
+    """What the data-driven loop can tell apart: the forms of the common laws, so that one compilation serves most models, and of those in use.
+
+    Laws that differ in their parameters only are of one form. The order does not depend on that of the joints.
+    """
+    common = {law.form() for law in base.registry.values() if law.common}
+    more = {type(law).form() for law in used} - common
+    return tuple(sorted(common, key=_spelled)) + tuple(sorted(more, key=_spelled))
+
+
+def _spelled(form: type[Law]) -> str:
+    return f"{form.__module__}.{form.__qualname__}"
+
+
+def assemble(
+    mechanism: Mechanism,
+    step: float | str | None = None,
+    *,
+    expected: Mapping[str, float] | None = None,
+    beside: Mechanism | None = None,
+    given: Given | None = None,
+    **run: Any,
+) -> Assembly:
+    """Numbers the mechanism and fills its arrays.
+
+    ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
+    step. ``given``: a start from known positions. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation.
+    ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach,
+    StepError where the step is too large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
+    """
+    refuse_static(mechanism)
+    refuse_idle(mechanism)
+    numbering = Numbering(mechanism)
+    lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
+    laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
+    pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
+    try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
+    seats = seated(mechanism)
+    with np.errstate(over="ignore", invalid="ignore"):
+        motion = ideal_motion(standing(mechanism), seats=seats, given=given)
+    refuse_infinite(motion)
+    if not numbering.meshes:  # what is held as rigid may still bend
+        refuse_stuck(motion)
+    parts = parts_of(mechanism, numbering, motion)
+    starts, tables = tables_of(numbering.functions)
+    topology = topology_of(mechanism, numbering, parts, laws, starts)
+    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism, seats) if wanted(mechanism) and given is None else None)
+    filler.bodies()
+    filler.ideals(parts.ideals, tables)
+    filler.touches(parts.touches)
+    refuse_deep(filler, parts.touches)
+    filler.springs(parts.springs)
+    filler.drivers_and_loads(parts.loads)
+    filler.seat(parts.touches, seats)
+    owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
+    choice = choose_step(
+        mechanism,
+        filler.layout,
+        filler.state,
+        topology,
+        parts.touches,
+        step,
+        expected,
+        owners,
+        [j.name for j in parts.ideals],
+        free=motion.mobility.after_drives,
+        **run,
+    )
+    filler.put("step", choice.step)
+    filler.put("damping", mechanism.settings.damping)
+    pivots = tuple(joint.name for joint in numbering.pivots.values())
+    return Assembly(
+        mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
+        tuple(j.name for j in parts.ideals),
+        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches), motion.mobility, cautions(mechanism),
+    )  # fmt: skip
+
+
+def topology_of(
+    mechanism: Mechanism, numbering: Numbering, parts: Parts, laws: list[tuple[type[Law], ...]], functions: tuple[int, ...]
+) -> Topology:
+    """The integers that say what is joined to what."""
+    return Topology(
+        particles=numbering.count,
+        free=tuple(numbering.free),
+        trig=turning(numbering, parts),
+        element_nodes=tuple(numbering.elements),
+        element_release=tuple(numbering.releases),
+        clearance_bearing=tuple(t.bearing[0] for t in parts.touches),
+        clearance_journal=tuple(t.journal[0] for t in parts.touches),
+        clearance_kind=tuple(t.kind for t in parts.touches),
+        clearance_contact=tuple(laws[0].index(t.joint.contact.form()) for t in parts.touches),
+        clearance_friction=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
+        ideal_bearing=tuple(j.bearing[0] for j in parts.ideals),
+        ideal_journal=tuple(j.journal[0] for j in parts.ideals),
+        ideal_kind=tuple(j.kind for j in parts.ideals),
+        ideal_function=tuple(j.function for j in parts.ideals),
+        spring_first=tuple(s[2][0] for s in parts.springs),
+        spring_second=tuple(s[3][0] for s in parts.springs),
+        spring_kind=tuple(s[1] for s in parts.springs),
+        driven=tuple(numbering.held(name) for name in numbering.driven),
+        driven_function=parts.driven,
+        load_particle=tuple(load.place[0] for load in parts.loads),
+        load_function=tuple(load.function for load in parts.loads),
+        load_follow=tuple(load.follow for load in parts.loads),
+        body_nodes=tuple((b.particles[0], b.particles[-1]) for b in numbering.bodies.values()),
+        function_start=functions,
+        function_argument=tuple(numbering.arguments),
+        path_unit=mechanism.settings.path_unit,
+        damped=mechanism.settings.damping > 0.0 or mechanism.settings.analysis == "static",
+        weightless=not any(mechanism.gravity),
+        contact_laws=laws[0],
+        friction_laws=laws[1],
+    )
+
+
+def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np.float64]]:
+    """Start of each function's table, and all of them in one array."""
+    starts, parts, at = [], [np.zeros(1)], 1
+    for function in functions:
+        table = function.table()
+        starts.append(at)
+        parts.append(table)
+        at += len(table)
+    return tuple(starts), np.concatenate(parts)
+
+
+def refitted(assembly: Assembly, joints: Mapping[str, ClearanceRevolute]) -> Assembly:
+    """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble`` gives with the same step, sooner.
+
+    ``joints``: all of the mechanism's clearance joints. Raises ValueError where something else would change too: the kinds of the laws, or
+    the start, which depends on clearances where journals are seated.
+    """
+    mechanism = assembly.mechanism
+    if tuple(joints) != assembly.clearances or mechanism.start.journals == "seated":
+        raise ValueError("only the clearance joints of a mechanism whose journals start centred can be refitted, and all of them at once")
+    state, topology = assembly.state.copy(), assembly.topology
+    for index, (name, joint) in enumerate(joints.items()):
+        kinds = topology.contact_laws[topology.clearance_contact[index]], topology.friction_laws[topology.clearance_friction[index]]
+        if kinds != (joint.contact.form(), joint.friction.form()) or joint.sides != mechanism.joints[name].sides:
+            raise ValueError(f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the mechanism anew")
+        nowhere = (0, (0.0, 0.0))
+        for row, values in touch_rows(mechanism, assembly.layout, in_bearing(joint, nowhere, nowhere), index):
+            state[row : row + len(values)] = values
+    fitted = dataclasses.replace(mechanism, joints={**mechanism.joints, **joints})
+    return dataclasses.replace(assembly, mechanism=fitted, state=state)

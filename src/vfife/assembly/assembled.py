@@ -1,0 +1,81 @@
+"""What assemble hands on: arrays for the kernels, and which row belongs to which named thing. The observation reads these maps only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.arrays import Layout
+from ..kernels.topology import Topology
+from ..model.mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class BodyMap:
+    """Where a body is found: its particles (indices), elements (indices), its entry among ``body_*`` blocks and, if driven, ``driven_*``.
+
+    ``reference`` is the point of the body's frame (m) at which its one particle sits if it is rigid: the centre of mass, or the pivot if it is
+    driven. ``nodes`` are the particles that carry its pins. ``mass`` (kg), ``inertia`` about the centre of mass (kg m^2) and ``center`` (m)
+    are those of the whole body as it is calculated.
+    """
+
+    name: str
+    model: str
+    particles: tuple[int, ...]
+    elements: tuple[int, ...] = ()
+    row: int = 0
+    driven: int | None = None
+    reference: tuple[float, float] = (0.0, 0.0)
+    mass: float = 0.0
+    inertia: float = 0.0
+    center: tuple[float, float] = (0.0, 0.0)
+    pins: dict[str, tuple[float, float]] = field(default_factory=dict)
+    nodes: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StepChoice:
+    """The step (s), what allowed it, and how long a run with it is."""
+
+    step: float
+    stable: float
+    culprit: str
+    automatic: bool
+    limits: tuple[tuple[str, float], ...]
+    turn: float | None
+    outputs_every: int
+    outputs: int
+
+    @property
+    def steps(self) -> int:
+        """Steps after the first."""
+        return self.outputs_every * self.outputs
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Model and state of one mechanism.
+
+    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``clearances``, ``ideals``, ``springs`` and ``pivots`` are names
+    in the order of the rows of ``clearance_*``, ``ideal_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
+    body; gears and drivers without a pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
+    ``contact_joints`` names the joint of each contact.
+    """
+
+    mechanism: Mechanism
+    topology: Topology
+    layout: Layout
+    state: NDArray[np.float64]
+    tables: NDArray[np.float64]
+    bodies: dict[str, BodyMap]
+    clearances: tuple[str, ...]
+    ideals: tuple[str, ...]
+    pivots: tuple[str, ...]
+    choice: StepChoice
+    springs: tuple[str, ...] = ()
+    contact_joints: tuple[str, ...] = ()
+    mobility: Any = None
+    notes: tuple[str, ...] = ()

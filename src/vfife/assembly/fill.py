@@ -1,0 +1,241 @@
+"""Parameters and start values of an assembled mechanism, written into S."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.arrays import Layout
+from ..kernels.polynomial import polynomial
+from ..kernels.topology import BUSHING, GEAR, LINE, LINEAR, REVOLUTE, ROUND, SLOT, STOP, TRAVEL
+from ..kinematics.drives import kinematic_drivers
+from ..kinematics.initial import Motion, Seat
+from ..model.drivers import ConstantSpeed
+from ..model.mechanism import Mechanism
+from ..model.surfaces import surfaces
+from .assembled import BodyMap
+from .numbering import Numbering, Place
+from .prestress import Start as Prestress
+
+if TYPE_CHECKING:
+    from .entities import Ideal, Load, Touch
+
+
+class Filler:
+    """Writes parameters and start values into S."""
+
+    def __init__(self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: Prestress | None) -> None:
+        self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
+        self.state = np.zeros(layout.rows)
+        self.free = frozenset(numbering.free)
+
+    def put(self, name: str, value: Any, index: int | slice | None = None) -> None:
+        """Sets a block, or some entries of it."""
+        rows = self.layout[name]
+        self.state[rows if index is None else rows[index]] = value
+
+    def bodies(self) -> None:
+        """Masses, loads, positions and velocities of particles; stiffness and reference of elements."""
+        for name, where in self.numbering.bodies.items():
+            if where.elements:
+                self._elastic(name, where)
+            else:
+                self._rigid(where)
+
+    def _particle(self, p: int, mass: float, inertia: float, motion: tuple[Any, Any]) -> None:
+        position, velocity = motion
+        for axis, value in zip(("x", "y", "theta"), position, strict=True):
+            self.put(f"particle_{axis}", value, p)
+        self.put("particle_load_x", mass * self.mechanism.gravity[0], p)
+        self.put("particle_load_y", mass * self.mechanism.gravity[1], p)
+        if p not in self.free:
+            self.put("particle_w", velocity[2], p)
+            return
+        for axis, value in zip("uvw", velocity, strict=True):
+            self.put(f"particle_{axis}", value, p)
+        self.put("particle_inverse_mass", 1.0 / mass, p)
+        self.put("particle_inverse_inertia", 1.0 / inertia if inertia > 0.0 else 0.0, p)
+
+    def _rigid(self, where: BodyMap) -> None:
+        position, velocity, _ = self.motion.of(where.name)
+        if self.stressed is not None:
+            position, velocity = self.stressed.position[where.name][0], self.stressed.velocity[where.name][0]
+        at, moving = carried(position, velocity, where.reference[0] - where.center[0], where.reference[1] - where.center[1])
+        self._particle(where.particles[0], where.mass, where.inertia, (at, moving))
+
+    def _elastic(self, name: str, where: BodyMap) -> None:
+        mesh = self.numbering.meshes[name]
+        there, moving = self._moved(name, where)
+        particles = slice(where.particles[0], where.particles[-1] + 1)
+        free = np.ones(len(where.particles), dtype=bool)
+        if where.driven is not None:
+            free[self.numbering.held(name) - where.particles[0]] = False
+        for axis, block in enumerate(("x", "y", "theta")):
+            self.put(f"particle_{block}", there[:, axis], particles)
+        for axis, block in enumerate("uvw"):
+            self.put(f"particle_{block}", np.where(free | (block == "w"), moving[:, axis], 0.0), particles)
+        inertia = np.where(mesh.inertia > 0.0, mesh.inertia, np.inf)
+        self.put("particle_inverse_mass", np.where(free, 1.0 / mesh.mass, 0.0), particles)
+        self.put("particle_inverse_inertia", np.where(free, 1.0 / inertia, 0.0), particles)
+        for axis, block in enumerate("xy"):
+            self.put(f"particle_load_{block}", mesh.mass * self.mechanism.gravity[axis], particles)
+        chord = there[mesh.nodes[:, 1], :2] - there[mesh.nodes[:, 0], :2]
+        length = np.hypot(chord[:, 0], chord[:, 1])
+        values = {
+            "reference_length": length, "reference_inverse_length": 1.0 / length,
+            "reference_cosine": chord[:, 0] / length, "reference_sine": chord[:, 1] / length,
+            "reference_theta_1": there[mesh.nodes[:, 0], 2], "reference_theta_2": there[mesh.nodes[:, 1], 2],
+            "element_axial_stiffness": mesh.axial, "element_bending_stiffness": mesh.bending,
+        }  # fmt: skip
+        if self.stressed is not None and name in self.stressed.shapes:
+            shape = self.stressed.shapes[name]
+            for kind in ("element", "reference") if self.mechanism.settings.path_unit > 1 else ("element",):
+                values |= {f"{kind}_axial_force": shape.axial, f"{kind}_moment_1": shape.moment_1, f"{kind}_moment_2": shape.moment_2}
+        elements = slice(where.elements[0], where.elements[-1] + 1)
+        for block, value in values.items():
+            self.put(block, value, elements)
+
+    def _moved(self, name: str, where: BodyMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Positions and velocities (n, 3) of an elastic body's particles: bent as its forces want, or moved as a rigid body."""
+        position, velocity, _ = self.motion.of(name)
+        if self.stressed is not None:
+            if name in self.stressed.shapes:
+                return self.stressed.position[name], self.stressed.velocity[name]
+            position, velocity = self.stressed.position[name][0], self.stressed.velocity[name][0]
+        x, y = (self.numbering.meshes[name].position - np.array(where.center)).T
+        there, moving = carried(position, velocity, x, y)
+        ones = np.ones(len(x))
+        return np.column_stack([value * ones for value in there]), np.column_stack([value * ones for value in moving])
+
+    def _pins(self, kind: str, index: int, ends: Sequence[Place], sides: tuple[str, str] = ("bearing", "journal")) -> None:
+        for side, (_, at) in zip(sides, ends, strict=True):
+            for axis, value in zip("xy", at, strict=True):
+                self.put(f"{kind}_{side}_{axis}", value, index)
+
+    def ideals(self, ideals: Sequence[Ideal], tables: NDArray[np.float64]) -> None:
+        """Pins, guides and ratios of ideal joints; what their bodies keep between them is what they have at the start."""
+        for index, joint in enumerate(ideals):
+            self._pins("ideal", index, (joint.bearing, joint.journal))
+            for axis, value in zip("xy", joint.direction, strict=True):
+                self.put(f"ideal_direction_{axis}", value, index)
+            self.put("ideal_ratio", joint.ratio, index)
+            self.put("ideal_offset", self._offset(joint, tables), index)
+
+    def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> float:
+        if joint.kind in (REVOLUTE, SLOT):
+            return 0.0
+        angles = [float(self.state[self.layout.row("particle_theta", end[0])]) for end in (joint.bearing, joint.journal)]
+        begin = 0.0 if joint.function < 0 else self._function(joint.function, tables)
+        if joint.kind != TRAVEL:
+            return angles[1] - (joint.ratio if joint.kind == GEAR else 1.0) * angles[0] - begin
+        c, s = math.cos(angles[0]), math.sin(angles[0])
+        dx, dy = c * joint.direction[0] - s * joint.direction[1], s * joint.direction[0] + c * joint.direction[1]
+        (bx, by), (kx, ky) = self.seen(joint.bearing), self.seen(joint.journal)
+        return dx * (kx - bx) + dy * (ky - by) - begin
+
+    def _function(self, index: int, tables: NDArray[np.float64]) -> float:
+        start = 1 + sum(len(function.table()) for function in self.numbering.functions[:index])
+        return float(polynomial(tables, start, 0.0)[0])
+
+    def seen(self, place: Place) -> tuple[float, float]:
+        """Where a place of a particle is at the start (m)."""
+        p, (x, y) = place
+        at, angle = (float(self.state[self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y")), self.layout.row("particle_theta", p)
+        c, s = math.cos(self.state[angle]), math.sin(self.state[angle])
+        px, py = at
+        return px + c * x - s * y, py + s * x + c * y
+
+    def touches(self, touches: Sequence[Touch]) -> None:
+        """Pins, sizes and laws of contacts."""
+        for index, touch in enumerate(touches):
+            self._pins("clearance", index, (touch.bearing, touch.journal))
+            for row, values in touch_rows(self.mechanism, self.layout, touch, index):
+                self.state[row : row + len(values)] = values
+
+    def springs(self, springs: Sequence[tuple[Any, int, Place, Place]]) -> None:
+        """Stiffness, damping and free lengths; those that are not given are what the start has."""
+        for index, (spring, kind, first, second) in enumerate(springs):
+            self._pins("spring", index, (first, second), ("first", "second"))
+            stiffness, damping = spring.stiffness, spring.damping
+            if kind != BUSHING:
+                axis = 0 if kind == LINEAR else 2
+                stiffness, damping = (tuple(value if k == axis else 0.0 for k in range(3)) for value in (stiffness, damping))
+            for block, values in (("spring_stiffness", stiffness), ("spring_damping", damping)):
+                row = self.layout.row(block, index)
+                self.state[row : row + 3] = values
+            self.put("spring_free", self._free(spring, kind, first, second), index)
+            self.put("spring_high", spring.high if kind == STOP else 0.0, index)
+
+    def _free(self, spring: Any, kind: int, first: Place, second: Place) -> float:
+        if kind == STOP:
+            return float(spring.low)
+        if kind == LINEAR:
+            (ax, ay), (bx, by) = self.seen(first), self.seen(second)
+            return math.hypot(bx - ax, by - ay) if spring.free_length is None else float(spring.free_length)
+        given = getattr(spring, "free_angle", None)
+        angle = float(self.state[self.layout.row("particle_theta", second[0])] - self.state[self.layout.row("particle_theta", first[0])])
+        return angle if given is None else float(given)
+
+    def seat(self, touches: Sequence[Touch], seats: Mapping[str, Seat]) -> None:
+        """Contact under way in joints whose journals start where the ideal reaction presses them."""
+        for index, touch in enumerate(touches):
+            if touch.name in seats:
+                self.put("clearance_slowness", 1.0 / touch.joint.impact_speed_floor, index)
+                self.put("clearance_normal_force", seats[touch.name].force, index)
+                self.put("clearance_penetration", seats[touch.name].depth, index)
+
+    def drivers_and_loads(self, loads: Sequence[Load]) -> None:
+        """Parameters of drivers and of loads."""
+        for index, name in enumerate(self.numbering.driven):
+            where, driver = self.numbering.bodies[name], kinematic_drivers(self.mechanism)[name]
+            rx, ry = where.center[0] - where.reference[0], where.center[1] - where.reference[1]
+            mass, inertia = where.mass, where.inertia + where.mass * (rx * rx + ry * ry)
+            if where.elements:
+                held = self.numbering.held(name) - where.particles[0]
+                mesh = self.numbering.meshes[name]
+                mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
+            self.put("driven_angle", self.motion.datum.angle.get(name, self.mechanism.bodies[name].angle), index)
+            self.put("driven_speed", driver.speed if isinstance(driver, ConstantSpeed) else 0.0, index)
+            self.put("driven_inertia", inertia, index)
+            self.put("driven_moment_x", mass * rx, index)
+            self.put("driven_moment_y", mass * ry, index)
+            self.put("driven_weight_x", self.mechanism.gravity[0], index)
+            self.put("driven_weight_y", self.mechanism.gravity[1], index)
+        for index, load in enumerate(loads):
+            entries = (*load.place[1], *load.force, load.moment)
+            for block, value in zip(("load_x", "load_y", "load_fx", "load_fy", "load_m"), entries, strict=True):
+                self.put(block, value, index)
+
+
+def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
+    """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
+    joint, pair = touch.joint, surfaces(mechanism, touch.joint)
+    arms = touch.arms
+    if joint.friction_moment == "off" or joint.contact.film:
+        # At the centres, which are in one place but in a line or round outside: there both forces act at the journal's, lest they make a couple.
+        arms = ({LINE: 1.0, ROUND: -1.0}.get(touch.kind, 0.0) * touch.size, 0.0)
+    overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
+    numbers = {
+        "clearance_size": (touch.size,),
+        "clearance_line_x": (touch.line[0],),
+        "clearance_line_y": (touch.line[1],),
+        "clearance_arm_bearing": (arms[0],),
+        "clearance_arm_journal": (arms[1],),
+        "clearance_arm_overlap": (overlap,),
+        "clearance_floor": (joint.impact_speed_floor,),
+        "clearance_landing": (joint.landing,),
+        "clearance_contact": joint.contact.parameters(pair),
+        "clearance_friction_slots": joint.friction.parameters(pair),
+    }
+    return [(layout.row(block, index), values) for block, values in numbers.items()]
+
+
+def carried(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Position and velocity of points (x, y) (m) of a rigid body, seen from its centre of mass in its frame."""
+    c, s = math.cos(position[2]), math.sin(position[2])
+    rx, ry, w = c * x - s * y, s * x + c * y, velocity[2]
+    return (position[0] + rx, position[1] + ry, position[2]), (velocity[0] - w * ry, velocity[1] + w * rx, w)

@@ -1,0 +1,253 @@
+"""A start without ringing: elastic links bent and stretched as the forces of the ideal motion want them, moving as these forces change.
+
+A link is a chain of particles, so its element forces follow from equilibrium with the ideal accelerations (d'Alembert), element by element.
+They deform it; the mechanism is closed again with the deformed links, until nothing changes. Velocities and accelerations come from the same
+shapes a moment before and after: what is left out is of the order of the square of crank speed over natural frequency, twice over.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kinematics.initial import Datum, Motion, Seat, datum_of, ideal_motion, kinematic_drivers, pivot_of
+from ..model.bodies import Body, Link, RigidBody
+from ..model.functions import turn_of
+from ..model.lumping import Mesh, mesh, section_of
+from ..model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+PASSES = 4
+MOMENT = 2e-3  # rad of the crank between two shapes of a path
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A deformed link: particles in its frame (k + 1, 3: m, m, rad), and axial force (N) and end moments (N m) of its elements."""
+
+    local: Array
+    axial: Array
+    moment_1: Array
+    moment_2: Array
+
+
+@dataclass(frozen=True)
+class Start:
+    """Particles of every body in space: position and velocity (k + 1, 3), and shapes of the elastic links."""
+
+    position: dict[str, Array]
+    velocity: dict[str, Array]
+    shapes: dict[str, Shape]
+
+
+def elastic_links(mechanism: Mechanism) -> dict[str, Link]:
+    """Straight links that deform; bent ones and frames start as they are."""
+    return {name: body for name, body in mechanism.bodies.items() if isinstance(body, Link) and body.element_count and not body.via}
+
+
+def wanted(mechanism: Mechanism) -> bool:
+    """Whether the start is to be prestressed: elastic links, a consistent start, and joints that press from the beginning."""
+    pressed = not mechanism.contacts or mechanism.start.journals == "seated"
+    moving = mechanism.settings.analysis == "dynamic"
+    return moving and bool(elastic_links(mechanism)) and mechanism.start.mode == "consistent" and pressed
+
+
+def as_rigid(link: Link, shape: Shape) -> RigidBody:
+    """The deformed link, held in its shape: same particles, pins at its ends."""
+    lumps = mesh(link)
+    mass = float(lumps.mass.sum())
+    center = lumps.mass @ shape.local[:, :2] / mass
+    inertia = float(lumps.mass @ ((shape.local[:, :2] - center) ** 2).sum(axis=1) + _turning(link, lumps).sum())
+    pins = {"start": (float(shape.local[0, 0]), float(shape.local[0, 1])), "end": (float(shape.local[-1, 0]), float(shape.local[-1, 1]))}
+    return RigidBody(
+        name=link.name, angle=link.angle, position=link.position, material=link.material, velocity=link.velocity,
+        mass=mass, inertia=inertia, center=(float(center[0]), float(center[1])), points=pins,
+    )  # fmt: skip
+
+
+def _turning(link: Link, lumps: Mesh) -> Array:
+    """Rotary inertia that turns with the link: none where the ends are released from it."""
+    turning = lumps.inertia.copy()
+    if link.release in ("start", "both"):
+        turning[0] = 0.0
+    if link.release in ("end", "both"):
+        turning[-1] = 0.0
+    return turning
+
+
+def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Array]:
+    """Forces (N) and moment (N m) of joints, loads and driver on the ends of a link, (3,) each."""
+    force = {pin: np.zeros(3) for pin in ("start", "end")}
+    for joint in mechanism.joints.values():
+        for sign, (body, pin) in zip((-1.0, 1.0), joint.sides, strict=True):
+            if body == link and joint.name in motion.reaction:
+                force[pin] += sign * np.array(motion.reaction[joint.name])
+    for one in motion.applied:
+        if one.body == link:
+            force[one.pin or "start"] += np.array([*one.force, one.moment])
+    if link in motion.torque and link in kinematic_drivers(mechanism):
+        pin = next(side[1] for side in pivot_of(mechanism, link).sides if side[0] == link)
+        force[pin][2] += motion.torque[link]
+    return force
+
+
+def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Array, Array, Array]:
+    """Position, velocity and acceleration (k + 1, 3) of the particles of a link held in its shape."""
+    position, velocity, acceleration = motion.of(body.name)
+    c, s = np.cos(position[2]), np.sin(position[2])
+    r = (shape.local[:, :2] - np.array(body.center)) @ np.array([[c, s], [-s, c]])
+    across = np.stack([-r[:, 1], r[:, 0]], axis=1)
+    w, alpha = velocity[2], acceleration[2]
+    ones = np.ones(len(r))
+    return (
+        np.column_stack([position[:2] + r, position[2] + shape.local[:, 2]]),
+        np.column_stack([velocity[:2] + w * across, w * ones]),
+        np.column_stack([acceleration[:2] + alpha * across - w**2 * r, alpha * ones]),
+    )
+
+
+def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array) -> Shape:
+    """Element forces in equilibrium with the motion, ``extra`` (k + 1, 3) acceleration added, and the shape that they make."""
+    lumps, section = mesh(link), section_of(link)
+    position, _, acceleration = particle_motion(motion, held, shape)
+    acceleration = acceleration + extra
+    ends = end_forces(mechanism, motion, link.name)
+    need = lumps.mass[:, None] * (acceleration[:, :2] - np.array(mechanism.gravity))
+    need[0] -= ends["start"][:2]
+    force = np.cumsum(need, axis=0)[:-1]
+    chord = np.diff(position[:, :2], axis=0)
+    along = chord / np.linalg.norm(chord, axis=1)[:, None]
+    axial = (force * along).sum(axis=1)
+    shear = force[:, 1] * along[:, 0] - force[:, 0] * along[:, 1]
+    k, size = link.element_count, link.length / link.element_count
+    twist = _turning(link, lumps) * acceleration[:, 2]
+    m1, m2 = np.zeros(k), np.zeros(k)
+    before = ends["start"][2]
+    for e in range(k):
+        m1[e] = before - twist[e]
+        m2[e] = -size * shear[e] - m1[e]
+        before = -m2[e]
+    if link.release == "both" and k == 1:
+        m1[:], m2[:] = 0.0, 0.0
+    stiffness = link.material.youngs_modulus * link.stiffness_factor
+    shape = _shape(size, axial / (stiffness * section.area), axial, m1, m2, size / (6.0 * stiffness * section.second_moment))
+    if link.name not in kinematic_drivers(mechanism):
+        return _turned(shape, np.arctan2(shape.local[-1, 1], shape.local[-1, 0]))
+    pin = next(side[1] for side in pivot_of(mechanism, link.name).sides if side[0] == link.name)
+    return _turned(shape, shape.local[0 if pin == "start" else -1, 2])
+
+
+def _shape(size: float, stretch: Array, axial: Array, m1: Array, m2: Array, flexibility: float) -> Shape:
+    """The chain laid out from its start with the end rotations of its elements."""
+    first, second = flexibility * (2.0 * m1 - m2), flexibility * (2.0 * m2 - m1)
+    k = len(axial)
+    local = np.zeros((k + 1, 3))
+    direction = 0.0
+    local[0, 2] = first[0]
+    for e in range(k):
+        if e:
+            direction = local[e, 2] - first[e]
+        length = size * (1.0 + stretch[e])
+        local[e + 1] = local[e, 0] + length * np.cos(direction), local[e, 1] + length * np.sin(direction), direction + second[e]
+    return Shape(local, axial, m1, m2)
+
+
+def _turned(shape: Shape, angle: float) -> Shape:
+    """The shape in its body's frame: the chord lies along x, or the driven particle has the body's angle."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y, theta = shape.local.T
+    return dataclasses.replace(shape, local=np.column_stack([c * x + s * y, c * y - s * x, theta - angle]))
+
+
+def straight(link: Link) -> Shape:
+    """The link without forces."""
+    k = link.element_count
+    zeros = np.zeros(k)
+    return Shape(np.column_stack([mesh(link).position, np.zeros(k + 1)]), zeros, zeros, zeros)
+
+
+def settle(
+    mechanism: Mechanism, time: float, shapes: dict[str, Shape], extra: dict[str, Array], seats: Mapping[str, Seat], datum: Datum
+) -> tuple[Motion, dict[str, Shape], Mechanism]:
+    """Shapes and motion at ``time`` that agree with each other."""
+    links = elastic_links(mechanism)
+    guess = None
+    for _ in range(PASSES):
+        bodies: dict[str, Body] = {**mechanism.bodies, **{name: as_rigid(link, shapes[name]) for name, link in links.items()}}
+        held = dataclasses.replace(mechanism, bodies=bodies)
+        motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats, datum=datum)
+        guess = motion.position
+        bent = {
+            name: deformed(mechanism, link, motion, bodies[name], shapes[name], extra[name])  # type: ignore[arg-type]
+            for name, link in links.items()
+        }
+        # the last motion is closed with the shapes it was found for: the least gap in a joint would be a blow at the first step
+        closed = {name: dataclasses.replace(bent[name], local=shapes[name].local) for name in links}
+        shapes = bent
+    return motion, closed, held
+
+
+def _inertial(held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]) -> dict[str, tuple[Array, Array, Array]]:
+    """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and accelerations of each link."""
+    return {
+        name: (mesh(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].pins["center"]), extra[name]) for name, link in links.items()
+    }
+
+
+def placed(mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[str, Shape]) -> dict[str, Array]:
+    """Positions of the particles of the elastic links, and of the centres of mass of the other bodies."""
+    result = {}
+    for name in mechanism.bodies:
+        if name in shapes:
+            result[name] = particle_motion(motion, held.bodies[name], shapes[name])[0]  # type: ignore[arg-type]
+        else:
+            result[name] = motion.of(name)[0][None, :]
+    return result
+
+
+def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
+    """Start of a mechanism with elastic links: positions, velocities and element forces that go on smoothly.
+
+    Without a driver the motion before and after is not known; the velocities are then those of the rigid mechanism.
+    """
+    links = elastic_links(mechanism)
+    none = {name: np.zeros((link.element_count + 1, 3)) for name, link in links.items()}
+    datum = datum_of(mechanism)
+    motion, shapes, held = settle(mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none, seats, datum)
+    turn = turn_of(mechanism)
+    if not kinematic_drivers(mechanism) or turn is None:
+        velocity = {
+            name: particle_motion(motion, held.bodies[name], shapes[name])[1] if name in shapes else motion.of(name)[1][None, :]  # type: ignore[arg-type]
+            for name in mechanism.bodies
+        }
+        return Start(placed(mechanism, motion, held, shapes), velocity, shapes)
+    h = MOMENT * turn / (2.0 * np.pi)
+    extra = none
+    for _ in range(2):
+        path = []
+        for k in (-2, -1, 0, 1, 2):
+            there, bent, fixed = settle(mechanism, k * h, shapes, extra, seats, datum)
+            path.append((placed(mechanism, there, fixed, bent), there, fixed, bent))
+        velocity, extra = _differences(path, h, links)
+    position, _, _, shapes = path[2]
+    return Start(position, velocity, shapes)
+
+
+def _differences(
+    path: list[tuple[dict[str, Array], Motion, Mechanism, dict[str, Shape]]], h: float, links: dict[str, Link]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Velocities, and what the accelerations of the links' particles have beyond those of a rigid motion; fourth order in h."""
+    before2, before, now, after, after2 = (entry[0] for entry in path)
+    velocity = {name: (8.0 * (after[name] - before[name]) - (after2[name] - before2[name])) / (12.0 * h) for name in now}
+    _, motion, held, shapes = path[2]
+    extra = {}
+    for name in links:
+        second = (16.0 * (after[name] + before[name]) - after2[name] - before2[name] - 30.0 * now[name]) / (12.0 * h * h)
+        rigid: Array = particle_motion(motion, held.bodies[name], shapes[name])[2]  # type: ignore[arg-type]
+        extra[name] = np.subtract(second, rigid)
+    return velocity, extra

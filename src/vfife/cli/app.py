@@ -1,0 +1,62 @@
+"""The command line. Commands load what they need when they run, so that ``vfife --help`` is quick."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from .. import __version__
+from .check import check
+from .compare import compare
+from .ended import export, info, plot
+from .laws import laws
+from .materials import materials
+from .new import new
+from .paper import paper
+from .run import run
+from .schema import schema
+from .terminal import INTERRUPTED, tell
+from .verify import verify
+
+
+class Group(TyperGroup):
+    """The commands; Ctrl-C ends each of them with a sentence."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Runs the command that is named."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            tell("interrupted", "Stopped by Ctrl-C.")
+            raise typer.Exit(INTERRUPTED) from None
+
+
+app = typer.Typer(
+    name="vfife",
+    cls=Group,
+    help="Planar mechanisms whose pins have play.",
+    epilog="Start with: vfife new, vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own --help.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+
+def show_version(wanted: bool) -> None:
+    """Prints the version and ends."""
+    if wanted:
+        typer.echo(f"vfife {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end.")] = False,
+) -> None:
+    """Planar mechanisms whose pins have play."""
+
+
+for command in (new, run, check, compare, info, plot, export, laws, materials, schema, paper, verify):
+    app.command()(command)

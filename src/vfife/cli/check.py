@@ -1,0 +1,227 @@
+"""``vfife check``: what would run, and what it would cost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
+from .terminal import amount_of_bytes, grid, output, print_json, row, sentences, span
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rich.console import Console
+
+
+def check(model: ModelArgument, set_: SetOption = None, laws: LawsOption = None, as_json: JsonOption = False) -> None:
+    """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
+
+    Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to expect.
+    """
+    with sentences(str(model)):
+        found = examine(model, set_, laws)
+    if as_json:
+        print_json(found)
+    else:
+        show(output(), found)
+
+
+def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None) -> dict[str, Any]:
+    """Everything that is known before a run."""
+    mechanism = read_model(model, texts, laws)
+    from ..assembly.assemble import assemble
+    from ..report import described
+    from ..simulation import expected_forces, reference_of
+    from .cost import estimate
+    from .filled import filled_in
+
+    expected = expected_forces(reference_of(mechanism))
+    assembly = assemble(mechanism, expected=expected)
+    choice = assembly.choice
+    return {
+        "model": mechanism.name,
+        "file": str(model),
+        "note": mechanism.note,
+        "bodies": described.bodies(assembly),
+        "joints": described.joints(assembly, expected),
+        "couplings": described.couplings(assembly),
+        "degrees_of_freedom": described.freedom(assembly),
+        "load_factors": list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else [],
+        "step": described.step(assembly),
+        "steps": choice.steps,
+        "outputs": choice.outputs + 1,
+        "steps_between_outputs": choice.outputs_every,
+        "duration": choice.steps * choice.step,
+        "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
+        "estimate": estimate(assembly),
+        "defaults": filled_in(model, overrides(texts)),
+        "notes": list(assembly.notes),
+    }
+
+
+def show(console: Console, found: Mapping[str, Any]) -> None:
+    """The same for people."""
+    from rich.text import Text
+
+    console.print(Text.assemble((found["model"], "bold"), f"  ({found['file']})"))
+    for note in (found["note"], *found["notes"]):
+        if note:
+            console.print(Text(note.strip(), style="yellow"))
+    console.print()
+    show_bodies(console, found["bodies"])
+    show_joints(console, found["joints"])
+    show_couplings(console, found["couplings"])
+    lasting = statics(found) if found["load_factors"] else (*steps(found), *cost(found["estimate"]))
+    for sentence in (*freedom(found["degrees_of_freedom"]), *lasting):
+        console.print(Text(sentence))
+    show_defaults(console, found["defaults"])
+
+
+def show_bodies(console: Console, bodies: list[dict[str, Any]]) -> None:
+    """Table of bodies."""
+    table = grid("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver", right=(2, 3))
+    for body in bodies:
+        elements = f", {body['elements']} elements" if body["elements"] > 1 else ""
+        center = f"({body['center'][0]:.6g}, {body['center'][1]:.6g})"
+        row(
+            table,
+            body["name"],
+            body["model"] + elements,
+            f"{body['mass']:.6g}",
+            f"{body['inertia']:.6g}",
+            center,
+            body["driver"] or "",
+        )
+    console.print(table)
+
+
+def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
+    """Table of joints, then the laws of those with clearance; joints with the same laws share their lines."""
+    from rich.text import Text
+
+    table = grid("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N", right=(4, 5, 6))
+    laws: dict[str, list[str]] = {}
+    for joint in joints:
+        clear = "contact" in joint
+        sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
+        force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
+        row(table, joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force)
+        for kind in ("contact", "friction") if clear else ():
+            laws.setdefault(law(kind, joint[kind]), []).append(joint["name"])
+    console.print(table)
+    for text, names in laws.items():
+        console.print(Text(f"{', '.join(names)}: {text}"))
+    if laws:
+        console.print()
+
+
+def show_couplings(console: Console, couplings: list[dict[str, str]]) -> None:
+    """Table of gears, springs and drivers with a name of their own."""
+    if not couplings:
+        return
+    table = grid("name", "what", "acts on")
+    for one in couplings:
+        row(table, one["name"], one["what"], one["first"] + (f" and {one['second']}" if one["second"] else ""))
+    console.print(table)
+
+
+def law(kind: str, entry: Mapping[str, Any]) -> str:
+    """A law in words: what is set, and what follows from it and the surfaces."""
+    given = ", ".join(f"{name} {shown(value)}" for name, value in entry["parameters"].items() if value is not None)
+    derived = [f"{name} {with_unit(value, entry['units'].get(name, ''))}" for name, value in entry["derived"].items()]
+    if "modulus" in entry:
+        derived += [f"exponent {entry['exponent']:.4g}", f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa"]
+    return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; {', '.join(derived)}" if derived else "")
+
+
+def with_unit(value: str, unit: str) -> str:
+    """A number with its unit, if it has one."""
+    return value if unit in ("", "1") else f"{value} {unit}"
+
+
+def freedom(found: Mapping[str, Any]) -> list[str]:
+    """Degrees of freedom in words."""
+    lines = [f"Degrees of freedom with ideal joints: {found['free']}; {found['after_drives']} with the drivers at work."]
+    if found["redundant"]:
+        count, named = found["redundant"], ", ".join(found["redundant_joints"])
+        many = f"{count} redundant constraint{'s' * (count > 1)}, at {named}"
+        lines.append(f"{many}: rigid links do not determine how these joints share their load.")
+    if found["singular"]:
+        lines.append(
+            f"The start is a singular position (a change point or dead centre), at {', '.join(found['singular'])}: beside it these hold "
+            "something of their own. The branch that the motion takes from here is not determined; start a little aside."
+        )
+    if found["four_bar"]:
+        lines.append(f"Four-bar: {found['four_bar']}.")
+    return lines
+
+
+def steps(found: Mapping[str, Any]) -> list[str]:
+    """The step and its limits in words."""
+    step = found["step"]
+    endless = step["stable"] == float("inf")
+    how = (
+        f"chosen; set by {step['set_by']}"
+        if step["automatic"]
+        else "as given"
+        if endless
+        else f"as given; the stable one is set by {step['set_by']}"
+    )
+    turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
+    return [
+        f"Step {step['size']:.4g} s, {how}.",
+        "There is no largest stable step: nothing here limits it but accuracy."
+        if endless
+        else f"The largest stable step is {step['stable']:.4g} s:",
+        *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
+        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
+    ]
+
+
+def statics(found: Mapping[str, Any]) -> list[str]:
+    """What a static analysis goes through, in words."""
+    factors = found["load_factors"]
+    if len(factors) == 1:
+        return [f"Static analysis: equilibrium under load factor {factors[0]:g}, by dynamic relaxation."]
+    return [f"Static analysis: equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}, by dynamic relaxation."]
+
+
+def cost(found: Mapping[str, Any]) -> list[str]:
+    """What it costs, in words."""
+    pace, compiling = f"{found['ns_per_step']:.0f} ns a step, {found['loop']} loop", span(found["compile_seconds"])
+    return [
+        f"Time, an estimate from a table of costs: {span(found['seconds'])} ({pace}),",
+        f"  and some {compiling} to compile that loop if it was never used here.",
+        f"The record takes {amount_of_bytes(found['bytes'])}, which is packed to about half of it in the run file.",
+    ]
+
+
+def show_defaults(console: Console, defaults: list[dict[str, Any]]) -> None:
+    """Table of what was filled in; bodies or joints that take the same value share a row."""
+    if not defaults:
+        return
+    alike: dict[tuple[str, str, str], list[str]] = {}
+    for entry in defaults:
+        section, _, rest = entry["path"].partition(".")
+        name, _, key = rest.partition(".") if rest.count(".") else ("", "", rest)
+        unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
+        same = (f"{section}.*.{key}" if name else entry["path"], f"{shown(entry['value'])}{unit}", entry["meaning"])
+        alike.setdefault(same, []).append(name)
+    table = grid("filled in", "of", "value", "meaning", title="Not in the file, so taken by default")
+    for (path, value, meaning), names in alike.items():
+        row(
+            table,
+            path.replace("*", names[0]) if len(names) == 1 else path,
+            ", ".join(names) if len(names) > 1 else "",
+            value,
+            meaning,
+        )
+    console.print(table)
+
+
+def shown(value: Any) -> str:
+    """A default as a model file has it."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(shown, value))}]"
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,146 @@
+"""``vfife compare``: one model under several laws."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
+from .progress import ProgressLine
+from .run import Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
+from .terminal import DIVERGED, INTERRUPTED, grid, json_text, output, print_json, row, sentences, tell
+
+if TYPE_CHECKING:
+    from ..study.compare import Comparison
+
+SUMMARY, TABLE, MODEL = "compare.json", "compare.csv", "model.toml"
+Folder = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="runs/MODEL-compare")]
+Contact = Annotated[str | None, typer.Option(metavar="LAW,LAW", help='Contact laws, or "all"; the model\'s own if left out.', show_default=False)]
+Friction = Annotated[str | None, typer.Option(metavar="LAW,LAW", help='Friction laws, or "all"; the model\'s own if left out.', show_default=False)]
+JointOption = Annotated[list[str] | None, typer.Option("--joint", metavar="NAME", help="Joint whose laws change; all with clearance if left out.")]
+
+
+def compare(
+    model: ModelArgument,
+    contact: Contact = None,
+    friction: Friction = None,
+    joint: JointOption = None,
+    folder: Folder = None,
+    set_: SetOption = None,
+    laws: LawsOption = None,
+    step: Step = None,
+    turns: Turns = None,
+    duration: Duration = None,
+    outputs: Outputs = None,
+    figures: Figures = True,
+    force_step: ForceStep = False,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a model under several laws and tell how its numbers differ: a table, figures, CSV and JSON.
+
+    Every contact law is paired with every friction law. A law takes over parameters of the one in whose place it comes, where both have them.
+    Ctrl-C keeps the runs that are complete.
+    """
+    from ..modelfile import dump
+    from ..study.compare import compare as compared
+
+    line: list[ProgressLine] = []
+
+    def progress(name: str) -> ProgressLine | None:
+        close(line)
+        if quiet:
+            return None
+        tell("run", name, "bold")
+        line.append(ProgressLine(quiet).__enter__())
+        return line[-1]
+
+    with sentences(str(model)):
+        place = folder_for(folder, model)
+        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs)
+        try:
+            kinds = named(contact, "contact"), named(friction, "friction")
+            found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step)
+        finally:
+            close(line)
+    with sentences(str(place)):
+        place.mkdir(parents=True, exist_ok=True)
+        (place / MODEL).write_text(dump(mechanism), encoding="utf-8")
+        (place / SUMMARY).write_text(json_text(payload(found)) + "\n", encoding="utf-8")
+        found.write_csv(place / TABLE)
+        if figures:
+            from ..plots.comparison import drawn
+
+            drawn(found, place)
+    if as_json:
+        print_json(payload(found) | {"folder": str(place)})
+    elif not quiet:
+        show(found, place)
+    end(found)
+
+
+def close(line: list[ProgressLine]) -> None:
+    """Ends the progress line of the run before."""
+    while line:
+        line.pop().__exit__(None, None, None)
+
+
+def named(text: str | None, kind: str) -> list[Any]:
+    """Names of laws; all of a kind where "all" is asked for."""
+    from ..laws import ContactLaw, FrictionLaw
+
+    registry = (ContactLaw if kind == "contact" else FrictionLaw).registry
+    names = [name.strip().lower() for name in (text or "").split(",") if name.strip()]
+    return sorted(registry) if names == ["all"] else list(dict.fromkeys(names))
+
+
+def folder_for(asked: Path | None, model: Path) -> Path:
+    """The folder to write into. Raises ValueError for one that holds something else."""
+    if asked is None:
+        first = path = Path("runs") / f"{model.stem}-compare"
+        number = 1
+        while path.exists():
+            number += 1
+            path = first.with_name(f"{first.name}-{number}")
+        return path
+    if asked.exists() and not asked.is_dir():
+        raise ValueError(f"-o {asked}: this is a file; name a folder")
+    if asked.exists() and any(asked.iterdir()) and not (asked / SUMMARY).is_file():
+        raise ValueError(f"-o {asked}: the folder holds files that are no comparison of vfife; name another one, or one that is empty")
+    return asked
+
+
+def payload(found: Comparison) -> dict[str, Any]:
+    """What is kept and printed as JSON."""
+    return {"model": found.mechanism, "joints": list(found.joints), "planned": found.planned, "runs": found.rows}
+
+
+def show(found: Comparison, place: Path) -> None:
+    """The table for people."""
+    from rich.text import Text
+
+    console = output()
+    headings = ("force, N", "LIP(F), %", "LIP(a), %", "deepest, µm", "impacts", "contact, %", "lost, J", "wall, s")
+    table = grid("contact", "friction", *headings, title=f"{found.mechanism}: joints {', '.join(found.joints)}", right=tuple(range(2, 10)))
+    table.columns[0].no_wrap = table.columns[1].no_wrap = True
+    for one in found.rows:
+        lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
+        numbers = (f"{1e6 * one['penetration']:.4g}", f"{one['impacts']:,}", f"{100.0 * one['contact_share']:.3g}", f"{one['energy_lost']:.4g}")
+        row(table, one["contact"], one["friction"], f"{one['force']:,.6g}", *lips, *numbers, f"{one['wall_s']:.2g}")
+    console.print(table)
+    console.print(Text("Force, LIP and depth are the largest in the last turn, LIP against ideal joints; contact is the mean share of the time."))
+    console.print(Text.assemble(("Folder: ", "bold"), f"{place} ({', '.join(sorted(entry.name for entry in place.iterdir()))})"))
+
+
+def end(found: Comparison) -> None:
+    """Says which runs did not come to their end, and ends with the exit code of that."""
+    for one in found.rows:
+        if one["status"] != "complete":
+            tell("diverged", f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step for it", "bold red")
+    if len(found.rows) < found.planned:
+        tell("interrupted", f"{len(found.rows)} of {found.planned} runs are complete and kept.")
+        raise typer.Exit(INTERRUPTED)
+    if any(one["status"] != "complete" for one in found.rows):
+        raise typer.Exit(DIVERGED)

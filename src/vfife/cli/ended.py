@@ -1,0 +1,159 @@
+"""``vfife info``, ``vfife plot``, ``vfife export``: what to do with a run that was made, or that was interrupted or killed."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..results.folder import FIGURES, find_run
+from .options import JsonOption, RunArgument
+from .terminal import amount_of_bytes, errors, output, print_json, sentences, span
+
+if TYPE_CHECKING:
+    from ..result import Result
+
+
+def info(run: RunArgument, as_json: JsonOption = False) -> None:
+    """What a run file holds, also that of a run that was interrupted or killed."""
+    with sentences(str(run)):
+        found = contents(find_run(run))
+    if as_json:
+        print_json(found)
+        return
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table.grid(padding=(0, 2))
+    for name, text in lines(found):
+        table.add_row(Text(name, style="cyan"), Text(text))
+    output().print(table)
+
+
+def contents(path: Path) -> dict[str, Any]:
+    """What is known of a run without assembling its model."""
+    from ..results.runfile import RunFile
+
+    with RunFile.open(path) as file:
+        meta, steps, events, last = file.meta, file.steps, file.events, file.last_checkpoint()
+        reference = file.reference() is not None
+    choice = meta.get("choice", {})
+    status = meta.get("status", "unknown")
+    return {
+        "file": str(path),
+        "bytes": path.stat().st_size,
+        "status": "unfinished" if status == "running" else status,
+        "model": tomllib.loads(meta.get("model", "")).get("name", ""),
+        "source": meta.get("source"),
+        "created": meta.get("created"),
+        "finished": meta.get("finished"),
+        "versions": meta.get("versions", {}),
+        "loop": meta.get("loop"),
+        "step": meta.get("step"),
+        "steps": int(steps[-1]) if len(steps) else 0,
+        "static": tomllib.loads(meta.get("model", "")).get("run", {}).get("analysis") == "static",
+        "steps_planned": choice.get("outputs", 0) * choice.get("outputs_every", 0),
+        "turn": choice.get("turn"),
+        "outputs": len(steps),
+        "channels": sorted({name for name, _ in meta.get("kept", ())}),
+        "laws": meta.get("laws", {}),
+        "own_laws": [{key: law[key] for key in ("name", "kind", "file", "text")} for law in meta.get("own_laws", ())],
+        "reference": reference,
+        "checkpoint": last[0] if last is not None else None,
+        "wall_s": meta.get("wall"),
+        "events": [{"step": step, "time": time, "text": text} for step, time, text in events],
+        "summary": meta.get("summary"),
+    }
+
+
+def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """The same for people: names and texts."""
+    yield "Run file", f"{found['file']}, {amount_of_bytes(found['bytes'])}"
+    yield "Model", f"{found['model']}" + (f", from {found['source']}" if found["source"] else "")
+    ending = f", finished {found['finished']}" if found["finished"] else ": killed, or still at work; what it wrote is whole"
+    yield "Status", f"{found['status']}; begun {found['created']}{ending}"
+    if found["step"] and found["static"]:
+        yield "Load factors", f"{found['steps']:,} of {found['steps_planned']:,}"
+    elif found["step"]:
+        time = found["steps"] * found["step"]
+        turns = f" = {time / found['turn']:.4g} turns" if found["turn"] else ""
+        yield "Steps", f"{found['steps']:,} of {found['steps_planned']:,}, of {found['step']:.6g} s: {time:.6g} s{turns}"
+    yield "Outputs", f"{found['outputs']:,}, of {len(found['channels'])} kinds of numbers each"
+    yield "Checkpoint", in_words(found["checkpoint"])
+    yield "Reference", "the ideal mechanism is kept beside it" if found["reference"] else "none"
+    wall = f", {span(found['wall_s'])}" if found["wall_s"] else ""
+    versions = ", ".join(f"{name} {version}" for name, version in found["versions"].items())
+    yield "Computed by", f"{found['loop']} loop{wall}; {versions}"
+    for name, source in found["laws"].items():
+        yield "Law", f"{name}: {source}"
+    for law in found["own_laws"]:
+        text = "its text is kept here (--json prints it)" if law["text"] else "its text could not be kept"
+        yield "Own law", f"{law['name']} ({law['kind']}), from {law['file']}: {text}; reading this run does not run it"
+    for event in found["events"]:
+        yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
+    for name, value in ((found["summary"] or {}).get("measures") or {}).items():
+        yield "Measure", f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
+
+
+def in_words(step: int | None) -> str:
+    """A checkpoint in words."""
+    return "none" if step is None else f"step {step:,}"
+
+
+FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")]
+
+
+def plot(run: RunArgument, folder: FiguresOption = None) -> None:
+    """Draw the figures of a run: journal paths, forces and accelerations over the ideal ones, the mechanism."""
+    result, file = loaded(run)
+    with sentences(str(run)):
+        from ..plots import figures, save
+
+        target = folder if folder is not None else file.parent / FIGURES
+        target.mkdir(parents=True, exist_ok=True)
+        before = {path: path.stat().st_mtime_ns for path in target.iterdir()}
+        save(figures(result, result.reference), target)
+    for path in sorted(target.iterdir()):
+        if path.stat().st_mtime_ns != before.get(path):
+            typer.echo(path)
+
+
+def export(
+    run: RunArgument,
+    target: Annotated[Path, typer.Argument(metavar="OUT.nc", help="NetCDF file to write.", show_default=False)],
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
+) -> None:
+    """Write all channels of a run as NetCDF, with units."""
+    with sentences(str(target)):
+        if target.suffix.lower() not in (".nc", ".nc4", ".h5"):
+            raise ValueError(f'this writes NetCDF, not "{target.suffix or target.name}"; name a file such as {target.stem}.nc')
+        if target.is_dir():
+            raise ValueError("this is a folder; name a file, such as out.nc")
+        if target.exists() and not force:
+            raise ValueError("there is a file of this name already; name another one, or add --force to replace it")
+        if not target.absolute().parent.is_dir():
+            raise ValueError(f"there is no folder {target.absolute().parent}; make it first")
+    result, _ = loaded(run)
+    part = target.with_name(f"{target.name}.part")
+    with sentences(str(target)):
+        try:
+            result.to_netcdf(part)
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
+    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+
+
+def loaded(run: Path) -> tuple[Result, Path]:
+    """The result of a run and its file; says so where the run did not come to its end."""
+    with sentences(str(run)):
+        from ..result import Result
+
+        file = find_run(run)
+        result = Result.load(file)
+    if result.record.status != "complete":
+        errors().print(f"note: this run is {result.record.status}; what it wrote until then is used", markup=False)
+    return result, file

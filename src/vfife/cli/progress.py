@@ -1,0 +1,71 @@
+"""The progress line of a run, on standard error."""
+
+from __future__ import annotations
+
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from .terminal import errors, span
+
+if TYPE_CHECKING:
+    from ..solvers.progress import Progress
+
+PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
+START = "preparing the loop"
+
+
+class ProgressLine:
+    """Percentage, steps a second and time left: one line that changes on a terminal, else one every ten seconds and the last."""
+
+    def __init__(self, quiet: bool) -> None:
+        from rich.progress import BarColumn, TextColumn
+        from rich.progress import Progress as Bars
+
+        self.console = errors()
+        self.quiet, self.live = quiet, self.console.is_terminal and not quiet
+        columns = (BarColumn(), TextColumn("{task.description}", markup=False))
+        self.bars = Bars(*columns, console=self.console, auto_refresh=False, disable=not self.live)
+        self.task = self.bars.add_task(START, total=1.0)
+        self.step_count, self.told, self.last = 0, time.monotonic(), ""
+
+    def __enter__(self) -> ProgressLine:
+        self.bars.start()
+        self.bars.refresh()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.bars.stop()
+        if not self.live and not self.quiet and self.last and kind is None:
+            self.console.print(self.last, markup=False)
+
+    def __call__(self, progress: Progress) -> None:
+        """Shows where the run stands; called after each chunk of steps."""
+        again = " (again, with half the step)" if self.step_count and progress.steps > self.step_count else ""
+        if again or not self.step_count:
+            self.step_count, self.again = progress.steps, again
+        self.last = sentence(progress) + self.again
+        if self.live:
+            self.bars.update(self.task, completed=progress.share, description=self.last, refresh=True)
+        elif not self.quiet and time.monotonic() - self.told > PLAIN_SECONDS:
+            self.told = time.monotonic()
+            self.console.print(self.last, markup=False)
+
+
+def sentence(progress: Progress) -> str:
+    """Where a run stands, in words."""
+    if progress.text:
+        return f"{100.0 * progress.share:3.0f} %  {progress.text}"
+    head = f"{100.0 * progress.share:3.0f} %  {progress.done:,} of {progress.steps:,} steps"
+    if not progress.speed:
+        return head
+    left = f"  {span(progress.left)} left" if progress.done < progress.steps else f"  in {span(progress.seconds)}"
+    return f"{head}  {speed(progress.speed)}{left}"
+
+
+def speed(steps_a_second: float) -> str:
+    """Steps a second with a prefix."""
+    for factor, prefix in ((1e6, "million "), (1e3, "thousand ")):
+        if steps_a_second >= factor:
+            return f"{steps_a_second / factor:.3g} {prefix}steps/s"
+    return f"{steps_a_second:.3g} steps/s"

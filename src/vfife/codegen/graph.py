@@ -1,0 +1,210 @@
+"""What follows from a topology: which joints share a body, which bodies hang together, the profile of the constraints' equations, tiles."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.arrays import JB, JC, JD, JE, JF, JG, JK, JL, JQ, JR, JT, H, Layout, Q
+from ..kernels.topology import IDEAL_ROWS, REVOLUTE, Topology
+
+TILE = 1024  # elements whose particles stay in the cache between drift and kick
+
+
+@dataclass(frozen=True)
+class Graph:
+    """Derived lists, in the one order that every loop sums in."""
+
+    jointed: tuple[int, ...]
+    pinned: tuple[int, ...]
+    shared: tuple[bool, ...]
+    constrained: tuple[bool, ...]
+    couples: tuple[tuple[int, int, int, bool, bool], ...]
+    first: tuple[int, ...]
+    start: tuple[int, ...]
+    size: int
+    close_again: bool
+
+
+@lru_cache(maxsize=64)
+def derive(topology: Topology) -> Graph:
+    """The graph of a topology. A couple is (row, row before it or the same, body, journal side of the first, journal side of the second)."""
+    free = set(topology.free)
+    clearances = list(zip(topology.clearance_bearing, topology.clearance_journal, strict=True))
+    ideals = list(zip(topology.ideal_bearing, topology.ideal_journal, strict=True))
+    uses = Counter(body for pair in [*clearances, *ideals] for body in set(pair) if body in free)
+    pinned = tuple(sorted({body for pair in ideals for body in pair if body in free}))
+    constrained = tuple(any(body in pinned for body in pair) for pair in clearances)
+    armed = set(topology.trig)  # on an arm, friction turns the body against the normal force: it counts as shared too
+    shared = tuple(any(uses[body] > 1 or body in armed & free for body in pair) for pair in clearances)
+    touched = {body for pair in clearances for body in pair if body in free}
+    jointed = tuple(sorted(touched | (set(pinned) if any(constrained) else set())))
+    starts = topology.row_starts
+    sides = [pair for joint, pair in enumerate(ideals) for _ in range(starts[joint + 1] - starts[joint])]
+    couples = _couples(sides, free)
+    reach = list(range(len(sides)))
+    for row, other, *_ in couples:
+        reach[row] = min(reach[row], other)
+    start, size = [], 0
+    for r, low in enumerate(reach):
+        start.append(size - low)
+        size += r - low + 1
+    again = any(constrained)
+    return Graph(jointed, pinned, shared, constrained, couples, tuple(reach), tuple(start), size, again)
+
+
+def _couples(sides: list[tuple[int, int]], free: set[int]) -> tuple[tuple[int, int, int, bool, bool], ...]:
+    """Pairs of constraint rows that share a body, with that body; the pair of sides says where it stands in each."""
+    uses: dict[int, list[tuple[int, bool]]] = {}
+    for row, pair in enumerate(sides):
+        for journal, body in zip((False, True), pair, strict=True):
+            if body in free:
+                uses.setdefault(body, []).append((row, journal))
+    found = [
+        (row, other, body, side, other_side) for body, rows in uses.items() for row, side in rows for other, other_side in rows if other <= row
+    ]
+    return tuple(sorted(found))
+
+
+def tiles(topology: Topology, layout: Layout) -> list[tuple[int, int, int, int, int, int]]:
+    """Ranges of plain particles to drift, elements, and plain particles to kick, so that few lines of the cache are needed at a time."""
+    count = len(topology.element_nodes)
+    plain = np.full(topology.particles, -1, dtype=np.intp)
+    loose = np.flatnonzero(np.isin(np.arange(topology.particles), topology.bound, invert=True))
+    plain[loose] = np.arange(len(loose))
+    if not count:
+        return [(0, len(loose), 0, 0, 0, len(loose))] if len(loose) else []
+    nodes = plain[np.asarray(topology.element_nodes, dtype=np.intp)]
+    drifted = np.maximum.accumulate(nodes.max(axis=1)) + 1
+    needed = np.where(nodes >= 0, nodes, len(loose)).min(axis=1)
+    waiting = np.minimum.accumulate(needed[::-1])[::-1]
+    found, drift, kick = [], 0, 0
+    for low in range(0, count, TILE):
+        high = min(low + TILE, count)
+        last = high == count
+        drift_end = len(loose) if last else max(drift, int(drifted[high - 1]))
+        kick_end = len(loose) if last else max(kick, int(min(waiting[high], drift_end)))
+        found.append((drift, drift_end, low, high, kick, kick_end))
+        drift, kick = drift_end, kick_end
+    return found
+
+
+class Lists:
+    """The lists of the integer array for one topology: records of rows of S and kinds."""
+
+    def __init__(self, topology: Topology) -> None:
+        self.t, self.graph, self.layout = topology, derive(topology), Layout(topology)
+        self.body = self.layout.records["particle"]
+        self.low, self.count = self.layout.rows, topology.row_starts[-1]
+        self.y = self.low + self.graph.size + self.count
+
+    def records(self, entity: str, *columns: Iterable[int]) -> NDArray[np.int64]:
+        """Rows of an entity with further columns."""
+        return np.column_stack([self.layout.records[entity], *(np.asarray(column, dtype=np.int64) for column in columns)])
+
+    def bodies(self, indices: Iterable[int]) -> NDArray[np.intp]:
+        """Rows of particles."""
+        return self.body[np.asarray(indices, dtype=np.intp)]
+
+    def function(self, indices: Iterable[int]) -> list[int]:
+        """Rows of functions, 0 for none."""
+        return [0 if k < 0 else self.layout.record("function", k) for k in indices]
+
+    def row(self, k: int, lever: int = 0) -> int:
+        """Row of a constraint, or of one of its levers."""
+        return self.layout.record("row", k) + lever
+
+    def particles(self) -> dict[str, Any]:
+        """Particles that are treated one by one, tiles of the others, elements."""
+        t, free = self.t, set(self.t.free)
+        nodes = np.asarray(t.element_nodes, dtype=np.intp).reshape(-1, 2)
+        units = self.layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
+        chosen = {"bound": [p for p in t.bound if p in free], "trig": t.trig, "jointed": self.graph.jointed, "pinned": self.graph.pinned}
+        found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
+        found["tile"] = tiles(t, self.layout)
+        found["element"] = self.records("element", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.element_release, units)
+        return found
+
+    def contacts(self) -> NDArray[np.int64]:
+        """Contacts with what their laws ask for."""
+        t = self.t
+        ahead = [int(t.friction_laws[kind].set_valued) for kind in t.clearance_friction]  # type: ignore[attr-defined]
+        film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.clearance_contact]
+        return self.records(
+            "clearance", self.bodies(t.clearance_bearing), self.bodies(t.clearance_journal), self.graph.shared, self.graph.constrained,
+            t.clearance_contact, t.clearance_friction, ahead, film, t.clearance_kind or [0] * len(t.clearance_bearing),
+        )  # fmt: skip
+
+    def constraints(self) -> dict[str, Any]:
+        """Ideal joints, their rows, and which rows meet at a body; two revolutes meet in one entry."""
+        t, graph, low, row = self.t, self.graph, self.low, self.row
+        starts, body = t.row_starts, self.body
+        ends = [pair for k, pair in enumerate(zip(t.ideal_bearing, t.ideal_journal, strict=True)) for _ in range(starts[k + 1] - starts[k])]
+        pins = [part for kind in t.kinds for part in ((1, 2) if kind == REVOLUTE else (0,) * IDEAL_ROWS[kind])]
+        lever = {False: Q.jb, True: Q.jk}
+        return {
+            "ideal": self.records(
+                "ideal", self.bodies(t.ideal_bearing), self.bodies(t.ideal_journal), t.kinds, [row(k) if self.count else 0 for k in starts[:-1]],
+                [self.y + k for k in starts[:-1]], self.function(t.ideal_function or [-1] * len(t.ideal_bearing)), np.diff(starts),
+            ),
+            "row": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k]) for k in range(self.count)],
+            "couple": [
+                (row(i), row(k), int(body[shared]), row(i, lever[si]), row(k, lever[sk]), int(si == sk), low + graph.start[i] + k,
+                 int(pins[i] and pins[k]), low + graph.start[min(i + 1, self.count - 1)] + k)
+                for i, k, shared, si, sk in graph.couples
+                if not (pins[i] and pins[k]) or (pins[i] == 1 and pins[k] == 1)
+            ],
+        }  # fmt: skip
+
+    def others(self) -> dict[str, Any]:
+        """Springs, drivers, loads, bodies and functions."""
+        t, layout, body = self.t, self.layout, self.body
+        ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
+        spans = {nodes: layout.record("element", e) for e, nodes in enumerate(t.element_nodes) if nodes in ends}
+        return {
+            "spring": self.records("spring", self.bodies(t.spring_first), self.bodies(t.spring_second), t.spring_kind),
+            "driven": self.records("driven", self.bodies(t.driven), self.function(t.driven_function)),
+            "load": self.records("load", self.bodies(t.load_particle), self.function(t.load_function), t.load_follow or [0] * len(t.load_particle)),
+            "body": [(layout.record("body", k), int(body[i]), int(body[j]), spans.get((i, j), 0)) for k, (i, j) in enumerate(t.body_nodes)],
+            "function": [(layout.record("function", k), start, *_argument(t, k, body)) for k, start in enumerate(t.function_start)],
+        }
+
+
+SIZES = {
+    "tile": JT, "element": JE, "clearance": JC, "ideal": JR, "row": JQ, "couple": JK, "spring": JG, "driven": JD, "load": JL, "body": JB,
+    "function": JF,
+}  # fmt: skip
+
+
+def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
+    """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that loop's scratch."""
+    made, t = Lists(topology), topology
+    lists = {**made.particles(), "clearance": made.contacts(), **made.constraints(), **made.others()}
+    integers = np.zeros(H.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
+    at = H.SIZE
+    for name, values in lists.items():
+        flat = np.asarray(values, dtype=np.int64).reshape(-1)
+        integers[getattr(H, name)] = at
+        integers[getattr(H, f"{name}_count")] = len(flat) // (SIZES[name].SIZE if name in SIZES else 1)
+        integers[at : at + len(flat)] = flat
+        at += len(flat)
+    inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
+    integers[[H.profile, H.profile_count, H.inverse, H.y, H.gn, H.gt]] = made.low, made.graph.size, inverse, y, gn, gt
+    worked = bool(t.load_particle) or any(k >= 0 for k in t.ideal_function)
+    flags = (made.layout.plain, t.path_unit, t.damped, worked, made.graph.close_again)
+    integers[[H.plain, H.path_unit, H.damped, H.worked, H.close_again]] = flags
+    return integers, made.layout, gt + made.count
+
+
+def _argument(topology: Topology, k: int, body: NDArray[np.intp]) -> tuple[int, int, int]:
+    """What function ``k`` depends on, and the two particles whose angle or speed it is."""
+    if not topology.function_argument:
+        return 0, 0, 0
+    kind, first, second = topology.function_argument[k]
+    return kind, int(body[first]), int(body[second])

@@ -1,0 +1,156 @@
+"""What can go wrong, and how it is told: what is wrong, where, the value, what is allowed, what to do.
+
+Every error of this package is a :class:`VfifeError`, which is a ``ValueError``.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+Path = tuple[str | int, ...]
+MOST_TOLD = 100  # more faults than this are counted, not told
+MOST_NAMES = 1000  # names looked through for one that looks alike
+
+
+class VfifeError(ValueError):
+    """The base of all errors that this package raises on purpose."""
+
+
+class QuantityError(VfifeError):
+    """A value that is no quantity of the dimension asked for: what is wrong, what is allowed, what to do."""
+
+    def __init__(self, value: Any, what: str, limit: str, remedy: str) -> None:
+        super().__init__(f"the field wants {limit} ({remedy}), got {shown(value)}, {what}")
+        self.value, self.what, self.limit, self.remedy = value, what, limit, remedy
+
+
+class LawError(VfifeError):
+    """A law of the user's own that cannot be used: which law, in which file and line, why, and what to do."""
+
+
+class SourceError(VfifeError):
+    """A law's function uses something that cannot be compiled into the step."""
+
+
+class AssemblyError(VfifeError):
+    """No position or motion satisfies the joints and drives.
+
+    `joints` are the names of the joints that fail; `gaps` are their open distances in m (empty for a motion).
+    """
+
+    def __init__(self, message: str, joints: Sequence[str] = (), gaps: Sequence[float] = ()) -> None:
+        super().__init__(message)
+        self.joints = tuple(joints)
+        self.gaps = tuple(gaps)
+
+
+class StepError(VfifeError):
+    """The step asked for is larger than the stable one."""
+
+
+class RunFileError(VfifeError):
+    """A run file that cannot be written or read: what is wrong, where, and what to do."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault: where it is (table and key), what is wrong, the value as written, what is allowed, what to do."""
+
+    where: str
+    what: str
+    value: str = ""
+    limit: str = ""
+    remedy: str = ""
+
+    def __str__(self) -> str:
+        value = f" = {self.value}" if self.value else ""
+        limit = f"; allowed: {self.limit}" if self.limit else ""
+        remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
+        end = "" if remedy.endswith(("?", ".", "!")) else "."
+        return printable(f"{self.where}{value}: {self.what}{limit}{remedy}{end}")
+
+
+def printable(text: str) -> str:
+    """The text with signs that would not show, or would turn a terminal's writing, as escapes."""
+    return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text)
+
+
+class ModelError(VfifeError):
+    """The faults of a model file, all of them; ``file`` is its name as the user knows it."""
+
+    def __init__(self, faults: Sequence[Fault], file: str = "model") -> None:
+        self.faults, self.file = list(faults), file
+        count = len(self.faults)
+        lines = [f"{file}, {fault}" for fault in self.faults[:MOST_TOLD]]
+        if count > 1:
+            lines = [f"{file} has {count} faults:", *(f"  {k}. {line}" for k, line in enumerate(lines, 1))]
+        if count > MOST_TOLD:
+            lines.append(f"  ... and {count - MOST_TOLD} more")
+        super().__init__("\n".join(lines))
+
+
+def place(path: Path, given: Iterable[Path] = ()) -> str:
+    """Table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance".
+
+    An empty last part names the table itself. A value that was ``given`` beside the file is marked, so that nobody
+    looks for it in the file.
+    """
+    parts = list(path)
+    first = next((k for k, part in enumerate(parts) if isinstance(part, int) and k), len(parts))
+    inside = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts[first:]).rstrip(".")
+    key = f"{parts[first - 1]}{inside}" if parts else "file"
+    table = f"[{'.'.join(map(str, parts[: first - 1]))}]" if first > 1 else ""
+    beside = " (given by set)" if any(path[: len(start)] == start for start in given) else ""
+    return f"{table} {key}".strip() + beside
+
+
+def suggestion(name: str, known: Iterable[str], advice: str) -> str:
+    """Did-you-mean with the names that look alike, else the advice and a few of the names there are."""
+    names = list(dict.fromkeys(map(str, islice(known, MOST_NAMES))))
+    near = difflib.get_close_matches(name[:100], names, 3, 0.55)
+    if near:
+        return "did you mean " + " or ".join(map(shown, near)) + "?"
+    if not names:
+        return advice
+    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"{advice}; there is {listed}" if len(names) == 1 else f"{advice}; there are {listed}"
+
+
+def shown(value: Any) -> str:
+    """A value as it would stand in a model file, shortened."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = ..." for key in list(value)[:3]) + (", ..." if len(value) > 3 else "") + "}"
+    if isinstance(value, list | tuple):
+        flat = ["[...]" if isinstance(entry, list | tuple) else shown(entry) for entry in value[:4]]
+        return "[" + ", ".join(flat) + (", ..." if len(value) > 4 else "") + "]"
+    try:
+        text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
+    except ValueError:  # Python writes no integers of more than some thousand digits
+        text = "a number of thousands of digits"
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def kind_of(value: Any) -> str:
+    """What kind of TOML value this is, in words."""
+    for kind, words in _KINDS:
+        if isinstance(value, kind):
+            return words
+    return "a date or time" if type(value).__module__ == "datetime" else f"a {type(value).__name__}"
+
+
+_KINDS: tuple[tuple[type, str], ...] = (
+    (bool, "true or false"),
+    (int, "a whole number"),
+    (float, "a number"),
+    (str, "a text"),
+    (list, "a list"),
+    (tuple, "a list"),
+    (dict, "a table"),
+)

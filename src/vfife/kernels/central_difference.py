@@ -1,0 +1,39 @@
+"""Small pieces of a step that every loop shares: coefficients of the central difference, work, what drivers and links do."""
+
+
+def coefficients(start, dt, damping):
+    """Coefficients of one central difference step with mass-proportional damping z = damping dt / 2.
+
+    Returned: h, b, k, p with v_n = p (v + h a), v_(n+1/2) = b v_(n-1/2) + k a. With c1 = 1/(1 + z), c2 = c1 (1 - z)
+    this is d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5 for z = 0. The first step starts from v_0 itself:
+    d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
+    """
+    z = 0.5 * dt * damping
+    c1 = 1.0 / (1.0 + z)
+    h = 0.0 if start else 0.5 * dt
+    b = 1.0 - z if start else c1 * (1.0 - z)
+    k = 0.5 * dt if start else dt * c1
+    p = 1.0 if start else c1
+    return h, b, k, p
+
+
+def larger(a, b):
+    """The larger of two numbers, the first where they compare equal or the second is no number."""
+    return b if b > a else a
+
+
+def driven_reaction(c, s, w, alpha, fx, fy, mz, inertia, mx, my, gx, gy):
+    """Torque of the driver and force of the ground on a body turned about a fixed pivot, from the forces fx, fy, mz it feels there.
+
+    (mx, my) is mass times centre of mass in the body's frame, seen from the pivot; its acceleration is alpha x r - w^2 r.
+    """
+    rx = c * mx - s * my
+    ry = s * mx + c * my
+    ww = w * w
+    torque = inertia * alpha - mz - (rx * gy - ry * gx)
+    return torque, -alpha * ry - ww * rx - fx, alpha * rx - ww * ry - fy
+
+
+def chord_acceleration(dx, dy, ax, ay, inverse):
+    """Angular acceleration (rad/s^2) of a link's chord: its ends' relative acceleration across the chord, over the length."""
+    return (dx * ay - dy * ax) * inverse * inverse

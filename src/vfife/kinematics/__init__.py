@@ -1,0 +1,1 @@
+"""The ideal mechanism: constraints between rigid bodies, closed positions, velocities, accelerations, reactions, mobility."""

@@ -1,0 +1,111 @@
+"""Degrees of freedom, redundant constraints and singular positions of rigid bodies with ideal joints."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import AssemblyError
+from .linalg import Matrix, constrained, dependent_rows, self_stress
+from .solve import close
+from .system import RigidSystem, checked, equations, metric
+
+Array = NDArray[np.float64]
+
+ASIDE = 1e-2  # by how much of its reach, or rad, a mechanism is moved to see what holds nearby too
+STARTS = 6  # tries to find a free motion that goes on
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """Degrees of freedom with the drives released (`free`) and at work, and the joints' redundant constraints, all at the instant.
+
+    `redundant_joints` names the joints whose rows depend on those of the joints before them; `singular` those joints and drives among
+    all whose rows do so here only, at a change point or a dead centre, and not beside it.
+    """
+
+    free: int
+    after_drives: int
+    redundant: int
+    redundant_joints: tuple[str, ...]
+    singular: tuple[str, ...] = ()
+
+
+def mobility(system: RigidSystem, position: Array) -> Mobility:
+    """Count the instantaneous freedoms and redundant constraints at a closed position [n,3] (m, m, rad).
+
+    free = 3(n-1) - rank(G of the joints); after_drives takes the drives' rows in; redundant = rows - rank(G of the joints).
+    A rank that is larger beside the position (along a free motion, drives released), or a free motion that leads nowhere, makes it singular.
+    Raises ValueError on bad shapes.
+    """
+    position = checked(system, position, "position")
+    columns = 3 * (len(system.names) - 1)
+    stuck, all_stuck = _dependent(system, position)
+    free, after = columns - (system.held - len(stuck)), columns - (system.starts[-1] - len(all_stuck))
+    beside = _aside(system, position) if all_stuck and free else position
+    still = [] if beside is None else all_stuck if beside is position else _dependent(system, beside)[1]
+    here, there = Counter(_owners(system, all_stuck)), Counter(_owners(system, still))
+    singular = sorted((here - there).keys() or here.keys()) if len(still) < len(all_stuck) else []
+    return Mobility(free, after, len(stuck), _named(system, _owners(system, stuck)), _named(system, singular))
+
+
+def _dependent(system: RigidSystem, position: Array) -> tuple[list[int], list[int]]:
+    """Rows that follow from those before them, of the joints alone and with the drives."""
+    jacobian = equations(system, position, np.zeros_like(position)).jacobian
+    rows = dependent_rows(jacobian)
+    return [row for row in rows if row < system.held], rows
+
+
+def _owners(system: RigidSystem, rows: list[int]) -> list[int]:
+    """Joints, then drives, that rows belong to, by number."""
+    return [int(np.searchsorted(system.starts, row, side="right")) - 1 for row in rows]
+
+
+def _named(system: RigidSystem, owners: list[int]) -> tuple[str, ...]:
+    """Names of joints and drives."""
+    names = [*(joint.name for joint in system.joints), *(system.drive_name(drive) for drive in system.drives)]
+    return tuple(dict.fromkeys(names[k] for k in owners))
+
+
+def _aside(system: RigidSystem, position: Array) -> Array | None:
+    """A closed position a little along a free motion, the drives released; None where no free motion leads anywhere."""
+    released = dataclasses.replace(system, drives=())
+    jacobian = equations(released, position, np.zeros_like(position)).jacobian
+    lengths = metric(system)[0]
+    scale = np.column_stack([np.ones_like(system.reach), np.ones_like(system.reach), system.reach])
+    for motion in _directions(released, position, jacobian):
+        size = max(np.abs(motion).max() / system.reach[1:].max(), np.abs((motion / lengths)[2::3]).max())
+        step = np.vstack([np.zeros(3), (ASIDE / size * motion / lengths).reshape(-1, 3)])
+        try:
+            found = close(released, position + step).position
+        except AssemblyError:
+            continue
+        if np.linalg.norm((found - position) * scale) > 0.1 * np.linalg.norm(step * scale):
+            return found
+    return None
+
+
+def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Iterator[Array]:
+    """Free motions in (x, y, l theta) that may go on: of the second order, N^T gamma(v) = 0 for every self-stress N, where that can be solved."""
+    lengths = metric(system)[0]
+    wish = np.cos(np.arange(1.0, len(lengths) + 1.0) ** 2) * np.repeat(system.reach[1:], 3)
+    if isinstance(jacobian, np.ndarray):
+        from scipy.optimize import least_squares
+
+        stress = self_stress(jacobian)
+        null = np.linalg.svd(jacobian)[2][len(jacobian) - stress.shape[1] :].T
+
+        def bent(part: Array) -> Array:
+            velocity = np.vstack([np.zeros(3), (null @ part / lengths).reshape(-1, 3)])
+            return np.append(stress.T @ equations(system, position, velocity).gamma, part @ part - 1.0)
+
+        for start in range(STARTS if stress.size else 0):
+            answer = least_squares(bent, np.cos(np.arange(1.0, null.shape[1] + 1.0) ** 2 + start), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+            if answer.cost < 1e-16:
+                yield null @ answer.x
+    yield constrained(jacobian, np.zeros(jacobian.shape[0]), np.ones_like(wish), wish)[0]

@@ -1,0 +1,85 @@
+"""Where pins are: in their bodies' frames, in space, and roughly at the start, before the mechanism is closed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import AssemblyError
+from ..model.bodies import Body, Point
+from ..model.joints import ClearanceRevolute, ExternalContact, IdealRevolute, Joint, Weld
+from ..model.lumping import rigid_properties
+from ..model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+
+def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
+    """A pin in its body's frame, or a point of the ground (m)."""
+    body, pin = side
+    points = mechanism.points if body == "ground" else mechanism.bodies[body].pins
+    if pin not in points:
+        raise AssemblyError(f"there is no pin {body}.{pin}; {body} has {', '.join(points) or 'none'}")
+    return points[pin]
+
+
+def from_center(mechanism: Mechanism, side: tuple[str, str]) -> Point:
+    """A pin in its body's axes, from the centre of mass (m); a point of the ground from the origin."""
+    x, y = local_point(mechanism, side)
+    if side[0] == "ground":
+        return x, y
+    cx, cy = rigid_properties(mechanism.bodies[side[0]])[1]
+    return x - cx, y - cy
+
+
+def world(mechanism: Mechanism, position: Array, names: tuple[str, ...], side: tuple[str, str]) -> Point:
+    """A pin in space (m), bodies at ``position`` (bodies + 1, 3)."""
+    x, y = from_center(mechanism, side)
+    px, py, angle = position[names.index(side[0])] if side[0] != "ground" else (0.0, 0.0, 0.0)
+    c, s = np.cos(angle), np.sin(angle)
+    return float(px + c * x - s * y), float(py + s * x + c * y)
+
+
+def first_guess(mechanism: Mechanism) -> Array:
+    """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its approximate angle.
+
+    Pins come before guides, and guides before contacts; in a guide or contact the pins of both sides start in one place.
+    """
+    names = ("ground", *mechanism.bodies)
+    guess = np.zeros((len(names), 3))
+    placed = {"ground"}
+    for name, body in mechanism.bodies.items():
+        if body.position is not None:
+            _place(guess, names.index(name), body, (0.0, 0.0), body.position)
+            placed.add(name)
+    waiting = sorted(mechanism.joints.values(), key=_rank)
+    while True:
+        reachable = next(
+            (
+                (here, there)
+                for joint in waiting
+                for here, there in (joint.sides, joint.sides[::-1])
+                if here[0] in placed and there[0] not in placed
+            ),
+            None,
+        )
+        if reachable is None:
+            break
+        here, there = reachable
+        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], local_point(mechanism, there), world(mechanism, guess, names, here))
+        placed.add(there[0])
+    for name, body in mechanism.bodies.items():
+        if name not in placed:
+            _place(guess, names.index(name), body, (0.0, 0.0), (0.0, 0.0))
+    return guess
+
+
+def _rank(joint: Joint) -> int:
+    return 0 if isinstance(joint, IdealRevolute | ClearanceRevolute | Weld) else 2 if isinstance(joint, ExternalContact) else 1
+
+
+def _place(guess: Array, row: int, body: Body, local: Point, target: Point) -> None:
+    cx, cy = rigid_properties(body)[1]
+    c, s = np.cos(body.angle), np.sin(body.angle)
+    x, y = cx - local[0], cy - local[1]
+    guess[row] = target[0] + c * x - s * y, target[1] + s * x + c * y, body.angle

@@ -1,0 +1,190 @@
+"""Position, velocity, acceleration and reaction analysis of planar rigid bodies with ideal joints and prescribed motions.
+
+A body's motion is (x, y, theta) of its centre of mass, in m and rad.  Inside this module every coordinate is a
+length, (x, y, l theta) with l the body's own reach, so that one tolerance judges translations and turns alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import AssemblyError
+from .constraints import Drive, Gear, Pin, Slide, Travel, Weld
+from .linalg import RANK_TOLERANCE, Matrix, constrained, damped_step, weighted
+from .system import RigidSystem, checked, equations, metric
+
+Array = NDArray[np.float64]
+
+CLOSED = 1e-12  # largest open distance of a closed loop, in parts of the extent of the bodies
+LARGEST_TURN = 0.1  # rad a body may turn in one step: longer steps can jump to the other branch
+DRIVE_WEIGHT = 30.0  # a loop that cannot close must show its gap at the joints, not as a false driven angle
+STEPS = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Closure:
+    """A closed position [n,3] (m, m, rad), its largest open distance `residual` (m) and the steps it took."""
+
+    position: Array
+    residual: float
+    iterations: int
+
+
+def close(system: RigidSystem, guess: Array) -> Closure:
+    """Return the closed position nearest the guess [n,3] (m, m, rad; row 0 is ignored).
+
+    Damped Newton steps dq = -G^+ phi, of minimum norm in (x, y, l theta) and of at most 0.1 rad, whose damping
+    vanishes with phi^2: redundant joints and free motions are both allowed.  A driven body ends at its drive's angle.
+    Raises AssemblyError when joints stay open, naming them and their gaps, and ValueError on a bad guess.
+    """
+    start = checked(system, guess, "guess")
+    for drive in system.drives:
+        if isinstance(drive, Drive):
+            off = drive.angle - (start[drive.body, 2] - start[drive.against, 2])
+            start[drive.body, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+    closure = _descend(system, start)
+    if not _is_closed(system, closure):
+        nudged = start.copy()
+        nudged[1:, 2] += 0.5 * LARGEST_TURN * np.cos(np.arange(1, len(start)))
+        raise _open_joints(system, closure, _is_closed(system, _descend(system, nudged)))
+    return closure
+
+
+def velocities(system: RigidSystem, position: Array, guess_velocity: Array | None = None) -> Array:
+    """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position [n,3].
+
+    G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default: rest).
+    Raises AssemblyError when no velocity exists (a driven dead centre), ValueError on bad shapes.
+    """
+    position = checked(system, position, "position")
+    before = checked(system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity")
+    rows = equations(system, position, before)
+    lengths, mass = metric(system)
+    motion = constrained(rows.jacobian, rows.rate, mass, before[1:].ravel() * lengths)[0]
+    _demand(system, rows.jacobian @ motion - rows.rate, motion, "velocity")
+    return np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
+
+
+def accelerations(system: RigidSystem, position: Array, velocity: Array, force: Array) -> tuple[Array, Array, Array]:
+    """Return acceleration [n,3] (m/s2, rad/s2), joint reactions [j,3] (N, N, N m) and drive reactions [d] (N m; N for a travel).
+
+    M a = F + G^T lambda with G a = gamma; force [n,3] is (N, N, N m) at the centres of mass.  A reaction (fx, fy, m)
+    is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of both at the same
+    place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda is the solution of minimum norm.
+    Raises AssemblyError when no acceleration exists (a dead centre, or a velocity that parts the joints), ValueError
+    on bad shapes.
+    """
+    position, velocity = checked(system, position, "position"), checked(system, velocity, "velocity")
+    rows = equations(system, position, velocity)
+    lengths, mass = metric(system)
+    load = checked(system, force, "force")[1:].ravel() / lengths
+    motion, multiplier = constrained(rows.jacobian, rows.gamma, mass, load / mass)
+    _demand(system, rows.jacobian @ motion - rows.gamma, motion, "acceleration")
+    reaction = [one.reaction(position, multiplier[system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
+    driving = [system.lengths[k] if isinstance(one, Drive) else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
+    acceleration = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
+    return acceleration, np.array(reaction).reshape(-1, 3), multiplier[system.held :] * np.array(driving)
+
+
+def _descend(system: RigidSystem, position: Array) -> Closure:
+    """Reduce |phi| from a position [n,3] until it is round-off or falls no more; the result may still be open."""
+    lengths, scale = metric(system)[0], system.reach[1:].max(initial=0.0)
+    finest = np.finfo(float).eps * scale
+    joints = system.held
+    weight = np.repeat([1.0, DRIVE_WEIGHT], [joints, len(system.drives)])
+    pace = [LARGEST_TURN * (system.reach[d.body_b] if isinstance(d, Drive) else scale) for d in system.drives]
+    limit = np.concatenate([np.full(joints, np.inf), pace])
+    (phi, jacobian), damping, taken = _open(system, position), 0.1, 0
+    while taken < STEPS:
+        error = np.clip(phi, -limit, limit)  # the drives advance no faster than the joints can follow
+        if np.abs(error).max(initial=0.0) <= finest:
+            break
+        floor = damping * (error @ error) / scale**2
+        step = _step(weighted(weight, jacobian), weight * error, lengths, floor)
+        if np.abs(step * lengths).max() <= finest:
+            break
+        taken += 1
+        trial = position.copy()
+        trial[1:] += step.reshape(-1, 3)
+        tried = _open(system, trial)
+        if np.linalg.norm(weight * (tried[0] - phi + error)) < np.linalg.norm(weight * error):
+            position, (phi, jacobian), damping = trial, tried, max(damping / 4.0, 1e-6)
+        else:
+            damping *= 8.0
+    return Closure(position, float(np.abs(phi).max(initial=0.0)), taken)
+
+
+def _open(system: RigidSystem, position: Array) -> tuple[Array, Matrix]:
+    rows = equations(system, position, np.zeros_like(position))
+    return rows.phi, rows.jacobian
+
+
+def _step(jacobian: Matrix, error: Array, lengths: Array, damping: float) -> Array:
+    """Return -(G^T G + damping)^-1 G^T error as a step in (x, y, theta), its turns limited.
+
+    A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from a dead
+    centre nearby, and is damped until the other directions get their part.
+    """
+    least = damped_step(jacobian, error)
+    while True:
+        step: Array = -least(damping) / lengths
+        excess = np.abs(step[2::3]).max() / LARGEST_TURN
+        if excess < 10.0:
+            break
+        damping = max(4.0 * damping, RANK_TOLERANCE**2)
+    step /= max(1.0, excess)
+    return step
+
+
+def _is_closed(system: RigidSystem, closure: Closure) -> bool:
+    extent = max(system.reach[1:].max(initial=0.0), np.abs(closure.position[:, :2]).max())
+    return bool(closure.residual <= CLOSED * extent)
+
+
+def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) -> AssemblyError:
+    """Return the error that names the open joints of a position, their gaps and the likely cause."""
+    phi = _open(system, closure.position)[0]
+    gaps = [float(np.linalg.norm(phi[system.rows(k)])) for k in range(len(system.joints))]
+    largest = max(gaps, default=0.0)
+    gap_of = {joint.name: gap for joint, gap in zip(system.joints, gaps, strict=True) if gap > 1e-3 * largest}
+    listed = ", ".join(_gap(system, k, phi) for k, joint in enumerate(system.joints) if joint.name in gap_of)
+    cause = f"the links joined by {', '.join(gap_of)} cannot reach one another: check their lengths and end points"
+    if any(not isinstance(joint, Pin) or isinstance(joint, Weld) for joint in system.joints if joint.name in gap_of):
+        cause += ", the directions of guides and the angles of welded, guided and geared bodies"
+    angles = [system.names[drive.body] for drive in system.drives if isinstance(drive, Drive)]
+    places = [drive.name for drive in system.drives if isinstance(drive, Travel)]
+    if between_branches:
+        cause = "a slightly turned guess does close, so the guess lies between two branches: draw it to one side"
+    else:
+        cause += f", and the driven angle of {', '.join(angles)}" if angles else ""
+        cause += f", and the driven travel of {', '.join(places)}" if places else ""
+    message = f"joints stay open, {listed} ({1e3 * sum(gap_of.values()):.4g} mm together); {cause}"
+    return AssemblyError(message, tuple(gap_of), tuple(gap_of.values()))
+
+
+def _gap(system: RigidSystem, k: int, phi: Array) -> str:
+    """A joint and by how much it is open: mm, and rad where angles do not fit."""
+    joint, open_rows = system.joints[k], phi[system.rows(k)]
+    apart, askew = float(np.linalg.norm(open_rows[: joint.lengths])), float(np.linalg.norm(open_rows[joint.lengths :]))
+    parts = [f"{1e3 * apart:.4g} mm"] if apart > 1e-3 * askew else []
+    parts += [f"{askew / system.lengths[k]:.4g} rad"] if askew > 1e-3 * apart else []
+    return f"{joint.name} by {' and '.join(parts)}"
+
+
+def _demand(system: RigidSystem, missing: Array, motion: Array, quantity: str) -> None:
+    """Raise AssemblyError where G motion misses its wanted value by more than round-off."""
+    missed = np.abs(missing) > RANK_TOLERANCE * max(np.abs(motion).max(initial=0.0), np.abs(missing).max(initial=0.0))
+    if missed.any():
+        joints = [joint.name for k, joint in enumerate(system.joints) if missed[system.rows(k)].any()]
+        named = joints + [system.drive_name(drive) for drive in system.drives]
+        cause = "the position is a dead centre, the drives disagree, or the velocity given parts the joints; "
+        cause += "start at another angle, or remove one of the drives or joints named"
+        raise AssemblyError(f"no {quantity} satisfies {', '.join(named)}: {cause}", joints)
+
+
+__all__ = [
+    "AssemblyError", "Closure", "Drive", "Gear", "Pin", "RigidSystem", "Slide", "Travel", "Weld", "accelerations", "close", "velocities",
+]  # fmt: skip

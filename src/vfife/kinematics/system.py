@@ -1,0 +1,155 @@
+"""Rigid bodies, the joints that tie them and the motions prescribed to them, and the equations that these make."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .constraints import AnyDrive, AnyJoint, Constraint, Drive, Gear, Travel
+from .linalg import Matrix, matrix
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RigidSystem:
+    """Rigid bodies, their joints and their drives; body 0 is the ground, at the origin with angle 0.
+
+    mass [n] in kg and inertia [n] about the centre of mass in kg m2; entry 0 is ignored.  `reach` [n] in m is the
+    larger of the radius of gyration and the farthest point of a joint of each body.  Raises ValueError on inconsistent input.
+    """
+
+    names: tuple[str, ...]
+    mass: Array
+    inertia: Array
+    joints: Sequence[AnyJoint]
+    drives: Sequence[AnyDrive] = ()
+    reach: Array = field(init=False, repr=False)
+    starts: tuple[int, ...] = field(init=False, repr=False)
+    lengths: tuple[float, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        n = len(self.names)
+        mass, inertia = np.asarray(self.mass, dtype=float), np.asarray(self.inertia, dtype=float)
+        if mass.shape != (n,) or inertia.shape != (n,):
+            raise ValueError(f"mass and inertia must have one entry for each of the {n} bodies")
+        if not all(0.0 < value < np.inf for value in (*mass[1:], *inertia[1:])):
+            raise ValueError("mass and inertia of every moving body must be finite and greater than zero")
+        reach = np.ones(n)
+        reach[1:] = np.sqrt(inertia[1:] / mass[1:])
+        for one in self.constraints:
+            _check(one, n)
+            if not isinstance(one, Gear | Drive):
+                for body, point in ((one.body_a, one.point_a), (one.body_b, one.point_b)):
+                    reach[body] = max(reach[body], float(np.hypot(*point)))  # type: ignore[misc]
+        turned = [(drive.body_a, drive.body_b) for drive in self.drives if isinstance(drive, Drive)]
+        if len(set(turned)) < len(turned):
+            raise ValueError("each drive must turn a moving body of its own")
+        starts = np.cumsum([0, *(one.size for one in self.constraints)])
+        lengths = tuple(_length(one, reach) for one in self.constraints)
+        for name, value in (("mass", mass), ("inertia", inertia), ("reach", reach), ("starts", tuple(map(int, starts))), ("lengths", lengths)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def constraints(self) -> tuple[AnyJoint | AnyDrive, ...]:
+        """Joints, then drives: the order of the rows."""
+        return (*self.joints, *self.drives)
+
+    @property
+    def held(self) -> int:
+        """Number of rows of the joints; those of the drives come after them."""
+        return self.starts[len(self.joints)]
+
+    def rows(self, k: int) -> slice:
+        """Rows of the k-th constraint."""
+        return slice(self.starts[k], self.starts[k + 1])
+
+    def drive_name(self, drive: AnyDrive) -> str:
+        """A drive in messages."""
+        return f"the drive of {self.names[drive.body]}" if isinstance(drive, Drive) else f"the drive of {drive.name}"
+
+
+def _check(one: Constraint, n: int) -> None:
+    """ValueError where a constraint names bodies or numbers that make no sense."""
+    two = len({one.body_a, one.body_b} & {*range(n)}) == 2
+    if isinstance(one, Drive):
+        if not two or one.body_b == 0:
+            raise ValueError("each drive must turn a moving body of its own")
+        if not np.isfinite((one.angle, one.speed, one.acceleration)).all():
+            raise ValueError("angle, speed and acceleration of every drive must be finite")
+        return
+    if isinstance(one, Gear):
+        if not two or not np.isfinite((one.ratio, one.offset)).all() or one.ratio == 0.0:
+            raise ValueError(f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than zero, not {one.ratio:g}")
+        return
+    points = np.asarray([one.point_a, one.point_b], dtype=float)
+    if not two or points.shape != (2, 2) or not np.isfinite(points).all():
+        raise ValueError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
+    numbers = (one.value, one.speed, one.acceleration) if isinstance(one, Travel) else (getattr(one, "offset", 0.0),)
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
+
+
+def _length(one: Constraint, reach: Array) -> float:
+    """What multiplies a row of angles, so that it has unit length (m)."""
+    a = 0.0 if one.body_a == 0 else one.ratio / reach[one.body_a]
+    b = 0.0 if one.body_b == 0 else 1.0 / reach[one.body_b]
+    return float(1.0 / np.hypot(a, b))
+
+
+@dataclass(frozen=True)
+class Equations:
+    """phi [r] (m), G [r, 3(n-1)], the wanted G v [r] (m/s) and gamma = G a [r] (m/s2)."""
+
+    phi: Array
+    jacobian: Matrix
+    rate: Array
+    gamma: Array
+
+
+def equations(system: RigidSystem, position: Array, velocity: Array) -> Equations:
+    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]."""
+    count, n = system.starts[-1], len(system.names)
+    phi, rate, gamma = np.zeros(count), np.zeros(count), np.zeros(count)
+    values: list[float] = []
+    at: list[int] = []
+    columns: list[int] = []
+    for one, row, length in zip(system.constraints, system.starts, system.lengths, strict=False):
+        found = one.rows(position, velocity, length)
+        for k in range(len(found.phi)):
+            phi[row + k], gamma[row + k] = found.phi[k], found.gamma[k]
+            for body, block in ((one.body_a, found.a[k]), (one.body_b, found.b[k])):
+                if body:
+                    values += (block[0], block[1], block[2] / system.reach[body])
+                    at += (row + k,) * 3
+                    columns += range(3 * body - 3, 3 * body)
+        if isinstance(one, Drive | Travel):
+            scale = length if isinstance(one, Drive) else 1.0
+            rate[row] = scale * one.speed
+            gamma[row] += scale * one.acceleration
+    return Equations(phi, matrix(values, at, columns, (count, 3 * n - 3)), rate, gamma)
+
+
+def metric(system: RigidSystem) -> tuple[Array, Array]:
+    """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]."""
+    reach, mass, inertia = system.reach[1:], system.mass[1:], system.inertia[1:]
+    one = np.ones_like(reach)
+    return np.column_stack([one, one, reach]).ravel(), np.column_stack([mass, mass, inertia / reach**2]).ravel()
+
+
+def checked(system: RigidSystem, value: Array, name: str) -> Array:
+    """A copy [n,3] of an input with the ground's row at zero; ValueError on a bad shape or value."""
+    motion = np.array(value, dtype=float)
+    if motion.shape != (len(system.names), 3) or not np.isfinite(motion[1:]).all():
+        raise ValueError(f"{name} must be finite and have shape ({len(system.names)}, 3), not {motion.shape}")
+    motion[0] = 0.0
+    return motion
+
+
+def mirrored(system: RigidSystem) -> RigidSystem:
+    """The system with y and every angle turned round."""
+    joints, drives = tuple(one.mirrored() for one in system.joints), tuple(one.mirrored() for one in system.drives)
+    return RigidSystem(system.names, system.mass, system.inertia, joints, drives)

@@ -1,0 +1,203 @@
+"""A law of the user's own is tried out in plain Python before the compiler sees it: what is wrong with it is told in words.
+
+Three looks, each only where the one before found nothing: how the function is written, what it gives at a few states, and whether it goes into
+straight-line code. Built-in laws are spared: the tests look at them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import math
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from ..codegen.source import Gathered, data_driven, law_name
+from ..codegen.trace import Symbol, Tape, traced
+from ..errors import LawError, SourceError
+from ..kernels.arrays import CONTACT_SLOTS, FRICTION_SLOTS
+from .law import ContactLaw, Law, Pair, built_in
+from .text import REMEDY, faults_of_text, place
+
+ARGUMENTS = {
+    "contact": ("penetration", "slowness", "p"),
+    "friction": ("normal_force", "free_velocity", "mobility", "memory", "dt", "p"),
+}
+ANSWER = {"contact": "the elastic force (N) and the damping coefficient (N s/m)", "friction": "the friction force (N) and the memory"}
+UNITS = ("m", "s/m"), ("N", "m/s", "m/s/N", "m", "s")
+
+
+def kind_of(law: type[Law]) -> str:
+    """ "contact" or "friction"."""
+    return "contact" if issubclass(law, ContactLaw) else "friction"
+
+
+def try_out(laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...] = (), frictions: tuple[type, ...] = ()) -> None:
+    """Tries every law that is not built in at the surfaces it is meant for. Raises LawError with all that is wrong.
+
+    ``contacts`` and ``frictions`` are the laws that stand beside it in one compiled loop.
+    """
+    own = [(law, pair) for law, pair in laws if not built_in(type(law))]
+    if not own:
+        return
+    found: list[str] = []
+    for kind in dict.fromkeys(type(law) for law, _ in own):
+        found += faults_of_class(kind)
+    if not found:
+        for law, pair in own:
+            found += faults_of_numbers(law, pair)
+    if not found:
+        for kind in dict.fromkeys(type(law) for law, _ in own):
+            found += faults_of_trace(kind)
+    if not found and contacts:
+        try:
+            data_driven(contacts, frictions)
+        except SourceError as error:
+            found.append(f"{place(type(own[0][0]))}: {error}")
+    if found:
+        raise LawError("\n".join(dict.fromkeys(found)))
+
+
+def faults_of_class(law: type[Law]) -> list[str]:
+    """How the class is made, and how its function is written."""
+    where, kind = place(law), kind_of(law)
+    found = []
+    if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", law.name):
+        found.append(f"{where}: a law's name is made of small letters, digits and hyphens, as in lankarani-nikravesh")
+    fields = [name for name, said in inspect.get_annotations(law).items() if "ClassVar" not in str(said)]
+    if fields and "__dataclass_params__" not in law.__dict__:
+        found.append(f"{where}: the class has fields ({', '.join(fields)}) and is no dataclass; write @dataclass(frozen=True) above it")
+    room = CONTACT_SLOTS if kind == "contact" else FRICTION_SLOTS
+    slots: Any = law.slots
+    if not isinstance(slots, tuple) or not all(isinstance(slot, str) for slot in slots):
+        found.append(f'{where}: slots is a tuple of names, as in slots: ClassVar[tuple[str, ...]] = ("stiffness",)')
+    elif len(law.slots) > room:
+        found.append(f"{where}: {len(law.slots)} slots; a {kind} law may have {room}: work out in parameters() what does not change in a run")
+    function, wanted = law.force, ARGUMENTS[kind]  # type: ignore[attr-defined]
+    if not isinstance(inspect.getattr_static(law, "force"), staticmethod):
+        return [*found, f"{where}: force is a static function; write @staticmethod above it and no self among its arguments"]
+    given = [name for name, one in inspect.signature(function).parameters.items() if one.default is one.empty]
+    if len(inspect.signature(function).parameters) != len(wanted) or len(given) != len(wanted):
+        count = f"{len(given)} argument{'s' * (len(given) != 1)} ({', '.join(given)})"
+        found.append(f"{where}: force takes {count}; a {kind} law takes {len(wanted)}: {', '.join(wanted)}")
+    film: Any = getattr(law, "film_force", None) if kind == "contact" and law.film else None  # type: ignore[attr-defined]
+    if kind == "contact" and law.film and (film is None or len(inspect.signature(film).parameters) != 4):  # type: ignore[attr-defined]
+        found.append(f"{where}: a law with film = True has a static function film_force(penetration, turning, sense, p)")
+        film = None
+    try:
+        found += [f"{where}: {fault}" for fault in faults_of_text(function)]
+        found += [f"{where}: {fault}" for fault in (faults_of_text(film) if film is not None else ())]
+    except (OSError, TypeError):
+        found.append(f"{where}: the text of its function cannot be read; write the law in a file, as the compiler needs its text")
+    return found
+
+
+def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
+    """What parameters() and force give for these surfaces."""
+    where, kind = place(type(law)), kind_of(type(law))
+    try:
+        p: tuple[Any, ...] = tuple(law.parameters(pair))
+    except Exception as error:
+        return [f"{where}: parameters() raises {type(error).__name__}: {error} (clearance {pair.clearance:g} m)"]
+    if len(p) != len(law.slots):
+        return [f"{where}: parameters() gives {len(p)} numbers, and slots names {len(law.slots)}: {', '.join(law.slots)}"]
+    for slot, value in zip(law.slots, p, strict=True):
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            return [f"{where}: parameters() gives {slot} = {value!r}, which is no finite number (clearance {pair.clearance:g} m)"]
+    p = tuple(float(value) for value in p)
+    states = contact_states(pair) if kind == "contact" else friction_states()
+    for state in states:
+        fault = fault_at(law, kind, state, p)
+        if fault:
+            said = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
+            at = ", ".join(f"{name} {value:g} {unit}" for name, value, unit in said)
+            return [f"{where}, function force: {fault} (at {at})"]
+    return faults_of_film(law, pair, p) if kind == "contact" else []
+
+
+def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
+    """What the film of a law gives: five finite numbers, damping that loses energy."""
+    for depth in (-1.0, -0.5, -1e-3, 0.0, 0.1) if law.film else ():
+        at = f"{place(type(law))}, function film_force (at penetration {depth * pair.clearance:g} m)"
+        try:
+            answer = tuple(float(value) for value in law.film_force(depth * pair.clearance, 1e-3, 1.0, p))
+        except Exception as error:
+            return [f"{at}: it raises {type(error).__name__}: {error}"]
+        if len(answer) != 5 or not all(math.isfinite(value) for value in answer):
+            return [f"{at}: it returns {answer}; it has to return five finite numbers: radial and across (N), D_n, D_t and X (N s/m)"]
+        if min(answer[2:4]) < 0.0 or answer[4] ** 2 > answer[2] * answer[3]:
+            return [f"{at}: D_n, D_t and X are {answer[2:]}; D_n and D_t have to be 0 or more and X^2 at most D_n D_t, or the film gives energy"]
+    return []
+
+
+def contact_states(pair: Pair) -> Iterator[tuple[float, ...]]:
+    """Apart, and in contact at depths up to the clearance, after impacts of 1 mm/s to 10 m/s."""
+    yield 0.0, 0.0
+    for share in (0.0, 1e-6, 1e-3, 0.1, 1.0):
+        for slowness in (0.1, 1.0, 1e3):
+            yield share * pair.clearance, slowness
+
+
+def friction_states() -> Iterator[tuple[float, ...]]:
+    """Apart, and under forces to 10 kN, at rest and sliding to 1 m/s either way, free to move or not."""
+    for normal in (0.0, 1.0, 1e4):
+        for velocity in (0.0, 1e-6, -1e-3, 1.0, -1.0):
+            for mobility in (1e-12, 1e-6):
+                yield normal, velocity, mobility, 0.0, 1e-6
+
+
+def fault_at(law: Law, kind: str, state: tuple[float, ...], p: tuple[float, ...]) -> str:
+    """What is wrong with the answer at a state, or nothing."""
+    try:
+        answer: Any = law.force(*state, p)  # type: ignore[attr-defined]
+    except ZeroDivisionError:
+        return "it divides by zero; a step calls it also while the surfaces are apart, so add a bound or choose by `a if condition else b`"
+    except Exception as error:
+        return f"it raises {type(error).__name__}: {error}"
+    if not isinstance(answer, tuple) or len(answer) != 2:
+        return f"it returns {answer!r}; it has to return two numbers, {ANSWER[kind]}"
+    for value in answer:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return f"it returns {value!r} of type {type(value).__name__}; it has to return two numbers, {ANSWER[kind]}"
+        if not math.isfinite(value):
+            return f"it returns {answer[0]!r} and {answer[1]!r}; both have to be finite"
+    first, second = answer
+    if kind == "friction":
+        return f"a friction of {first:g} N without a normal force; it has to vanish with it" if state[0] == 0.0 and first != 0.0 else ""
+    if first < 0.0:
+        return f"the elastic force is {first:g} N; surfaces that press on one another push, so it has to be 0 or more"
+    if second < 0.0:
+        return f"the damping coefficient is {second:g} N s/m; it has to be 0 or more, or the contact would give energy"
+    if state[0] == 0.0 and first != 0.0:
+        return f"the elastic force is {first:g} N; it has to be 0 where nothing is pressed in"
+    if state == (0.0, 0.0) and second != 0.0:
+        return f"the damping coefficient is {second:g} N s/m while the surfaces are apart; it has to be 0 there, where slowness is 0"
+    return ""
+
+
+def faults_of_trace(law: type[Law]) -> list[str]:
+    """Whether the function goes into straight-line code; what passes the look at its text hardly ever fails here."""
+    kind = kind_of(law)
+    try:
+        gathered, tape = Gathered(), Tape()
+        name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
+        symbols = [Symbol(tape, f"x{k}") for k in range(len(ARGUMENTS[kind]) - 1)]
+        traced(gathered.text(), tape)[name](*symbols, tuple(Symbol(tape, f"p{k}") for k in range(len(law.slots))))
+    except Exception as error:
+        return [f"{place(law)}, function force: it cannot be written into the step ({type(error).__name__}: {error}). {REMEDY}"]
+    return []
+
+
+def needed(law: type[Law]) -> list[str]:
+    """Fields that have to be given."""
+    missing = dataclasses.MISSING
+    return [field.name for field in dataclasses.fields(law) if field.default is missing and field.default_factory is missing]
+
+
+def faults(law: type[Law], pair: Pair | None = None) -> list[str]:
+    """All that can be said of a law before it is used in a model: with default parameters, where it has them."""
+    found: list[Any] = faults_of_class(law)
+    if found or needed(law):
+        return found
+    return faults_of_numbers(law(), pair or Pair(0.01, 2e-4, 0.02)) or faults_of_trace(law)

@@ -1,0 +1,38 @@
+"""What follows from a contact law's elastic force: tangent stiffness and stored energy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .law import ContactLaw
+
+Array = NDArray[np.float64]
+
+
+def tangent(law: ContactLaw, slots: tuple[float, ...], force: float) -> tuple[float, float]:
+    """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m) there."""
+
+    def elastic(depth: float) -> float:
+        return float(law.force(depth, 0.0, slots)[0])
+
+    low, high = 1e-15, 1e-9
+    while elastic(high) < force and high < 1.0:
+        low, high = high, 2.0 * high
+    for _ in range(60):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if elastic(middle) < force else (low, middle)
+    return high, (elastic(1.001 * high) - elastic(0.999 * high)) / (0.002 * high)
+
+
+def elastic_energy(law: ContactLaw, depth: Array, slots: tuple[float, ...]) -> Array:
+    """Elastic energy (J) at penetrations (m): the law's own, or its elastic force summed up where it has none."""
+    try:
+        return np.asarray(law.elastic_energy(depth, slots), dtype=float)
+    except NotImplementedError:
+        grid = np.linspace(0.0, max(float(depth.max()), 1e-12), 2001)
+        force = np.array([law.force(float(d), 0.0, slots)[0] for d in grid])
+        steps = 0.5 * (force[1:] + force[:-1]) * np.diff(grid)
+        return np.asarray(np.interp(depth, grid, np.concatenate([[0.0], np.cumsum(steps)])), dtype=float)

@@ -1,0 +1,149 @@
+"""What a run file keeps of laws of the user's own, and what stands for them when it is read: their text is never run again for that.
+
+A contact law is kept as a table of its elastic force and energy over the penetration, for each joint that has it: enough for every number and
+figure of the run, not for another run.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, ClassVar
+
+from ..errors import LawError
+from .law import ContactLaw, FrictionLaw, Law, Pair, built_in
+from .user import REGISTRIES, file_of, text_of
+
+POINTS = 401  # of a table, closer together at small depths
+
+Entry = dict[str, Any]
+
+
+def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
+    """What JSON can keep of every law that is not built in: name, file and its text, fields, slots, and a table a joint."""
+    found: dict[tuple[str, str], Entry] = {}
+    for law, pair in laws:
+        kind = type(law)
+        if built_in(kind) and not issubclass(kind, Recorded):
+            continue
+        what = "contact" if isinstance(law, ContactLaw) else "friction"
+        origin = kind.entry if issubclass(kind, Recorded) else {"file": file_of(kind), "text": text_of(kind)}
+        entry: Entry = {"name": law.name, "kind": what, "source": law.source, "formula": law.formula, "slots": list(law.slots), "joints": []}
+        entry = found.setdefault((what, law.name), {**entry, "file": origin["file"], "text": origin["text"]})
+        joint: Entry = {"fields": fields(law), "pair": dataclasses.asdict(pair), "p": [float(v) for v in law.parameters(pair)]}
+        if isinstance(law, ContactLaw):
+            joint["table"] = kind.of(joint)["table"] if issubclass(kind, Recorded) else table(law, pair, tuple(joint["p"]))
+        if joint not in entry["joints"]:
+            entry["joints"].append(joint)
+    return list(found.values())
+
+
+def fields(law: Law) -> dict[str, Any]:
+    """Parameters by name."""
+    return {field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
+
+
+def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]]:
+    """Depths (m) up to twice the clearance, elastic forces (N) and energies (J) at them."""
+    depths = [2.0 * pair.clearance * (k / (POINTS - 1)) ** 3 for k in range(POINTS)]
+    forces = [float(law.force(depth, 0.0, p)[0]) for depth in depths]
+    try:
+        energies = [float(law.elastic_energy(depth, p)) for depth in depths]
+    except NotImplementedError:
+        energies = [0.0]
+        for k in range(1, POINTS):
+            middle = float(law.force(0.5 * (depths[k - 1] + depths[k]), 0.0, p)[0])
+            energies.append(energies[-1] + (depths[k] - depths[k - 1]) * (forces[k - 1] + 4.0 * middle + forces[k]) / 6.0)
+    return [depths, forces, energies]
+
+
+class Recorded(Law):
+    """Stands for a law of the user's own that a run file tells of."""
+
+    entry: ClassVar[Entry] = {}
+
+    def parameters(self, pair: Pair) -> tuple[float, ...]:
+        """The numbers that were recorded for these surfaces."""
+        return tuple(self.of({"fields": fields(self), "pair": dataclasses.asdict(pair)})["p"])
+
+    @classmethod
+    def of(cls, joint: Mapping[str, Any]) -> Entry:
+        """What was recorded for these parameters and surfaces. Raises LawError for others."""
+        for one in cls.entry["joints"]:
+            if one["fields"] == joint["fields"] and one["pair"] == joint["pair"]:
+                return dict(one)
+        raise LawError(
+            f"law {cls.name!r} is known from a run file only, for the joints of that run; to use it otherwise, load {cls.entry['file']} (--laws)"
+        )
+
+
+class RecordedContact(Recorded, ContactLaw):
+    """A contact law as a table."""
+
+    @classmethod
+    def row(cls, depth: float, p: tuple[float, ...]) -> tuple[float, float]:
+        """Elastic force (N) and energy (J) at a depth (m); straight between the points, and beyond the last."""
+        depths, forces, energies = next(one["table"] for one in cls.entry["joints"] if tuple(one["p"]) == tuple(p))
+        k = min(max(bisect_right(depths, depth), 1), len(depths) - 1)
+        share = (depth - depths[k - 1]) / (depths[k] - depths[k - 1])
+        step = share * (depths[k] - depths[k - 1])
+        force = forces[k - 1] + share * (forces[k] - forces[k - 1])
+        whole = (depths[k] - depths[k - 1]) * 0.5 * (forces[k] + forces[k - 1])
+        part = step * 0.5 * (forces[k - 1] + force)  # the straight force's own work, stretched to that of the interval
+        return force, energies[k - 1] + (part * (energies[k] - energies[k - 1]) / whole if whole > 0.0 else 0.0)
+
+    def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
+        """Energy (J) from the table, for a depth or an array of them."""
+        if hasattr(penetration, "shape") and penetration.shape:
+            return [self.row(float(depth), p)[1] if depth > 0.0 else 0.0 for depth in penetration]
+        return self.row(float(penetration), p)[1]
+
+
+def stand_in(entry: Entry) -> type[Law]:
+    """A class that reads and writes like the law, and cannot be stepped."""
+    contact = entry["kind"] == "contact"
+    values: dict[str, Any] = {}
+    for joint in entry["joints"]:
+        values |= {name: value for name, value in joint["fields"].items() if values.get(name) is None}
+    space: dict[str, Any] = {
+        "__module__": __name__,
+        "__doc__": entry["formula"],
+        "__annotations__": {name: type(value) for name, value in values.items()},
+        **{"name": entry["name"], "source": entry["source"], "formula": entry["formula"], "slots": tuple(entry["slots"]), "entry": entry},
+    }
+    for name in values:
+        space[name] = dataclasses.field(default=None, metadata={"unit": "1", "meaning": "as it was recorded"})
+    law = type("Recorded", (RecordedContact if contact else type("Base", (Recorded, FrictionLaw), {}),), space)
+    if contact:
+        law.force = staticmethod(lambda penetration, slowness, p: (law.row(penetration, p)[0], 0.0))  # type: ignore[attr-defined]
+    made: type[Law] = dataclasses.dataclass(frozen=True)(law)
+    return made
+
+
+def refuse_recorded(laws: Sequence[type]) -> None:
+    """Raises LawError where a law is known from a run file only: it can be read, not run."""
+    for law in laws:
+        if issubclass(law, Recorded):
+            where = law.entry["file"]
+            raise LawError(f"law {law.name!r} is known from a run file only, which does not run code; load its file first: {where} (--laws)")
+
+
+@contextmanager
+def standing_in(entries: Sequence[Entry]) -> Iterator[None]:
+    """Makes the laws that a run file tells of known while its model is read; a law that is loaded and has the same text stands for itself."""
+    before = [dict(registry) for registry in REGISTRIES]
+    try:
+        for entry in entries:
+            registry = ContactLaw.registry if entry["kind"] == "contact" else FrictionLaw.registry
+            known = registry.get(entry["name"])
+            if known is not None and not built_in(known) and text_of(known) == entry["text"]:
+                continue
+            registry.pop(entry["name"], None)
+            stand_in(entry)
+        yield
+    finally:
+        for registry, laws in zip(REGISTRIES, before, strict=True):
+            registry.clear()
+            registry.update(laws)

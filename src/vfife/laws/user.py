@@ -1,0 +1,109 @@
+"""Laws from a file of the user's own, named on the command line or in a script; a model file never names code."""
+
+from __future__ import annotations
+
+import importlib.util
+import linecache
+import re
+import sys
+import traceback
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import ModuleType
+
+from ..errors import LawError
+from .law import ContactLaw, FrictionLaw, Law, built_in
+
+REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
+
+
+def load_laws(path: str | Path) -> list[type[Law]]:
+    """Runs a file of Python and returns the laws that it defines, which are then known by their names.
+
+    The file may import what is installed, and nothing beside it: a run keeps its text. Raises LawError with a sentence for a file that cannot
+    be read or run, defines no law, or one that cannot be used; no law of it is known then.
+    """
+    from .check import faults_of_class
+
+    path = Path(path)
+    text = read(path)
+    before = [dict(registry) for registry in REGISTRIES]
+    try:
+        module = executed(path, text)
+        laws = [law for registry in REGISTRIES for law in registry.values() if law.__module__ == module.__name__]
+        if not laws:
+            raise LawError(f"{path}: {no_law(module)}")
+        for law in laws:
+            for old in (registry.get(law.name) for registry in before):
+                if old is not None and not built_in(old) and file_of(old) != str(path):
+                    raise LawError(f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of them")
+        found = [fault for law in laws for fault in faults_of_class(law)]
+        if found:
+            raise LawError("\n".join(found))
+    except BaseException:
+        for registry, known in zip(REGISTRIES, before, strict=True):
+            registry.clear()
+            registry.update(known)
+        raise
+    return laws
+
+
+def read(path: Path) -> str:
+    """Text of a file of laws."""
+    try:
+        return path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+    except OSError as error:
+        remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
+        raise LawError(f"{path}: it cannot be read ({error.strerror}); {remedy}") from None
+    except UnicodeDecodeError as error:
+        raise LawError(f"{path}: byte {error.start} is not UTF-8; save the file in this encoding") from None
+
+
+def executed(path: Path, text: str) -> ModuleType:
+    """The module of a text. It is compiled from the very text that was read, so a change is noticed however quickly it comes."""
+    name = f"own_laws_{re.sub(r'[^0-9A-Za-z]', '_', path.stem)}"
+    spec = importlib.util.spec_from_file_location(name, path) or ModuleSpec(name, None, origin=str(path))
+    module = importlib.util.module_from_spec(spec)
+    module.__file__ = str(path)
+    # Functions find their text here; without a time of change it stays as it was read.
+    linecache.cache[str(path)] = (len(text), None, text.splitlines(keepends=True), str(path))
+    sys.modules[name] = module  # dataclasses look their module up
+    try:
+        code = compile(text, str(path), "exec", dont_inherit=True)
+        exec(code, module.__dict__)  # the user named this file to have it run
+    except SyntaxError as error:
+        line = f" in `{error.text.strip()}`" if error.text else ""
+        raise LawError(f"{path}, line {error.lineno}: this is no Python: {error.msg}{line}; correct it") from None
+    except ImportError as error:
+        what = "a file of laws may import what is installed, and nothing that lies beside it: write it into the file"
+        raise LawError(f"{path}, line {line_of(error, path)}: {error}; {what}") from None
+    except (Exception, SystemExit) as error:
+        said = str(error) or "nothing said"
+        told = f"{path}, line {line_of(error, path)}: {said if isinstance(error, ValueError) else f'{type(error).__name__}: {said}'}"
+        raise LawError(told) from None
+    return module
+
+
+def line_of(error: BaseException, path: Path) -> int | str:
+    """Line of the file at which it failed."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return lines[-1] if lines and lines[-1] is not None else "?"
+
+
+def no_law(module: ModuleType) -> str:
+    """Why a module defines no law."""
+    for name, value in vars(module).items():
+        if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__:
+            return f'{name} has no name that a model could use; give it name: ClassVar[str] = "my-law"'
+    return "it defines no law; a law is a frozen dataclass that inherits from vfife.ContactLaw or vfife.FrictionLaw and has a name"
+
+
+def file_of(law: type[Law]) -> str:
+    """File that a law's function stands in, as it was named."""
+    return str(getattr(getattr(law, "force", None), "__code__", None) and law.force.__code__.co_filename)  # type: ignore[attr-defined]
+
+
+def text_of(law: type[Law]) -> str | None:
+    """Text of the file that a law's function stands in, None where there is none, as for one typed at a prompt."""
+    lines = linecache.getlines(file_of(law))
+    return "".join(lines) if lines else None

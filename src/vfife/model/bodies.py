@@ -1,0 +1,204 @@
+"""Bodies of a planar mechanism: rigid bodies, links (rigid, elastic or two-particle) and point masses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..laws.law import Material
+
+Point = tuple[float, float]
+LinkModel = Literal["rigid", "elastic", "two-particle"]
+Release = Literal["none", "start", "end", "both"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Cross section of an elastic link: area (m^2) and second moment of area about the axis of bending (m^4).
+
+    ``extreme_fibre`` (m) is the distance of the outermost fibre from that axis; with it stresses N/A + M e/I are known.
+    """
+
+    area: float
+    second_moment: float
+    extreme_fibre: float | None = None
+
+    @classmethod
+    def rectangle(cls, width: float, height: float) -> Section:
+        """Rectangle, bent across its height (m)."""
+        return cls(width * height, width * height**3 / 12.0, 0.5 * height)
+
+    @classmethod
+    def square(cls, area: float) -> Section:
+        """Square of the given area (m^2): I = A^2/12."""
+        return cls(area, area**2 / 12.0, 0.5 * math.sqrt(area))
+
+    @classmethod
+    def round(cls, diameter: float) -> Section:
+        """Solid circle (m)."""
+        return cls(math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0, 0.5 * diameter)
+
+    @classmethod
+    def tube(cls, outer: float, inner: float) -> Section:
+        """Hollow circle of outer and inner diameter (m)."""
+        return cls(math.pi * (outer**2 - inner**2) / 4.0, math.pi * (outer**4 - inner**4) / 64.0, 0.5 * outer)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """What all bodies have: a name, an approximate angle (rad) and position of the frame's origin (m) to close the mechanism from.
+
+    ``velocity`` (m/s, m/s, rad/s) is the initial velocity of a body that no driver moves; joints with clearance then do not hold it at the start.
+    """
+
+    name: str
+    angle: float = 0.0
+    position: Point | None = None
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    material: Material = field(default_factory=Material)
+
+    @property
+    def pins(self) -> dict[str, Point]:
+        """Named points in the body's frame (m)."""
+        raise NotImplementedError
+
+    @property
+    def model(self) -> str:
+        """Which model of the body is used."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidBody(Body):
+    """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins (m, in the body's frame)."""
+
+    mass: float
+    inertia: float
+    center: Point = (0.0, 0.0)
+    points: dict[str, Point] = field(default_factory=dict)
+
+    @property
+    def pins(self) -> dict[str, Point]:
+        """The named points, and ``center``."""
+        return {"center": self.center, **self.points}
+
+    @property
+    def model(self) -> str:
+        """``rigid``."""
+        return "rigid"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Link(Body):
+    """Link from ``start`` (0, 0) to ``end`` (length, 0): straight, or bent along the points ``via`` (m, in the link's frame) on the way.
+
+    Models: ``rigid`` has the exact mass, centre and inertia (a uniform rod unless ``inertia``, kg m^2 about the centre of mass, and
+    ``center``, m from the start, are given). ``elastic`` is cut into ``elements`` frame elements of its section and material, masses lumped by
+    Eq. 2 (k elements give a uniform rod (m l^2/12)(1 + 2/k^2)). ``two-particle`` is one stiff element with half the mass at each end, as in the
+    VFIFE paper; with ``release = "both"`` it is a bar. ``mass`` is that of the link alone, attached masses (kg) and rotary inertias (kg m^2, a
+    flywheel on the pin) sit at its ends. A polyline's elements are spread over its pieces by their length, each piece having one at least.
+    """
+
+    length: float
+    mass: float | None = None
+    link_model: LinkModel = "rigid"
+    inertia: float | None = None
+    center_at: float | None = None
+    elements: int = 4
+    section: Section | None = None
+    release: Release = "none"
+    stiffness_factor: float = 1.0
+    start_mass: float = 0.0
+    end_mass: float = 0.0
+    start_inertia: float = 0.0
+    end_inertia: float = 0.0
+    via: tuple[Point, ...] = ()
+    extra_points: dict[str, Point] = field(default_factory=dict)
+
+    @property
+    def pins(self) -> dict[str, Point]:
+        """``start``, ``end`` and, on a rigid link, the extra points."""
+        return {"start": (0.0, 0.0), "end": (self.length, 0.0), **self.extra_points}
+
+    @property
+    def model(self) -> str:
+        """``rigid``, ``elastic`` or ``two-particle``."""
+        return self.link_model
+
+    @property
+    def own_mass(self) -> float:
+        """Mass (kg) as given, else density times section area times length."""
+        if self.mass is not None:
+            return self.mass
+        if self.section is None:
+            raise ValueError(f"link {self.name!r} has neither a mass nor a section")
+        return self.material.density * self.section.area * self.path_length
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Start, the points on the way, end (m)."""
+        return ((0.0, 0.0), *self.via, (self.length, 0.0))
+
+    @property
+    def path_length(self) -> float:
+        """Length along the points (m)."""
+        return sum(math.dist(a, b) for a, b in zip(self.corners, self.corners[1:], strict=False))
+
+    @property
+    def element_count(self) -> int:
+        """Number of frame elements; 0 for a rigid link."""
+        return {"rigid": 0, "two-particle": 1, "elastic": self.elements}[self.link_model]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointMass(Body):
+    """A particle: mass (kg), rotary inertia (kg m^2), one pin ``center``."""
+
+    mass: float
+    inertia: float = 0.0
+
+    @property
+    def pins(self) -> dict[str, Point]:
+        """``center``."""
+        return {"center": (0.0, 0.0)}
+
+    @property
+    def model(self) -> str:
+        """``particle``."""
+        return "particle"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A straight piece of a frame from node ``start`` to node ``end``, cut into ``elements``; section and material of the frame unless given."""
+
+    start: str
+    end: str
+    elements: int = 1
+    section: Section | None = None
+    material: Material | None = None
+    mass: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame(Body):
+    """Structure of straight members welded together at its nodes (m, in the body's frame); every node is a pin.
+
+    ``masses`` (kg) sit at nodes. The weight of a member is its ``mass``, or density times area times length.
+    """
+
+    nodes: dict[str, Point]
+    members: tuple[Member, ...]
+    section: Section | None = None
+    masses: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def pins(self) -> dict[str, Point]:
+        """The nodes."""
+        return self.nodes
+
+    @property
+    def model(self) -> str:
+        """``frame``."""
+        return "frame"

@@ -1,0 +1,203 @@
+"""The mechanism: what a user builds. It holds nouns and plain numbers in SI units, and no arrays."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeVar
+
+from .bodies import Body, Frame, Link, PointMass, RigidBody
+from .drivers import ConstantSpeed, Driver
+from .joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
+from .loads import PointForce
+from .springs import AnySpring, Bushing, Spring, Stop, TorsionalSpring
+
+StartMode = Literal["consistent", "rough"]
+Journals = Literal["centred", "seated"]
+AnyBody = TypeVar("AnyBody", bound=Body)
+AnyJoint = TypeVar("AnyJoint", bound=Joint)
+OneSpring = TypeVar("OneSpring", Spring, TorsionalSpring, Stop, Bushing)
+
+
+@dataclass(frozen=True)
+class Start:
+    """How a run starts.
+
+    ``consistent``: closed positions, velocities and accelerations of the ideal mechanism, elastic links already carrying the forces that go
+    with them. ``rough``: positions and velocities only, links unstressed. Journals are ``centred`` in their bearings, or ``seated`` where
+    the ideal reaction presses them.
+    """
+
+    mode: StartMode = "consistent"
+    journals: Journals = "centred"
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
+
+    A static ``analysis`` finds equilibrium under each of the ``load_factors``, which take the place of time in loads and drivers: unbalanced force
+    at most ``residual`` of the largest force, and kinetic energy at most ``kinetic_energy`` of the largest met, in so many ``iterations``.
+    """
+
+    turns: float | None = None
+    duration: float | None = None
+    step: float | Literal["auto"] = "auto"
+    outputs: int = 720
+    damping: float = 0.0
+    path_unit: int = 1
+    analysis: Literal["dynamic", "static"] = "dynamic"
+    load_factors: tuple[float, ...] = (1.0,)
+    residual: float = 1e-6
+    kinetic_energy: float = 1e-10
+    iterations: int = 1_000_000
+
+
+@dataclass
+class Mechanism:
+    """Bodies, joints, drivers and loads by name; all numbers in SI units.
+
+    >>> m = Mechanism("pendulum", gravity=(0.0, -9.81))
+    >>> m.point("pivot", 0.0, 0.0)
+    >>> _ = m.link("rod", length=1.0, mass=1.0)
+    >>> _ = m.revolute("A", "ground.pivot", "rod.start")
+    """
+
+    name: str = "mechanism"
+    note: str = ""
+    gravity: tuple[float, float] = (0.0, 0.0)
+    points: dict[str, tuple[float, float]] = field(default_factory=dict)
+    bodies: dict[str, Body] = field(default_factory=dict)
+    joints: dict[str, Joint] = field(default_factory=dict)
+    drivers: dict[str, Driver] = field(default_factory=dict)
+    loads: dict[str, PointForce] = field(default_factory=dict)
+    gears: dict[str, Gear] = field(default_factory=dict)
+    springs: dict[str, AnySpring] = field(default_factory=dict)
+    start: Start = field(default_factory=Start)
+    settings: Settings = field(default_factory=Settings)
+    source: str | None = field(default=None, compare=False)
+
+    def point(self, name: str, x: float, y: float) -> None:
+        """A point of the ground (m)."""
+        self.points[name] = (float(x), float(y))
+
+    def link(self, name: str, *, length: float, **options: Any) -> Link:
+        """Adds a link; ``model`` = "rigid", "elastic" or "two-particle", the rest as in :class:`~vfife.model.bodies.Link`."""
+        if "model" in options:
+            options["link_model"] = options.pop("model")
+        return self._add_body(Link(name=name, length=length, **options))
+
+    def rigid_body(self, name: str, *, mass: float, inertia: float, **options: Any) -> RigidBody:
+        """Adds a rigid body with any number of pins; see :class:`~vfife.model.bodies.RigidBody`."""
+        return self._add_body(RigidBody(name=name, mass=mass, inertia=inertia, **options))
+
+    def point_mass(self, name: str, *, mass: float, **options: Any) -> PointMass:
+        """Adds a particle; see :class:`~vfife.model.bodies.PointMass`."""
+        return self._add_body(PointMass(name=name, mass=mass, **options))
+
+    def frame(self, name: str, **options: Any) -> Frame:
+        """Adds a frame of welded elastic members; see :class:`~vfife.model.bodies.Frame`."""
+        return self._add_body(Frame(name=name, **options))
+
+    def revolute(self, name: str, bearing: str, journal: str) -> IdealRevolute:
+        """Adds an ideal revolute joint between two pins, each ``body.pin`` or ``ground.point``."""
+        return self._add_joint(IdealRevolute(name=name, bearing=bearing, journal=journal))
+
+    def clearance(self, name: str, bearing: str, journal: str, **options: Any) -> ClearanceRevolute:
+        """Adds a revolute joint with clearance; options as in :class:`~vfife.model.joints.ClearanceRevolute`."""
+        return self._add_joint(ClearanceRevolute(name=name, bearing=bearing, journal=journal, **options))
+
+    def slider(self, name: str, bearing: str, journal: str, **options: Any) -> Slider:
+        """Adds an ideal slider: the journal's pin moves along a guide through the bearing's; see :class:`~vfife.model.joints.Slider`."""
+        return self._add_joint(Slider(name=name, bearing=bearing, journal=journal, **options))
+
+    def clearance_slider(self, name: str, bearing: str, journal: str, **options: Any) -> ClearanceSlider:
+        """Adds a block with play in a guide; see :class:`~vfife.model.joints.ClearanceSlider`."""
+        return self._add_joint(ClearanceSlider(name=name, bearing=bearing, journal=journal, **options))
+
+    def weld(self, name: str, bearing: str, journal: str) -> Weld:
+        """Joins two bodies rigidly at a pin of each; with the ground it is a clamp."""
+        return self._add_joint(Weld(name=name, bearing=bearing, journal=journal))
+
+    def external_contact(self, name: str, bearing: str, journal: str, **options: Any) -> ExternalContact:
+        """Adds a contact between a round pin and a line or another round; see :class:`~vfife.model.joints.ExternalContact`."""
+        return self._add_joint(ExternalContact(name=name, bearing=bearing, journal=journal, **options))
+
+    def gear(self, name: str, first: str, second: str, *, ratio: float) -> Gear:
+        """Couples the angles of two bodies; see :class:`~vfife.model.joints.Gear`."""
+        if name in self.gears:
+            raise ValueError(f"there is a gear called {name!r} already")
+        self.gears[name] = Gear(name=name, first=first, second=second, ratio=ratio)
+        return self.gears[name]
+
+    def spring(self, name: str, first: str, second: str, **options: Any) -> Spring:
+        """Adds a spring and damper between two pins; see :class:`~vfife.model.springs.Spring`."""
+        return self._add_spring(Spring(name=name, first=first, second=second, **options))
+
+    def torsional_spring(self, name: str, first: str, second: str, **options: Any) -> TorsionalSpring:
+        """Adds a torsional spring and damper between two bodies; see :class:`~vfife.model.springs.TorsionalSpring`."""
+        return self._add_spring(TorsionalSpring(name=name, first=first, second=second, **options))
+
+    def stop(self, name: str, first: str, second: str, **options: Any) -> Stop:
+        """Adds a rotational stop between two bodies; see :class:`~vfife.model.springs.Stop`."""
+        return self._add_spring(Stop(name=name, first=first, second=second, **options))
+
+    def bushing(self, name: str, first: str, second: str, **options: Any) -> Bushing:
+        """Adds an elastic bearing between two pins; see :class:`~vfife.model.springs.Bushing`."""
+        return self._add_spring(Bushing(name=name, first=first, second=second, **options))
+
+    def drive(self, body: str, *, speed: float) -> ConstantSpeed:
+        """Turns a body at constant speed (rad/s) about its ideal joint to the ground; other drivers go to :attr:`drivers`."""
+        driver = ConstantSpeed(body=body, speed=speed)
+        self.drivers[body] = driver
+        return driver
+
+    def _add_body(self, body: AnyBody) -> AnyBody:
+        if body.name in self.bodies or body.name == "ground":
+            raise ValueError(f"there is a body called {body.name!r} already")
+        self.bodies[body.name] = body
+        return body
+
+    def _add_joint(self, joint: AnyJoint) -> AnyJoint:
+        if joint.name in self.joints:
+            raise ValueError(f"there is a joint called {joint.name!r} already")
+        self.joints[joint.name] = joint
+        return joint
+
+    def _add_spring(self, spring: OneSpring) -> OneSpring:
+        if spring.name in self.springs:
+            raise ValueError(f"there is a spring called {spring.name!r} already")
+        self.springs[spring.name] = spring
+        return spring
+
+    @property
+    def clearances(self) -> dict[str, ClearanceRevolute]:
+        """The revolute joints with clearance."""
+        return {name: joint for name, joint in self.joints.items() if isinstance(joint, ClearanceRevolute)}
+
+    @property
+    def contacts(self) -> dict[str, Contact]:
+        """All joints with play: revolutes and sliders with clearance, external contacts."""
+        return {name: joint for name, joint in self.joints.items() if isinstance(joint, Contact)}
+
+    def ideal(self) -> Mechanism:
+        """The reference that clearance runs are compared with: every joint ideal, every link rigid with its lumped masses."""
+        from .lumping import rigidified
+
+        return dataclasses.replace(
+            self,
+            name=f"{self.name}, ideal",
+            bodies={name: rigidified(body) for name, body in self.bodies.items()},
+            joints={name: idealised(joint) for name, joint in self.joints.items() if not isinstance(joint, ExternalContact)},
+            settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
+            start=Start(),
+        )
+
+
+def idealised(joint: Joint) -> Joint:
+    """The joint without play."""
+    if isinstance(joint, ClearanceRevolute):
+        return IdealRevolute(name=joint.name, bearing=joint.bearing, journal=joint.journal)
+    if isinstance(joint, ClearanceSlider):
+        return Slider(name=joint.name, bearing=joint.bearing, journal=joint.journal, direction=joint.direction)
+    return joint

@@ -1,0 +1,41 @@
+"""The two surfaces that meet in a joint with play, and what its laws say of them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+
+from ..laws import Law, Material, Pair
+from .joints import Contact
+from .lumping import rigid_properties
+from .mechanism import Mechanism
+
+
+def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
+    """The pair of surfaces of a joint, with the materials and the effective mass of its bodies; the ground does not move."""
+    materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
+    inverse = sum(1.0 / rigid_properties(mechanism.bodies[side[0]])[0] for side in joint.sides if side[0] != "ground")
+    return dataclasses.replace(joint.pair(*materials), effective_mass=1.0 / inverse if inverse else None)
+
+
+def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | None = None) -> tuple[str, ...]:
+    """Sentences on where the laws of the joints leave their ranges; joints that say the same share one.
+
+    Without ``found`` what is known before a run; with it, the deepest penetration (m) and the fastest impact (m/s) of each joint, what only
+    the run could tell, of the worst of those joints that have the same laws and surfaces.
+    """
+    alike: dict[tuple[Law, Pair], list[str]] = {}
+    for name, joint in mechanism.contacts.items():
+        pair = dataclasses.replace(surfaces(mechanism, joint), effective_mass=None)
+        laws: tuple[Law, ...] = (joint.contact, joint.friction)
+        for law in laws:
+            alike.setdefault((law, pair), []).append(name)
+    said: dict[str, list[str]] = {}
+    for (law, pair), names in alike.items():
+        known = law.cautions(pair)
+        if found is not None:
+            depths, speeds = zip(*(found[name] for name in names), strict=True)
+            known = tuple(one for one in law.cautions(pair, max(depths), max(speeds)) if one not in known)
+        for sentence in known:
+            said.setdefault(f"{law.name}, {sentence}.", []).extend(names)
+    return tuple(f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in said.items())

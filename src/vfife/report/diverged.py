@@ -1,0 +1,100 @@
+"""What went wrong where a run's numbers became infinite: step, time, quantity, likely cause, remedy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..assembly.assembled import Assembly
+    from ..solvers.record import Record
+
+# Forces come first: where a step makes several quantities infinite, they are what did it.
+ORDER = ("clearance", "element", "spring", "ideal", "driven", "function", "system", "body", "particle")
+
+
+def diverged(record: Record) -> str:
+    """The sentences about a run that diverged."""
+    choice = record.assembly.choice
+    step, name = first_infinite(record)
+    return f"in step {step:,}, at {step * choice.step:.6g} s, {name}. {cause(record)}"
+
+
+def first_infinite(record: Record) -> tuple[int, str]:
+    """Step of the first number beyond all bounds, and what it is, found by going on from the last sound output step by step."""
+    from ..assembly.bounds import unsound
+    from ..codegen.runner import Runner
+
+    assembly, last = record.assembly, int(record.steps[-1])
+    state = assembly.state.copy()
+    state[record.kept] = record.rows[-1]
+    runner = Runner(assembly.topology, state[:, None], assembly.tables[None, :], "data-driven", record.kept)
+    runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
+    for step in range(last + 1, last + assembly.choice.outputs_every + 1):
+        rows = runner.advance(1, 1)[:, :, 0]
+        bad = unsound(assembly, record.kept, rows)[0]
+        if bad.any():
+            gone = "became infinite" if not np.isfinite(rows).all() else "left all bounds"
+            return step, f"{named(assembly, record.kept[bad])} {gone}"
+    return last + assembly.choice.outputs_every, "a number of the state left all bounds"
+
+
+def named(assembly: Assembly, rows: Any) -> str:
+    """What stands in these rows, the most telling of them, and whose it is."""
+    from ..kernels.arrays import BLOCKS
+
+    found = []
+    for block in BLOCKS:
+        where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
+        found += [(ORDER.index(block.entity), block, where[int(row)]) for row in rows if block.entity in ORDER and int(row) in where]
+    if not found:
+        return "a number of the state"
+    _, block, index = min(found, key=lambda entry: entry[0])
+    meaning = block.meaning.partition(" at step")[0].partition(" since")[0]
+    return f"the {meaning} of {owner(assembly, block.entity, index)}"
+
+
+def owner(assembly: Assembly, entity: str, index: int) -> str:
+    """Name of the joint or body that an entry of a block belongs to."""
+    names = {
+        "clearance": assembly.clearances,
+        "ideal": assembly.ideals,
+        "spring": assembly.springs,
+        "driven": assembly.pivots,
+        "body": tuple(assembly.bodies),
+    }
+    if entity in names:
+        return f"{entity if entity in ('body', 'spring') else 'joint'} {names[entity][index]}"
+    for name, where in assembly.bodies.items():
+        parts = {"element": where.elements, "particle": where.particles}.get(entity, ())
+        if index in parts:
+            return f"body {name}" if len(parts) == 1 else f"body {name} ({entity} {parts.index(index) + 1} of {len(parts)})"
+    return "the whole"
+
+
+def cause(record: Record) -> str:
+    """Likely cause and remedy."""
+    choice = record.assembly.choice
+    if choice.step > choice.stable:
+        return (
+            f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows, "
+            "which is the likely cause; take --step auto, without --force-step."
+        )
+    topology = record.assembly.topology
+    if record.assembly.ideals and not (topology.element_nodes or topology.clearance_bearing):
+        held = "the drivers lead it" if record.assembly.mobility is not None and record.assembly.mobility.after_drives == 0 else "the motion leads"
+        return (
+            f"The likely cause is that {held} to a place where the ideal joints cannot stay closed: a dead centre, or beyond the reach of the "
+            "links. Check lengths (vfife check tells the class of a four-bar), the course of the drivers, and the last outputs with `vfife plot`."
+        )
+    deepest = ""
+    if record.assembly.clearances:
+        depths = record.block("clearance_penetration_max").max(axis=0)
+        worst = int(np.argmax(depths))
+        deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.clearances[worst]})"
+    return (
+        f"The likely cause is a contact or an element that became stiffer than the step was chosen for{deepest}, "
+        f"or a load that grows without limit; try half the step, --step {0.5 * choice.step:.4g}, "
+        "and look at the last outputs with `vfife plot`."
+    )

@@ -1,0 +1,204 @@
+"""What a run came to, as one object for scripts and as tables for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..analysis.forces import MODES
+from ..laws import Law
+from ..model.bodies import Link
+from .statics import print_static, static_run, static_warnings
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ..results.view import View
+
+LARGEST_ERROR = 1e-3  # of the energy ledger, beyond which a run is not to be trusted
+CONTACT_KEYS = (
+    "penetration.max",
+    "impacts",
+    "grazing",
+    "deep",
+    "deepest",
+    *(f"share.{mode}" for mode in MODES),
+)
+JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
+
+
+def report(result: View, reference: View | None = None) -> dict[str, Any]:
+    """All that the summary of a run says: texts, numbers, lists and dictionaries only.
+
+    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error`` and ``measures`` stand at the
+    top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are what the tables of
+    :func:`show` are made of. The reference is the result's own unless another one is given.
+    """
+    reference = reference if reference is not None else result.reference
+    record, choice = result.record, result.record.assembly.choice
+    done = int(record.steps[-1])
+    measures = dict(result.measures)
+    if reference is not None and reference is not result.reference:
+        from ..analysis import influence
+
+        driven = [body.name for body in record.assembly.bodies.values() if body.driven is not None]
+        measures |= influence(measures, reference.measures, driven)
+    return {
+        "status": record.status,
+        "step": choice.step,
+        "steps": done,
+        "wall_s": record.wall,
+        "ns_per_step": 1e9 * record.wall / max(int(record.block("iterations").sum()) if record.static else done, 1),
+        "energy_error": None if record.static else result.ledger.error,
+        "model": _model(result, measures, reference),
+        "run": static_run(result) if record.static else _run(result),
+        "energy": {} if record.static else {"largest": result.ledger.largest, "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()}},
+        "joints": _joints(result, measures, reference),
+        "contacts": _contacts(result, measures),
+        "lip": {name.removeprefix("lip."): value for name, value in measures.items() if name.startswith("lip.")},
+        "laws": _laws(result),
+        "warnings": list(static_warnings(result) if record.static else warnings(result)),
+        "measures": measures,
+    }
+
+
+def _model(result: View, measures: dict[str, float], reference: View | None) -> dict[str, Any]:
+    mechanism = result.record.assembly.mechanism
+    ideal = {} if reference is None else reference.measures
+    bodies: dict[str, dict[str, Any]] = {}
+    for name, where in result.record.assembly.bodies.items():
+        noun = mechanism.bodies[name]
+        bodies[name] = {
+            "model": where.model,
+            "elements": len(where.elements),
+            "mass": where.mass,
+            "inertia": where.inertia,
+        }
+        bodies[name] |= {
+            "driven": where.driven is not None,
+            "release": noun.release if isinstance(noun, Link) else "none",
+        }
+        for key in ("angular_acceleration.max", "torque.max"):
+            bodies[name] |= {key: measures.get(f"{name}.{key}"), f"ideal_{key}": ideal.get(f"{name}.{key}")}
+    return {
+        "name": mechanism.name,
+        "note": " ".join(mechanism.note.split()),
+        "source": mechanism.source,
+        "bodies": bodies,
+    }
+
+
+def _run(result: View) -> dict[str, Any]:
+    record, choice = result.record, result.record.assembly.choice
+    time = float(result.time[-1])
+    return {
+        "loop": record.loop,
+        "time_s": time,
+        "turns": None if choice.turn is None else time / choice.turn,
+        "outputs": len(record.steps),
+        "automatic": choice.automatic,
+        "stable_step": choice.stable if choice.stable < float("inf") else None,
+        "set_by": choice.culprit,
+        "notes": list(record.assembly.notes),
+    }
+
+
+def _contacts(result: View, measures: dict[str, float]) -> dict[str, dict[str, float]]:
+    """Counts and depths of each contact; a block in a guide has four."""
+    names = result.record.assembly.clearances
+    return {name: {key: measures[f"{name}.{key}"] for key in CONTACT_KEYS if f"{name}.{key}" in measures} for name in names}
+
+
+def _joints(result: View, measures: dict[str, float], reference: View | None) -> dict[str, dict[str, float | None]]:
+    ideal = {} if reference is None else reference.measures
+    names = [key.removesuffix(".force.max") for key in measures if key.endswith(".force.max")]
+    found: dict[str, dict[str, float | None]] = {}
+    for name in names:
+        found[name] = {"ideal_force.max": ideal.get(f"{name}.force.max")}
+        found[name] |= {key: measures[f"{name}.{key}"] for key in JOINT_KEYS if f"{name}.{key}" in measures}
+    assembly = result.record.assembly
+    for contact, joint in zip(assembly.clearances, assembly.contact_joints, strict=True):
+        if contact != joint and joint in found:  # the deepest of the corners
+            depth = measures.get(f"{contact}.penetration.max", 0.0)
+            found[joint]["penetration.max"] = max(depth, found[joint].get("penetration.max") or 0.0)
+    return found
+
+
+def _laws(result: View) -> dict[str, dict[str, Any]]:
+    from ..model.surfaces import surfaces
+
+    mechanism = result.record.assembly.mechanism
+    found = {}
+    for name, joint in mechanism.contacts.items():
+        pair = surfaces(mechanism, joint)
+        found[name] = {
+            kind: {"law": law.name, "formula": law.formula, "source": law.source, "derived": law.derived(pair), "units": law.units(pair)}
+            for kind, law in _named(("contact", joint.contact), ("friction", joint.friction))
+        }
+    return found
+
+
+def _named(*laws: tuple[str, Law]) -> tuple[tuple[str, Law], ...]:
+    return laws
+
+
+def warnings(result: View) -> Iterable[str]:
+    """Sentences about what makes a run doubtful, each with what to do."""
+    record, choice, measures = result.record, result.record.assembly.choice, result.measures
+    if record.status != "complete":
+        yield STATUS.get(record.status, f"The run is {record.status}.").format(time=float(result.time[-1]))
+    if choice.step > choice.stable:
+        yield (
+            f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s ({choice.culprit}): "
+            'take a smaller step, or "auto".'
+        )
+    for name, joint in record.assembly.mechanism.contacts.items():
+        deep, count = int(measures.get(f"{name}.deep", 0)), int(measures.get(f"{name}.impacts", 0))
+        if deep:
+            yield (
+                f"Joint {name}: {deep} of {count} first contacts landed deeper than {1e6 * joint.landing:.4g} µm, "
+                f"the deepest at {1e6 * measures[f'{name}.deepest']:.4g} µm, so their impact speeds are coarse: "
+                f"halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth if that will do."
+            )
+    yield from out_of_range(result)
+    if result.ledger.error > LARGEST_ERROR:
+        yield (
+            f"The energy ledger is open by {100.0 * result.ledger.error:.2g} % of the largest energy: "
+            "take a smaller step and see whether it closes."
+        )
+
+
+def out_of_range(result: View) -> Iterable[str]:
+    """Sentences of the laws on where the run left their ranges, by its deepest penetrations and fastest impacts."""
+    from ..model.surfaces import cautions
+
+    record = result.record
+    if not record.assembly.clearances:
+        return ()
+    depths = record.block("clearance_penetration_max").max(axis=0)
+    speeds = record.block("clearance_fastest")[-1] if record.keeps("clearance_fastest") else np.zeros(len(depths))
+    found: dict[str, tuple[float, float]] = {}
+    for name, depth, speed in zip(record.assembly.contact_joints, depths, speeds, strict=True):
+        before = found.get(name, (0.0, 0.0))
+        found[name] = max(before[0], float(depth)), max(before[1], float(speed))
+    return cautions(record.assembly.mechanism, found)
+
+
+STATUS = {
+    "interrupted": "The run was interrupted at {time:.4g} s; what is told here is what was computed until then.",
+    "unfinished": "The run has not said that it ended: it was killed, or is at work. It has written {time:.4g} s.",
+    "diverged": "The numbers were no longer finite after {time:.4g} s: take a smaller step, or check the model there.",
+}
+
+
+def show(console: Console, result: View, reference: View | None = None) -> None:
+    """Prints the summary as tables for people."""
+    from .tables import print_report
+
+    told = report(result, reference)
+    if result.record.static:
+        print_static(console, told)
+    else:
+        print_report(console, told)

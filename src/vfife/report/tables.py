@@ -1,0 +1,191 @@
+"""The summary of a run as tables for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from ..analysis.forces import MODES
+
+NOISE = 1e-6  # of the largest angular acceleration
+
+
+def print_report(console: Console, told: dict[str, Any]) -> None:
+    """Prints what :func:`vfife.report.summary.report` says."""
+    model, run = told["model"], told["run"]
+    console.print()
+    console.print(Text(model["name"], style="bold"))
+    if model["note"]:
+        console.print(Text(model["note"], style="italic"))
+    console.print(_facts(told))
+    for text in run["notes"]:
+        console.print(Text(text))
+    turning = any(body["angular_acceleration.max"] for body in model["bodies"].values() if not body["driven"])
+    contact = any("impacts" in one for one in told["contacts"].values())
+    for title, there, table in (
+        (f"Largest reactions ({_over(told)})", bool(told["joints"]), _joint_table),
+        ("Contact (whole run)", contact, _contact_table),
+        (f"Largest angular accelerations ({_over(told)})", turning, _body_table),
+    ):
+        if there:
+            console.print(Text(title, style="bold"))
+            console.print(table(told))
+    for text in told["warnings"]:
+        console.print(Text.assemble(("Warning: ", "bold yellow"), text))
+
+
+def _facts(told: dict[str, Any]) -> Table:
+    table = Table.grid(padding=(0, 2))
+    for name, text in (
+        ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in told["model"]["bodies"].items())),
+        ("Step", _step(told)),
+        ("Run", _pace(told)),
+        ("Energy", _energy(told)),
+        *(("Driver", line) for line in _torques(told)),
+        *(("Laws" if k == 0 else "", line) for k, line in enumerate(_law_lines(told))),
+    ):
+        table.add_row(Text(name, style="cyan"), Text(text))
+    return table
+
+
+def _body(body: dict[str, Any]) -> str:
+    said = str(body["model"])
+    if body["elements"] > 1:
+        said += f", {body['elements']} elements"
+    if body["release"] != "none" and body["elements"]:
+        said += ", a bar" if body["release"] == "both" else f", released at its {body['release']}"
+    return said + (", driven" if body["driven"] else "")
+
+
+def _step(told: dict[str, Any]) -> str:
+    run = told["run"]
+    size = f"{told['steps']:,} steps of {prefixed(told['step'], 's')}"
+    length = prefixed(run["time_s"], "s") + (f", {run['turns']:.4g} turns" if run["turns"] is not None else "")
+    if run["automatic"]:
+        return f"{size} ({length}), set by {run['set_by']}"
+    stable = f"; stable below {prefixed(run['stable_step'], 's')} ({run['set_by']})" if run["stable_step"] else ""
+    return f"{size} ({length}), as asked for{stable}"
+
+
+def _pace(told: dict[str, Any]) -> str:
+    pace = f"{prefixed(told['wall_s'], 's')}, {told['ns_per_step']:.4g} ns a step"
+    return f"{told['status']}, {told['run']['loop']} loop, {pace}"
+
+
+def _energy(told: dict[str, Any]) -> str:
+    end, largest = told["energy"]["end"], told["energy"]["largest"]
+    put_in = end["driver"] + end["external"]
+    lost = {kind: end[f"{kind}_loss"] for kind in ("contact", "friction", "damping", "spring")}
+    parts = ", ".join(f"{kind} {value:.4g}" for kind, value in lost.items() if value)
+    return (
+        f"put in {put_in:.5g} J, lost {sum(lost.values()):.5g} J{f' ({parts})' if parts else ''}, "
+        f"largest {largest:.5g} J; ledger closes to {told['energy_error']:.1e} of it"
+    )
+
+
+def _torques(told: dict[str, Any]) -> Iterable[str]:
+    for name, body in told["model"]["bodies"].items():
+        if body["torque.max"] is not None:
+            ideal = body["ideal_torque.max"]
+            yield f"{name}: largest torque {body['torque.max']:,.1f} N m" + (f", ideal {ideal:,.1f} N m" if ideal is not None else "")
+
+
+def _law_lines(told: dict[str, Any]) -> Iterable[str]:
+    """Laws and what they derive from radii and materials, joints alike in one line."""
+    lines: dict[str, list[str]] = {}
+    for joint, laws in told["laws"].items():
+        said = []
+        for law in laws.values():
+            units = {name: unit for name, unit in law.get("units", {}).items() if unit != "1"}
+            numbers = ", ".join(f"{name} {value} {units.get(name, '')}".rstrip() for name, value in law["derived"].items())
+            said.append(law["law"] + (f" ({numbers})" if numbers else ""))
+        lines.setdefault("; ".join(said), []).append(joint)
+    for text, joints in lines.items():
+        yield f"{', '.join(joints)}: {text}"
+
+
+def _grid(*headings: str) -> Table:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for k, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if k else "left")
+    return table
+
+
+def _joint_table(told: dict[str, Any]) -> Table:
+    joints = told["joints"]
+    compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
+    depths = any("penetration.max" in joint for joint in joints.values())
+    moments = any(joint.get("moment.max") for joint in joints.values())
+    headings = ["reaction", *(["ideal", "LIP(F)"] if compared else []), *(["moment"] if moments else []), *(["penetration"] if depths else [])]
+    table = _grid("joint", *headings)
+    for name, joint in joints.items():
+        cells = [_amount(_sound(joint["force.max"], joints), "N")]
+        if compared:
+            cells += [_amount(joint["ideal_force.max"], "N"), _percent(told["lip"].get(f"{name}.force"))]
+        if moments:
+            cells.append(_amount(joint.get("moment.max"), "N m"))
+        if depths:
+            cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
+        table.add_row(name, *cells)
+    return table
+
+
+def _sound(force: float, joints: dict[str, Any]) -> float:
+    """The force, or 0 where it is only rounding beside the largest one and the largest moment (N, N m)."""
+    largest = max(max(joint["force.max"], joint.get("moment.max") or 0.0) for joint in joints.values())
+    return force if force > 1e-9 * largest else 0.0
+
+
+def _contact_table(told: dict[str, Any]) -> Table:
+    headings = ("free flight", "impact", "contact", "impacts", "grazing", "landed too deep", "deepest landing")
+    table = _grid("joint", *headings)
+    for name, joint in told["contacts"].items():
+        if "impacts" in joint:
+            shares = (f"{100.0 * joint[f'share.{mode}']:.3g} %" for mode in MODES)
+            counts = (f"{joint[kind]:.0f}" for kind in ("impacts", "grazing", "deep"))
+            table.add_row(name, *shares, *counts, prefixed(joint["deepest"], "m"))
+    return table
+
+
+def _body_table(told: dict[str, Any]) -> Table:
+    bodies = {name: body for name, body in told["model"]["bodies"].items() if not body["driven"]}
+    compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
+    headings = ["acceleration", *(["ideal", "LIP(a)"] if compared else [])]
+    table = _grid("body", *headings)
+    largest = max(body["angular_acceleration.max"] or 0.0 for body in bodies.values())
+    for name, body in bodies.items():
+        if (body["angular_acceleration.max"] or 0.0) > NOISE * largest:  # what only slides has none
+            cells = [_amount(body["angular_acceleration.max"], "rad/s²")]
+            if compared:
+                ideal = _amount(body["ideal_angular_acceleration.max"], "rad/s²")
+                cells += [ideal, _percent(told["lip"].get(f"{name}.angular_acceleration"))]
+            table.add_row(name, *cells)
+    return table
+
+
+def _amount(value: float | None, unit: str) -> str:
+    if value is None:
+        return ""
+    return f"{value:,.1f} {unit}" if value >= 100.0 or value < 1e-6 else f"{value:,.4g} {unit}"
+
+
+def _percent(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f} %"
+
+
+def _over(told: dict[str, Any]) -> str:
+    return "last turn" if (told["run"]["turns"] or 0.0) >= 1.0 - 1e-9 else "whole run"
+
+
+def prefixed(value: float, unit: str) -> str:
+    """A quantity with a prefix that leaves one to three digits before the point."""
+    size = abs(value)
+    for factor, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
+        if size >= factor and not (prefix == "k" and unit in ("s", "m")):
+            return f"{value / factor:.4g} {prefix}{unit}"
+    return f"{value:.4g} {unit}"

@@ -1,0 +1,191 @@
+"""The channels of a result: name, dimensions, unit and meaning of every series, and how a record gives it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..analysis import forces, motion, stress
+from ..analysis.energy import Ledger
+from ..analysis.equilibria import displacement
+from ..kernels.arrays import BY_NAME
+from ..solvers.record import Record
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A series: ``values`` of shape (outputs,) or (outputs, entities), what it is counted over, unit and meaning."""
+
+    values: NDArray[Any]
+    entity: str | None
+    unit: str
+    meaning: str
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return ("time",) if self.entity is None else ("time", self.entity)
+
+
+# Channel = block of the record, per entity: unit and meaning are those of the block.
+RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "particle": tuple((f"particle_{axis}",) * 2 for axis in ("x", "y", "theta", "u", "v", "w", "ax", "ay", "aw")),
+    "body": (("body_angular_acceleration", "body_alpha"), ("body_angular_acceleration_max", "body_alpha_max")),
+    "clearance": (
+        ("penetration", "clearance_penetration"),
+        ("penetration_max", "clearance_penetration_max"),
+        ("normal_force", "clearance_normal_force"),
+        ("friction_force", "clearance_friction_force"),
+        ("onsets", "clearance_onsets"),
+        ("grazing", "clearance_grazing"),
+    ),
+    "element": tuple((name,) * 2 for name in ("element_axial_force", "element_moment_1", "element_moment_2")),
+    "spring": (
+        ("spring_force_x", "spring_fx"),
+        ("spring_force_y", "spring_fy"),
+        ("spring_moment", "spring_moment"),
+    ),
+    "driver": (("driver_torque", "driven_torque"), ("driver_torque_max", "driven_torque_max")),
+}
+
+ENERGIES: Mapping[str, tuple[str, str]] = {
+    "kinetic_energy": ("kinetic", "kinetic energy of all bodies"),
+    "strain_energy": ("strain", "strain energy of elastic links"),
+    "contact_energy": ("contact", "elastic energy of the contacts"),
+    "contact_loss": ("contact_loss", "energy lost in normal damping of the contacts"),
+    "friction_loss": ("friction_loss", "energy lost in friction"),
+    "damping_loss": ("damping_loss", "energy lost in mass-proportional damping"),
+    "spring_energy": ("spring", "elastic energy of springs, stops and bushings"),
+    "spring_loss": ("spring_loss", "energy lost in their dampers"),
+    "external_work": ("external", "work of weight and loads"),
+    "driver_work": ("driver", "work of the drivers"),
+}
+
+
+# What means nothing in equilibrium.
+MOVING = frozenset(
+    (
+        *(f"particle_{name}" for name in ("u", "v", "w", "ax", "ay", "aw")),
+        "body_angular_velocity", "body_angular_acceleration", "body_angular_acceleration_max",
+        "onsets", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
+    )
+)  # fmt: skip
+
+
+def entities(record: Record) -> dict[str, list[str]]:
+    """Names along each dimension; those without any entry are left out."""
+    assembly = record.assembly
+    names = {
+        "joint": list(forces.joint_rows(record)),
+        "clearance": list(assembly.clearances),
+        "body": list(assembly.bodies),
+        "spring": list(assembly.springs),
+        "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],
+        "element": motion.element_names(record),
+        "particle": motion.particle_names(record),
+    }
+    return {entity: found for entity, found in names.items() if found}
+
+
+def _driven(record: Record) -> list[Any]:
+    return [body for body in record.assembly.bodies.values() if body.driven is not None]
+
+
+def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
+    """Every channel that the mechanism has."""
+    present = entities(record)
+    found: dict[str, Channel] = {}
+    for entity, make in MADE.items():
+        if entity in present:
+            found |= make(record)
+            found |= {name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in found}
+    if record.static:
+        return {name: one for name, one in found.items() if name not in MOVING} | _equilibria(record, ledger)
+    for name, (term, meaning) in ENERGIES.items():
+        found[name] = Channel(ledger.terms[term], None, "J", meaning)
+    found["energy_residual"] = Channel(ledger.residual, None, "J", "stored + lost - supplied - stored at the start")
+    return found
+
+
+def _equilibria(record: Record, ledger: Ledger) -> dict[str, Channel]:
+    """Displacement, stored energies, and how each equilibrium was reached."""
+    stored = ("strain_energy", "contact_energy", "spring_energy")
+    found = {name: Channel(ledger.terms[ENERGIES[name][0]], None, "J", ENERGIES[name][1]) for name in stored}
+    found["displacement"] = Channel(displacement(record), None, "m", "largest way of a particle from its start")
+    for name in ("iterations", "unbalanced"):
+        found[name] = Channel(record.block(name)[:, 0], None, BY_NAME[name].unit, BY_NAME[name].meaning)
+    return found
+
+
+def _recorded(record: Record, entity: str, name: str) -> Channel:
+    block, values = BY_NAME[name], record.block(name)
+    if entity == "particle":
+        values = values[:, 1:]  # particle 0 is the ground
+    elif entity == "body":
+        values = values[:, [body.row for body in record.assembly.bodies.values()]]
+    return Channel(values, entity, block.unit, block.meaning.replace(" at step n", ""))
+
+
+def _particles(record: Record) -> dict[str, Channel]:
+    """Velocities at the time of the output; the record holds those half a step later."""
+    return {
+        f"particle_{axis}": Channel(values[:, 1:], "particle", BY_NAME[f"particle_{axis}"].unit, meaning)
+        for (axis, values), meaning in zip(motion.velocities(record).items(), 2 * ["velocity"] + ["angular velocity"], strict=True)
+    }
+
+
+def _bodies(record: Record) -> dict[str, Channel]:
+    moved = motion.body_motion(record)
+    of = {
+        "x": ("m", "centre of mass"),
+        "y": ("m", "centre of mass"),
+        "angle": ("rad", "angle of a rigid body or of an elastic link's chord"),
+        "angular_velocity": ("rad/s", "its rate"),
+    }
+    return {f"body_{name}": Channel(moved[name], "body", *text) for name, text in of.items()}
+
+
+def _joints(record: Record) -> dict[str, Channel]:
+    force = forces.joint_force(record)
+    return {
+        "joint_force": Channel(np.hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"),
+        "joint_force_x": Channel(force[..., 0], "joint", "N", "force on the journal"),
+        "joint_force_y": Channel(force[..., 1], "joint", "N", "force on the journal"),
+        "joint_moment": Channel(forces.joint_moment(record), "joint", "N m", "moment on the journal's body"),
+        "joint_force_max": Channel(forces.joint_force_max(record), "joint", "N", "largest joint force since the last output"),
+    }
+
+
+def _clearances(record: Record) -> dict[str, Channel]:
+    away = forces.eccentricity(record)
+    said = "0 free flight, 1 a contact began since the last output, 2 continuous contact"
+    return {
+        "eccentricity_x": Channel(away[..., 0], "clearance", "m", "journal centre seen from the bearing centre"),
+        "eccentricity_y": Channel(away[..., 1], "clearance", "m", "journal centre seen from the bearing centre"),
+        "mode": Channel(forces.modes(record), "clearance", "1", said),
+    }
+
+
+def _elements(record: Record) -> dict[str, Channel]:
+    if not stress.known(record):
+        return {}
+    return {"element_stress": Channel(stress.stress(record), "element", "Pa", "largest stress in the outermost fibres")}
+
+
+def _nothing(record: Record) -> dict[str, Channel]:
+    return {}
+
+
+MADE: Mapping[str, Callable[[Record], dict[str, Channel]]] = {
+    "body": _bodies,
+    "joint": _joints,
+    "clearance": _clearances,
+    "spring": _nothing,
+    "driver": _nothing,
+    "particle": _particles,
+    "element": _elements,
+}

@@ -1,0 +1,99 @@
+"""Goes on where a former run ended: its bodies by name, or, where the two models are cut alike, its whole state with all inner forces."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..kernels.arrays import BLOCKS
+from ..kernels.polynomial import polynomial
+from ..kernels.topology import ANGLE, TRAVEL
+from ..solvers.record import Record
+
+if TYPE_CHECKING:
+    from .view import View
+
+Array = NDArray[np.float64]
+STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
+
+
+def former(source: View | Mapping[str, Any], time: float | None) -> Record | None:
+    """The record of a run that is to go on from its very end, None where a start by bodies is meant."""
+    if time is not None or isinstance(source, Mapping):
+        return None
+    return source.record if source.record.final is not None else None
+
+
+def alike(assembly: Assembly, record: Record) -> bool:
+    """Whether particles, elements, joints and springs of both are the same in number and kind, so that one's state is the other's."""
+    one, other = assembly.topology, record.assembly.topology
+    same = ("particles", "element_nodes", "clearance_bearing", "clearance_journal", "clearance_kind", "ideal_bearing", "ideal_journal",
+            "ideal_kind", "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
+    laws = [[topology.friction_laws[k] for k in topology.clearance_friction] for topology in (one, other)]
+    return all(getattr(one, name) == getattr(other, name) for name in same) and laws[0] == laws[1]
+
+
+def continued(assembly: Assembly, record: Record) -> Assembly:
+    """The assembly with the last state of a run of the same cut: positions, velocities, element and contact forces; works and counts begin anew.
+
+    Time begins at zero; prescribed angles and travels go on from where they are. Velocities, kept at half steps, are taken at the step.
+    """
+    state, now, before = assembly.state.copy(), assembly.layout, record.assembly.layout
+    old = record.assembly.state if record.final is None else record.final
+    for block in BLOCKS:
+        fresh = block.entity in ("system", "function", "body") or block.name.endswith(STARTS_ANEW)
+        if block.role in ("state", "memory") and not fresh:
+            state[now.rows_of(block.name)] = old[before.rows_of(block.name)]
+    free = np.array(assembly.topology.free, dtype=int)
+    dt, damping = float(old[before["step"]][0]), float(old[before["damping"]][0])
+    at_rest = record.assembly.mechanism.settings.analysis == "static"
+    for rate, second in (("u", "ax"), ("v", "ay"), ("w", "aw")):
+        half, a = (old[before[f"particle_{name}"][free]] for name in (rate, second))
+        state[now[f"particle_{rate}"][free]] = 0.0 if at_rest else (half - 0.5 * dt * a) / (1.0 - 0.5 * damping * dt)
+    tables = assembly.tables.copy()
+    _drivers(assembly, state, tables)
+    return dataclasses.replace(assembly, state=state, tables=tables)
+
+
+def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:
+    """What is prescribed goes on from the state: start angles of constant speeds, constants of functions, offsets of travels."""
+    t, layout = assembly.topology, assembly.layout
+    for k, (body, function) in enumerate(zip(t.driven, t.driven_function, strict=True)):
+        angle = float(state[layout.row("particle_theta", body)])
+        if function < 0:
+            state[layout.row("driven_angle", k)] = angle
+        else:
+            start = t.function_start[function]
+            _raise(tables, start, angle - float(polynomial(tables, start, 0.0)[0]))
+    for k, (kind, function) in enumerate(zip(t.ideal_kind, t.ideal_function, strict=True)):
+        if function >= 0 and kind in (ANGLE, TRAVEL):
+            begin = float(polynomial(tables, t.function_start[function], 0.0)[0])
+            state[layout.row("ideal_offset", k)] = _travelled(assembly, state, k, kind) - begin
+
+
+def _raise(tables: Array, start: int, by: float) -> None:
+    """Adds a constant to a piecewise polynomial."""
+    pieces = int(tables[start])
+    first = start + 1 + (pieces < 0) + abs(pieces)
+    tables[first : first + 7 * abs(pieces) : 7] += by
+
+
+def _travelled(assembly: Assembly, state: Array, k: int, kind: int) -> float:
+    """Relative angle (rad), or place along the guide (m), of a prescribed motion's two sides."""
+    t, layout = assembly.topology, assembly.layout
+    sides = []
+    for side, p in (("bearing", t.ideal_bearing[k]), ("journal", t.ideal_journal[k])):
+        x, y, angle = (float(state[layout.row(f"particle_{axis}", p)]) for axis in ("x", "y", "theta"))
+        px, py = (float(state[layout.row(f"ideal_{side}_{axis}", k)]) for axis in "xy")
+        c, s = np.cos(angle), np.sin(angle)
+        sides.append((x + c * px - s * py, y + s * px + c * py, angle))
+    if kind == ANGLE:
+        return sides[1][2] - sides[0][2]
+    dx, dy = (float(state[layout.row(f"ideal_direction_{axis}", k)]) for axis in "xy")
+    c, s = np.cos(sides[0][2]), np.sin(sides[0][2])
+    return float((c * dx - s * dy) * (sides[1][0] - sides[0][0]) + (s * dx + c * dy) * (sides[1][1] - sides[0][1]))

@@ -1,0 +1,131 @@
+"""A run as its readers see it: channels, one dataset with units, measures, the energy ledger."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..analysis import Ledger, last_turn, ledger, measures
+from ..analysis.motion import times
+from ..solvers.record import Record
+from .channels import Channel, channels, entities
+from .provenance import provenance, versions
+
+if TYPE_CHECKING:
+    import xarray
+
+LONGEST_ATTRIBUTE = 60000  # bytes; HDF5 takes no attribute beyond 64 KiB
+
+
+class View:
+    """What a run gives. All of it is built when it is first asked for, and only ``data`` loads xarray.
+
+    ``record`` holds the rows, ``reference`` is the result of the ideal mechanism or None.
+    """
+
+    def __init__(self, record: Record, reference: View | None = None) -> None:
+        self.record, self.reference = record, reference
+
+    def __repr__(self) -> str:
+        choice, done = self.record.assembly.choice, int(self.record.steps[-1])
+        length = f"{done * choice.step:.4g} s"
+        if self.record.static:
+            length = f"{done} load factors up to {self.time[-1]:.4g}"
+            return f"<Result of {self.name!r}: static, {self.record.status}, {length}; see .data, .measures, .summary, .plot()>"
+        if choice.turn is not None:
+            length = f"{done * choice.step / choice.turn:.4g} turns"
+        return (
+            f"<Result of {self.name!r}: {self.record.status}, {length}, {done} steps of {choice.step:.4g} s, "
+            f"{len(self.record.steps)} outputs; see .data, .measures, .summary, .plot()>"
+        )
+
+    # -------------------------------------------------------------------------------------------------------- numbers
+
+    @property
+    def name(self) -> str:
+        """Name of the mechanism."""
+        return self.record.assembly.mechanism.name
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Times of the outputs (s), or load factors of a static analysis, shape (outputs,)."""
+        return times(self.record)
+
+    @property
+    def crank(self) -> str | None:
+        """The body that is driven, the first one if there are several."""
+        return next((body.name for body in self.record.assembly.bodies.values() if body.driven == 0), None)
+
+    @property
+    def crank_angle(self) -> NDArray[np.float64] | None:
+        """Angle of the crank (degrees, not reduced to one turn), shape (outputs,), or None without a crank."""
+        if self.crank is None:
+            return None
+        p = self.record.assembly.topology.driven[0]
+        return np.degrees(self.record.block("particle_theta")[:, p])
+
+    @property
+    def last_turn(self) -> NDArray[np.bool_]:
+        """Outputs of the last full crank turn, over which maxima are taken; all outputs without a crank."""
+        return last_turn(self.record)
+
+    @cached_property
+    def ledger(self) -> Ledger:
+        """The energy ledger."""
+        return ledger(self.record)
+
+    @cached_property
+    def measures(self) -> dict[str, float]:
+        """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`."""
+        return measures(self.record, None if self.reference is None else self.reference.measures)
+
+    # ----------------------------------------------------------------------------------------------------------- data
+
+    @cached_property
+    def channels(self) -> dict[str, Channel]:
+        """Series by name, as plain arrays with unit and meaning."""
+        return channels(self.record, self.ledger)
+
+    @cached_property
+    def data(self) -> xarray.Dataset:
+        """All channels over time and the names of joints, bodies, elements and particles, with units and long names."""
+        import xarray
+
+        told = {"units": "1", "long_name": "load factor"} if self.record.static else {"units": "s", "long_name": "time"}
+        coords: dict[str, Any] = {"time": ("time", self.time, told)}
+        coords |= {entity: (entity, np.array(names)) for entity, names in entities(self.record).items()}
+        if self.crank_angle is not None:
+            said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
+            coords["crank_angle"] = ("time", self.crank_angle, said)
+        variables = {name: (one.dims, one.values, {"units": one.unit, "long_name": one.meaning}) for name, one in self.channels.items()}
+        data = xarray.Dataset(variables, coords, self.attributes)
+        if "mode" in data:
+            data["mode"].attrs |= {
+                "flag_values": np.array([0, 1, 2], dtype=np.int8),
+                "flag_meanings": "free_flight impact continuous_contact",
+            }
+        return data
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Where the data come from: model, step, loop, version, laws with their sources."""
+        mechanism = self.record.assembly.mechanism
+        found: dict[str, Any] = {
+            "model": mechanism.name,
+            "note": mechanism.note.strip(),
+            "step": self.record.assembly.choice.step,
+            "loop": self.record.loop,
+            "status": self.record.status,
+            "vfife_version": versions()["vfife"],
+        }
+        try:
+            origin = provenance(self.record.assembly, self.record.kept, self.record.loop)
+        except (TypeError, ValueError):  # a mechanism that no model file can hold still has data
+            return found
+        found["laws"] = "\n".join(f"{name}: {source}" for name, source in origin["laws"].items())
+        if len(origin["model"].encode()) < LONGEST_ATTRIBUTE:
+            found["model_file"] = origin["model"]
+        return found

@@ -1,0 +1,240 @@
+"""Many simulations at once: lanes of the generated loop on all cores, turn by turn, until each one's turns repeat.
+
+Mechanisms of one topology and one number of steps a turn share lanes; each lane has its own parameters and its own step. Memory does not
+grow with the length of the runs: of a member only its last turn is kept, and one row for each turn before. What a member gives depends
+neither on those beside it nor on the loop, to the bit.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assemble import assemble
+from ..assembly.assembled import Assembly
+from ..assembly.bounds import unsound
+from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
+from .record import Record, recorded_rows
+from .transient import LARGEST_STRAIGHT_LINE, SAVED, Loop, compilation, entities
+
+Array = NDArray[np.float64]
+
+LANES = 4  # doubles in a vector register
+PREPARATION = threading.Lock()  # steps are written and compiled by one thread at a time: Python 3.11 cannot parse in two
+REPEATED = ("body_alpha", "clearance_normal_force")  # beside the extremes, what two turns are compared by
+
+
+@dataclass
+class Member:
+    """What one simulation of an ensemble leaves.
+
+    ``turns``: a record with one row a turn (and the start), the state at its end and the extremes over all of it. ``last``: the last turn,
+    output by output, with the output before it, so that maxima over it are those of the turn. ``distances``: of each turn from the one
+    before, as :func:`distance` has it (1, infinite for the first). ``settled``: the first turn whose distance is within the tolerance, counted
+    from 1, or None. ``status``: "complete" or "diverged".
+    """
+
+    turns: Record
+    last: Record
+    distances: Array
+    settled: int | None
+    status: str = "complete"
+
+    @property
+    def assembly(self) -> Assembly:
+        """The mechanism as it was stepped."""
+        return self.last.assembly
+
+
+def ensemble(
+    mechanisms: Sequence[Mechanism],
+    *,
+    step: float | Sequence[float],
+    turns: int,
+    outputs: int = 720,
+    tolerance: float | None = None,
+    loop: Loop = "auto",
+    lanes: int = LANES,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Member]:
+    """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns (all of them without a tolerance).
+
+    ``step`` (s), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each of ``outputs``.
+    ``workers``: threads, as many as there are cores if not given. ``progress`` is told how many members of how many are done. Raises
+    ValueError for a mechanism without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a turn.
+    """
+    steps = [step] * len(mechanisms) if isinstance(step, int | float) else list(step)
+    assemblies = [placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)]
+    return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, progress=progress)
+
+
+def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assembly:
+    """The mechanism assembled for ``turns`` turns, its step (s) the largest that divides an output interval and is no larger than ``step``."""
+    turn = turn_of(mechanism)
+    if turn is None:
+        raise ValueError(f"{mechanism.name}: an ensemble counts turns of a crank, and no driver turns one; drive a body, or use simulate")
+    every = max(1, int(np.ceil(turn / (outputs * step) * (1.0 - 1e-9))))
+    return assemble(mechanism, turn / (outputs * every), turns=turns, outputs=outputs, force_step=True)
+
+
+def advance(
+    assemblies: Sequence[Assembly],
+    *,
+    tolerance: float | None = None,
+    loop: Loop = "auto",
+    lanes: int = LANES,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Member]:
+    """As :func:`ensemble`, for mechanisms that are assembled already."""
+    batches = [(choice, batch) for choice, group in _alike(assemblies, loop, lanes) for batch in _cut(group, lanes if choice == "generated" else 1)]
+    stop, found = threading.Event(), dict[int, Member]()
+
+    def work(choice: str, batch: list[int]) -> list[tuple[int, Member]]:
+        members = [_Lane(assemblies[k], tolerance) for k in batch]
+        _run(members, choice, lanes if choice == "generated" else 1, stop)
+        return [(k, lane.member()) for k, lane in zip(batch, members, strict=True) if lane.distances]
+
+    pool = ThreadPoolExecutor(workers or os.cpu_count() or 1)
+    try:
+        left: set[Future[list[tuple[int, Member]]]] = {pool.submit(work, choice, batch) for choice, batch in batches}
+        while left:
+            done, left = wait(left, timeout=0.2, return_when=FIRST_COMPLETED)
+            for future in done:
+                found |= dict(future.result())
+            if done and progress is not None:
+                progress(len(found), len(assemblies))
+    finally:
+        stop.set()
+        pool.shutdown(wait=True, cancel_futures=True)
+    return [found[k] for k in range(len(assemblies))]
+
+
+def _alike(assemblies: Sequence[Assembly], loop: Loop, lanes: int) -> Iterator[tuple[str, list[int]]]:
+    """Indices of the assemblies that can share lanes, with the loop for them."""
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for k, assembly in enumerate(assemblies):
+        choice = assembly.choice
+        groups.setdefault((assembly.topology, choice.outputs_every, choice.outputs, len(assembly.tables)), []).append(k)
+    for group in groups.values():
+        yield _loop([assemblies[k] for k in group], loop, lanes), group
+
+
+def _loop(group: list[Assembly], loop: Loop, lanes: int) -> str:
+    """The loop of a group: straight-line lanes where they save more time than their compilation costs, or are compiled already."""
+    first = group[0]
+    if loop != "auto":
+        return loop
+    if entities(first) > LARGEST_STRAIGHT_LINE or first.topology.path_unit != 1:
+        return "data-driven"
+    saved = SAVED * max(entities(first), 2) * first.choice.steps * len(group)
+    return "generated" if saved > compilation(first) or _compiled(first, lanes) else "data-driven"
+
+
+def _compiled(assembly: Assembly, lanes: int) -> bool:
+    from ..codegen.compile import is_compiled
+    from ..codegen.straight_line import straight_line
+
+    return is_compiled(straight_line(assembly.topology, lanes), "advance")
+
+
+def _cut(group: list[int], size: int) -> Iterator[list[int]]:
+    for first in range(0, len(group), size):
+        yield group[first : first + size]
+
+
+def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> None:
+    """Steps a batch turn by turn until every member has ended; lanes without a member repeat the last one."""
+    from ..codegen.runner import Runner
+
+    every = [*members, *[members[-1]] * (lanes - len(members))]
+    first = members[0].assembly
+    states = np.stack([lane.assembly.state for lane in every], axis=1)
+    with PREPARATION:
+        runner = Runner(first.topology, states, np.stack([lane.assembly.tables for lane in every]), loop, recorded_rows(first))
+        start = runner.advance(1, 1)
+    for k, lane in enumerate(members):
+        lane.start(start[0, :, k])
+    count, outputs = first.choice.outputs_every, _per_turn(first)
+    for _ in range(first.choice.outputs // outputs):
+        if stop.is_set() or all(lane.ended for lane in members):
+            return
+        rows = runner.advance(count, outputs)
+        for k, lane in enumerate(members):
+            if not lane.ended:
+                lane.take(rows[:, :, k])
+
+
+def _per_turn(assembly: Assembly) -> int:
+    """Outputs in a turn."""
+    choice = assembly.choice
+    return round((choice.turn or 0.0) / (choice.step * choice.outputs_every))
+
+
+@dataclass
+class _Lane:
+    """A member while it is stepped."""
+
+    assembly: Assembly
+    tolerance: float | None
+    summaries: list[Array] = field(default_factory=list)
+    distances: list[float] = field(default_factory=list)
+    settled: int | None = None
+    status: str = "complete"
+
+    def __post_init__(self) -> None:
+        self.kept = recorded_rows(self.assembly)
+        layout = self.assembly.layout
+        extreme = set(layout.of("extreme"))
+        self.extreme = np.array([int(row) in extreme for row in self.kept])
+        rows = {row for name in REPEATED for row in layout[name].tolist()}
+        self.repeated = self.extreme | np.array([int(row) in rows for row in self.kept])
+        self.rows = np.zeros((0, len(self.kept)))
+
+    @property
+    def ended(self) -> bool:
+        """Whether it needs no further turn."""
+        return self.settled is not None or self.status != "complete"
+
+    def start(self, row: Array) -> None:
+        """The output of step 0."""
+        self.summaries.append(row)
+        self.rows = row[None, :]
+
+    def take(self, rows: Array) -> None:
+        """A turn."""
+        if unsound(self.assembly, self.kept, rows).any():
+            self.status = "diverged"
+        before, self.rows = self.rows, np.concatenate([self.rows[-1:], rows])
+        self.summaries.append(np.where(self.extreme, rows.max(axis=0), rows[-1]))
+        apart = distance(before[1:, self.repeated], rows[:, self.repeated]) if len(before) == len(self.rows) else np.inf
+        self.distances.append(apart)
+        if self.tolerance is not None and apart <= self.tolerance:
+            self.settled = len(self.distances)
+
+    def member(self) -> Member:
+        """What it leaves."""
+        per = _per_turn(self.assembly)
+        end, every = len(self.distances) * per, self.assembly.choice.outputs_every
+        outputs = np.arange(end - per, end + 1, dtype=np.int64)
+        turns = Record(self.assembly, np.arange(0, end + 1, per, dtype=np.int64) * every, np.array(self.summaries), self.kept, status=self.status)
+        last = Record(self.assembly, outputs * every, self.rows, self.kept, status=self.status)
+        return Member(turns, last, np.array(self.distances), self.settled, self.status)
+
+
+def distance(before: Array, after: Array) -> float:
+    """How far two turns lie apart: the largest difference at an output over the largest absolute value of a quantity, of all the worst.
+
+    Shapes (outputs, quantities). A quantity that is zero in both turns does not count.
+    """
+    size = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
+    apart = np.abs(after - before).max(axis=0)
+    return float(np.max(np.divide(apart, size, out=np.zeros_like(apart), where=size > 0.0), initial=0.0))

@@ -1,0 +1,55 @@
+"""What a run leaves: rows of the state at its outputs, with the extremes between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+
+
+@dataclass
+class Record:
+    """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps * step.
+
+    A static analysis leaves its equilibria: step k is that under load factor k, counted from 1; 0 is the start, without loads.
+
+    Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0. ``final`` is all of S after the last
+    output, where it is known.
+    """
+
+    assembly: Assembly
+    steps: NDArray[np.int64]
+    rows: NDArray[np.float64]
+    kept: NDArray[np.uint32]
+    wall: float = 0.0
+    loop: str = ""
+    status: str = "complete"
+    final: NDArray[np.float64] | None = None
+    message: str = ""
+
+    @property
+    def static(self) -> bool:
+        """Whether the outputs are equilibria under load factors."""
+        return self.assembly.mechanism.settings.analysis == "static"
+
+    def block(self, name: str) -> NDArray[np.float64]:
+        """Recorded values of a block, shape (outputs, entities)."""
+        layout = self.assembly.layout
+        order = np.argsort(self.kept, kind="stable")
+        return self.rows[:, order[np.searchsorted(self.kept, layout[name], sorter=order)]]
+
+    def keeps(self, name: str) -> bool:
+        """Whether a block was recorded; a record of an older version may lack one."""
+        return bool(np.isin(self.assembly.layout[name], self.kept).all())
+
+    def parameter(self, name: str) -> NDArray[np.float64]:
+        """Values of a parameter block, shape (entities,)."""
+        return self.assembly.state[self.assembly.layout[name]]
+
+
+def recorded_rows(assembly: Assembly) -> NDArray[np.uint32]:
+    """Rows of S that a run keeps: all state and all extremes."""
+    return np.array(assembly.layout.of("state", "extreme"), dtype=np.uint32)

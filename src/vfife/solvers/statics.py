@@ -1,0 +1,194 @@
+"""Equilibrium under load factors, by dynamic relaxation.
+
+A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and
+prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their
+value at rest. The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are
+followed and not leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..kinematics.drives import constraint_drivers
+from ..model.mechanism import Settings
+from .fictitious_mass import extent
+from .loading import Loading
+from .progress import Progress
+from .record import Record, recorded_rows
+from .relaxation import Relaxation
+
+if TYPE_CHECKING:
+    from ..results.runfile import RunFile
+
+Array = NDArray[np.float64]
+
+PARTS = 10  # of the way between two load factors
+FEWEST = 16  # iterations of one part
+TURN = 1e-3  # rad that a driver turns in one iteration
+TRAVEL = 1e-3  # of the shortest element, or of a hundredth of the size, that a driver moves in one iteration
+LOOK_SECONDS = 0.25  # between two progress lines
+AWAY = 100.0  # sizes of the mechanism from its start where nothing holds it
+STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
+MEANINGLESS = (
+    "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work", "spring_damping_power",
+    "spring_damping_work", "clearance_damping_power", "clearance_damping_work", "clearance_friction_power", "clearance_friction_work",
+    "clearance_onsets", "clearance_grazing", "clearance_deep", "clearance_deepest", "clearance_contact_steps", "function_rate",
+    "function_acceleration", "body_alpha", "body_alpha_max",
+)  # fmt: skip
+
+
+def equilibrium(
+    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None
+) -> Record:
+    """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that under factor k.
+
+    Iterations end where the unbalanced force is at most ``residual`` of the largest force (moments likewise) and the kinetic energy at most
+    ``kinetic_energy`` of the largest met. Where that takes more than ``iterations`` the status is "not converged", where the mechanism runs
+    away "diverged", after Ctrl-C "interrupted"; the message says where, and the equilibria found are kept.
+    """
+    settings = assembly.mechanism.settings
+    kept = recorded_rows(assembly)
+    loading = Loading(assembly)
+    force = loading.force([0.0, *settings.load_factors], extent(assembly, assembly.state))
+    relaxation = Relaxation(assembly, force, "interpreted" if loop == "interpreted" else "data-driven")
+    record = Record(assembly, np.zeros(0, dtype=np.int64), np.zeros((0, len(kept))), kept, loop="data-driven")
+    relaxation.runner.advance(0, 1)  # loads the compiled loop, so that the analysis is not timed with it
+    began, rows, old = time.perf_counter(), [], 0.0
+    factors = (0.0, *settings.load_factors)
+    try:
+        for k, factor in enumerate(factors):
+            stage = Stage(relaxation, loading, k, old, factor, progress, began)
+            fault = stage.run(settings)
+            if fault:
+                record.status, record.message = fault
+                break
+            stage.tell(everything=True)
+            rows.append(_at_rest(assembly, relaxation, stage)[kept])
+            if file is not None:
+                file.append(np.array([k], dtype=np.int64), rows[-1][None, :])
+                file.checkpoint(k, relaxation.state)
+            old = factor
+    except KeyboardInterrupt:
+        record.status, record.message = "interrupted", f"Stopped at load factor {factors[len(rows)]:g}."
+    if not rows:  # the start itself, so that there is something to look at
+        rows = [assembly.state[kept]]
+    record.rows, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
+    record.wall = time.perf_counter() - began
+    record.final = relaxation.state.copy() if record.status == "complete" else None
+    if record.message and file is not None:
+        file.event(len(rows) - 1, record.message)
+    return record
+
+
+def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
+    """S of an equilibrium: one more iteration for the extremes, then no velocities, and the contacts' own floor of impact speeds."""
+    relaxation.advance(1)
+    state, layout = relaxation.state.copy(), assembly.layout
+    for name in STATE_OF_REST:
+        state[layout[f"particle_{name}"]] = 0.0
+    for name in MEANINGLESS:
+        state[layout[name]] = 0.0
+    touching = state[layout["clearance_penetration"]] > 0.0
+    state[layout["clearance_slowness"]] = np.where(touching, 1.0 / assembly.state[layout["clearance_floor"]], 0.0)
+    state[layout["iterations"]], state[layout["unbalanced"]] = stage.done, stage.ratio
+    return state
+
+
+class Stage:
+    """The way from one load factor to the next, and the rest at its end."""
+
+    def __init__(
+        self, relaxation: Relaxation, loading: Loading, number: int, old: float, new: float,
+        progress: Callable[[Progress], None] | None, began: float,
+    ) -> None:  # fmt: skip
+        self.relaxation, self.loading, self.number, self.old, self.new = relaxation, loading, number, old, new
+        self.progress, self.began, self.told = progress, began, 0.0
+        self.first = relaxation.iterations
+        self.ratio = 0.0
+        self.start = relaxation.state[relaxation.places].copy()
+
+    @property
+    def done(self) -> int:
+        """Iterations so far."""
+        return self.relaxation.iterations - self.first
+
+    def run(self, settings: Settings) -> tuple[str, str] | None:
+        """Status and message where there is no equilibrium to be found, else None."""
+        relaxation, loading = self.relaxation, self.loading
+        count = self._count()
+        path = np.linspace(self.old, self.new, PARTS + 1) if self.new != self.old else np.array([self.old])
+        for before, after in zip(path[:-1], path[1:], strict=True):
+            self._advance(float(before), float(after), count)
+            loading.go(relaxation, float(after), float(after), 0)
+            fault = self._look(relaxation.relax(), settings)
+            if fault:
+                return fault
+        loading.go(relaxation, self.new, self.new, 0)
+        while True:
+            pushes = relaxation.relax()
+            fault = self._look(pushes, settings)
+            if fault:
+                return fault
+            still = relaxation.still <= settings.kinetic_energy
+            earlier = relaxation.balance(pushes[LAST]).ratio
+            if max(self.ratio, earlier) <= settings.residual and still:
+                return None
+
+    def _advance(self, before: float, after: float, count: int) -> None:
+        self.loading.go(self.relaxation, before, after, count)
+        if self.loading.motions or self.loading.speeds:
+            self.relaxation.advance(count)
+
+    def _count(self) -> int:
+        """Iterations of one part: no more than a small turn and travel of the drivers in each."""
+        state, layout = self.relaxation.state, self.loading.layout
+        shortest = float(state[layout["reference_length"]].min(initial=0.01 * self.relaxation.size))
+        turn, travel = self.loading.motion(self.old, self.new)
+        return max(FEWEST, int(np.ceil(turn / TURN / PARTS)), int(np.ceil(travel / (TRAVEL * shortest) / PARTS)))
+
+    def _look(self, pushes: Array, settings: Settings) -> tuple[str, str] | None:
+        relaxation = self.relaxation
+        self.ratio = relaxation.balance(pushes[-1]).ratio
+        self.tell()
+        moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(relaxation.turning, 2.0 * np.pi, relaxation.size)
+        if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY:
+            return "diverged", self._runaway()
+        if self.done > settings.iterations:
+            return "not converged", self._unfinished(settings)
+        return None
+
+    def tell(self, everything: bool = False) -> None:
+        """Shows where the analysis stands, every now and then or where asked to."""
+        now = time.perf_counter()
+        if self.progress is not None and (everything or now - self.told > LOOK_SECONDS):
+            self.told = now
+            text = f"load factor {self.new:g}: {self.done:,} iterations, unbalanced {self.ratio:.1e}"
+            factors = len(self.loading.assembly.mechanism.settings.load_factors)
+            self.progress(Progress(self.number, factors, now - self.began, text))
+
+    def _runaway(self) -> str:
+        assembly = self.loading.assembly
+        free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
+        loose = f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold. " if free else ""
+        return (
+            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or turns: nothing holds it against the "
+            f"loads. {loose}Add a joint, a spring or a driver, or check the supports (vfife check)."
+        )
+
+    def _unfinished(self, settings: Settings) -> str:
+        return (
+            f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the unbalanced force is {self.ratio:.2e} of "
+            f"the largest force, {settings.residual:.2e} is asked for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. "
+            "Allow more iterations or a larger residual, put load factors closer together, or, where the load has passed a limit, prescribe the "
+            "travel of a pin instead of the load."
+        )
+
+
+LAST = -2  # the look before the last one

@@ -1,0 +1,112 @@
+"""Steps an assembled mechanism from its start to its end, chunk by chunk: progress, Ctrl-C, run file, a stop where numbers blow up."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..assembly.bounds import unsound
+from .progress import Progress
+from .record import Record, recorded_rows
+
+Loop = Literal["auto", "data-driven", "generated", "interpreted"]
+
+CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
+SAVED = 30e-9  # seconds that straight-line code saves for each step and element or joint
+LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still written out
+
+
+class Writer(Protocol):
+    """What keeps outputs and checkpoints while a run goes on: a run file."""
+
+    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+        """Keeps outputs."""
+
+    def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
+        """Keeps the whole state after a step."""
+
+
+def entities(assembly: Assembly) -> int:
+    """Elements and joints: what a step's work grows with."""
+    t = assembly.topology
+    return len(t.element_nodes) + len(t.clearance_bearing) + len(t.ideal_bearing) + len(t.spring_first)
+
+
+def compilation(assembly: Assembly) -> float:
+    """Seconds (measured on one machine, a guess elsewhere) that straight-line code takes to compile: it grows with the square of its lines."""
+    t = assembly.topology
+    lines = 60 * len(t.element_nodes) + 190 * len(t.clearance_bearing) + 150 * len(t.ideal_bearing) + 20 * len(t.free)
+    return 1.0 + 3.5e-6 * lines**2
+
+
+def choose_loop(assembly: Assembly, loop: Loop) -> str:
+    """The loop of a run: straight-line code where it saves more time than its compilation costs, or is compiled already."""
+    if assembly.mechanism.settings.analysis == "static":
+        return "interpreted" if loop == "interpreted" else "data-driven"
+    if loop != "auto":
+        return loop
+    if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1:
+        return "data-driven"
+    saved = SAVED * max(entities(assembly), 2) * assembly.choice.steps
+    return "generated" if saved > compilation(assembly) or (saved > 0.2 and _compiled(assembly)) else "data-driven"
+
+
+def _compiled(assembly: Assembly) -> bool:
+    from ..codegen.compile import is_compiled
+    from ..codegen.straight_line import straight_line
+
+    return is_compiled(straight_line(assembly.topology, 1), "advance")
+
+
+def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: Writer | None = None) -> Record:
+    """Steps a mechanism from its start to the end of its choice of steps.
+
+    Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed
+    before is kept.
+    """
+    from ..codegen.runner import Runner
+    from ..laws.stored import refuse_recorded
+
+    refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
+    kept = recorded_rows(assembly)
+    chosen = choose_loop(assembly, loop)
+    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
+    choice = assembly.choice
+    parts = [runner.advance(1, 1)[:, :, 0]]
+    record = Record(assembly, np.zeros(1, dtype=np.int64), parts[0], kept, loop=chosen)
+    status, done, wall, chunk = "complete", 0, 0.0, 1
+    if file is not None:
+        file.append(np.zeros(1, dtype=np.int64), parts[0])
+    try:
+        while done < choice.outputs:
+            some = min(chunk, choice.outputs - done)
+            began = time.perf_counter()
+            rows = runner.advance(choice.outputs_every, some)[:, :, 0]
+            spent = time.perf_counter() - began
+            wall += spent
+            broken = unsound(assembly, kept, rows).any(axis=1)
+            sound = int(np.argmax(broken)) if broken.any() else len(rows)
+            parts.append(rows[:sound])
+            steps = (done + 1 + np.arange(sound)) * choice.outputs_every
+            if file is not None:
+                file.append(steps, rows[:sound])
+                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[:, 0])
+            done += sound
+            if sound < some:
+                status = "diverged"
+                break
+            if progress is not None:
+                progress(Progress(done * choice.outputs_every, choice.steps, wall))
+            chunk = max(1, min(4 * some, int(some * CHUNK_SECONDS / max(spent, 1e-6))))
+    except KeyboardInterrupt:
+        status = "interrupted"
+    record.steps = np.arange(done + 1, dtype=np.int64) * choice.outputs_every
+    record.rows = np.concatenate(parts)[: done + 1]
+    record.wall, record.status = wall, status
+    record.final = runner.states[:, 0].copy() if status == "complete" else None
+    return record

@@ -1,0 +1,206 @@
+"""One mechanism under several laws: the same run for every pair of a contact and a friction law, and how its numbers differ."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..laws import ContactLaw, FrictionLaw, Law
+from ..model.mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from ..result import Result
+    from ..solvers.progress import Progress
+
+Choice = str | Law | type[Law]
+PER_JOINT = ("force.max", "penetration.max", "impacts", "grazing", "deep", "share.continuous_contact")
+
+
+@dataclass
+class Comparison:
+    """What the runs came to. ``rows`` holds one flat map a run, ``results`` the runs themselves, both in the order of the laws.
+
+    A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, the largest of the joints whose laws were changed), ``lip_force``
+    and ``lip_acceleration`` (%, the largest; None without a reference), ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean of
+    the joints), ``energy_lost`` (J, in damping and friction of the joints), ``energy_error``, ``wall_s``, and ``joints``: each joint's numbers.
+    """
+
+    mechanism: str
+    joints: tuple[str, ...]
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    results: list[Result] = field(default_factory=list)
+    reference: Result | None = None
+    planned: int = 0
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {len(self.rows)} runs of {self.mechanism!r}; see .rows, .results, .write_csv()>"
+
+    def flat(self) -> list[dict[str, Any]]:
+        """A map for every run and joint, for tables."""
+        whole = ("status", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
+        return [
+            {"contact": row["contact"], "friction": row["friction"], "joint": name, **numbers, **{key: row[key] for key in whole}}
+            for row in self.rows
+            for name, numbers in row["joints"].items()
+        ]
+
+    def write_csv(self, path: str | Path) -> None:
+        """Writes :meth:`flat` as a table of commas."""
+        flat = self.flat()
+        with Path(path).open("w", newline="", encoding="utf-8") as stream:
+            table = csv.DictWriter(stream, list(dict.fromkeys(key for row in flat for key in row)))
+            table.writeheader()
+            table.writerows(flat)
+
+
+def compare(
+    mechanism: Mechanism,
+    contact: Sequence[Choice] = (),
+    friction: Sequence[Choice] = (),
+    *,
+    joints: Iterable[str] | None = None,
+    progress: Callable[[str], Callable[[Progress], None] | None] | None = None,
+    **run: Any,
+) -> Comparison:
+    """Runs a mechanism under every pair of the given laws, and under its own where a kind is not given.
+
+    A law is a name, a class or an instance. Of a name or a class the parameters are those of the law it takes the place of, where both have a
+    field of the same name and unit (restitution, coefficient ...), else its defaults. ``joints``: those whose laws are changed, all with clearance
+    if left out. ``progress`` receives the name of each run before it starts and may return a call for :func:`~vfife.simulate`; ``run`` are options
+    of that. Ctrl-C ends with the runs that are complete. Raises ValueError with every law that cannot be used, before the first run.
+    """
+    from ..simulation import reference_of, simulate
+
+    names = chosen_joints(mechanism, joints)
+    variants = list(varied(mechanism, contact, friction, names))
+    reference = reference_of(mechanism, run.get("turns"), run.get("duration"))
+    if reference is not None and reference.record.status == "interrupted":
+        raise KeyboardInterrupt
+    checked(variants, reference, run)
+    found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
+    for number, (label, variant) in enumerate(variants, 1):
+        try:
+            told = progress(f"{number} of {len(variants)}: {label}") if progress is not None else None
+            result = simulate(variant, reference=reference if reference is not None else False, progress=told, **run)
+        except KeyboardInterrupt:
+            break
+        if result.record.status == "interrupted":
+            break
+        found.results.append(result)
+        found.rows.append(numbers_of(result, names))
+    return found
+
+
+def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[str, ...]:
+    """Joints whose laws are changed. Raises ValueError for one without clearance."""
+    from ..errors import suggestion
+
+    known = mechanism.clearances
+    if not known:
+        raise ValueError('no joint of this mechanism has clearance, so there is no law to compare; give one kind = "clearance"')
+    names = tuple(dict.fromkeys(joints)) if joints is not None else tuple(known)
+    for name in names:
+        if name in mechanism.joints and name not in known:
+            raise ValueError(f"joint {name} is ideal and has no law; joints with clearance are {', '.join(known)}")
+        if name not in known:
+            raise ValueError(f"there is no joint {name!r}. {suggestion(name, known, 'Name one with clearance')}")
+    return names
+
+
+def varied(mechanism: Mechanism, contact: Sequence[Choice], friction: Sequence[Choice], joints: Sequence[str]) -> Iterator[tuple[str, Mechanism]]:
+    """Name and mechanism of every pair of laws; None in place of a law keeps the joint's own."""
+    if not contact and not friction:
+        raise ValueError("name contact laws, friction laws or both; `vfife laws` lists them")
+    contacts: list[Law | type[Law] | None] = [law_of(one, ContactLaw, "contact") for one in contact] or [None]
+    frictions: list[Law | type[Law] | None] = [law_of(one, FrictionLaw, "friction") for one in friction] or [None]
+    for normal in contacts:
+        for tangential in frictions:
+            changed = dict(mechanism.joints)
+            for name in joints:
+                joint = mechanism.clearances[name]
+                laws = {"contact": carried(joint.contact, normal), "friction": carried(joint.friction, tangential)}
+                changed[name] = dataclasses.replace(joint, **laws)  # type: ignore[arg-type]
+            label = " with ".join(law.name for law in (normal, tangential) if law is not None)
+            yield label, dataclasses.replace(mechanism, joints=changed)
+
+
+def law_of(one: Choice, base: type[Law], kind: str) -> Law | type[Law]:
+    """The law that is meant. Raises ValueError for a name that no law has, and for a law of the other kind."""
+    from ..errors import suggestion
+
+    if isinstance(one, str):
+        if one not in base.registry:
+            raise ValueError(f"no {kind} law is called {one!r}. {suggestion(one, base.registry, f'Name a {kind} law').capitalize()}")
+        return base.registry[one]
+    kind_of_it: Any = one if isinstance(one, type) else type(one)
+    if not issubclass(kind_of_it, base):
+        raise ValueError(f"{one!r} is no {kind} law")
+    return one
+
+
+def carried(old: Law, new: Law | type[Law] | None) -> Law:
+    """The new law with what the old one and it both have: fields of the same name and unit."""
+    if new is None:
+        return old
+    if isinstance(new, Law):
+        return new
+    had = {one.name: one.metadata.get("unit") for one in dataclasses.fields(old)}
+    same = {one.name for one in dataclasses.fields(new) if one.name in had and had[one.name] == one.metadata.get("unit")}
+    values = {name: getattr(old, name) for name in same if getattr(old, name) is not None}
+    try:
+        return new(**values)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"the law {new.name!r} cannot take the place of {old.name!r}: {error}; give it in Python as an instance") from None
+
+
+def checked(variants: Sequence[tuple[str, Mechanism]], reference: Result | None, run: dict[str, Any]) -> None:
+    """Raises ValueError with every variant that cannot be run."""
+    from ..assembly.assemble import assemble
+    from ..modelfile.build import unsuited
+    from ..simulation import expected_forces
+
+    faults = []
+    options = {key: run[key] for key in ("turns", "duration", "outputs", "force_step") if key in run}
+    for label, variant in variants:
+        told = [str(fault) for fault in unsuited(variant)]
+        if not told:
+            try:
+                assemble(variant, run.get("step"), expected=expected_forces(reference), **options)
+            except ValueError as error:
+                told = [str(error)]
+        faults += [f"{label}: {one}" for one in told]
+    if faults:
+        raise ValueError("\n".join(dict.fromkeys(faults)))
+
+
+def numbers_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
+    """The row of a run."""
+    measures, mechanism = result.measures, result.record.assembly.mechanism
+    noun = mechanism.clearances[joints[0]]
+    each: dict[str, dict[str, Any]] = {
+        name: {key: measures[f"{name}.{key}"] for key in PER_JOINT if f"{name}.{key}" in measures}
+        | {"lip_force": measures.get(f"lip.{name}.force")}
+        for name in joints
+    }
+    ledger = result.ledger
+    lip = [value for key, value in measures.items() if key.startswith("lip.") and key.endswith(".angular_acceleration")]
+    lips = [one["lip_force"] for one in each.values() if one["lip_force"] is not None]
+    return {
+        "contact": noun.contact.name,
+        "friction": noun.friction.name,
+        "status": result.record.status,
+        "force": max(one["force.max"] for one in each.values()),
+        "lip_force": max(lips, default=None),
+        "lip_acceleration": max(lip, default=None),
+        "penetration": max(one["penetration.max"] for one in each.values()),
+        "impacts": int(sum(one["impacts"] for one in each.values())),
+        "contact_share": sum(one["share.continuous_contact"] for one in each.values()) / len(each),
+        "energy_lost": float(ledger.terms["contact_loss"][-1] + ledger.terms["friction_loss"][-1]),
+        "energy_error": ledger.error,
+        "wall_s": result.record.wall,
+        "joints": each,
+    }

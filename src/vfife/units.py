@@ -1,0 +1,234 @@
+"""Quantities as people write them: a bare number is in SI units, a text carries its unit, as in "0.2 mm" or "1500 rpm".
+
+Angles count as a dimension of their own, so that 25 Hz is not taken for 25 rad/s.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from fractions import Fraction
+from typing import Any
+
+from .errors import QuantityError, kind_of
+
+# Exponents of m, kg, s and rad.
+Exponents = tuple[Fraction, Fraction, Fraction, Fraction]
+
+
+# Exact factor, power of pi, exponents of m, kg, s, rad.
+UNITS: dict[str, tuple[str, int, tuple[int, int, int, int]]] = {
+    "1": ("1", 0, (0, 0, 0, 0)),
+    "%": ("1/100", 0, (0, 0, 0, 0)),
+    "m": ("1", 0, (1, 0, 0, 0)),
+    "km": ("1000", 0, (1, 0, 0, 0)),
+    "cm": ("1/100", 0, (1, 0, 0, 0)),
+    "mm": ("1/1000", 0, (1, 0, 0, 0)),
+    "um": ("1e-6", 0, (1, 0, 0, 0)),
+    "µm": ("1e-6", 0, (1, 0, 0, 0)),
+    "nm": ("1e-9", 0, (1, 0, 0, 0)),
+    "in": ("0.0254", 0, (1, 0, 0, 0)),
+    "ft": ("0.3048", 0, (1, 0, 0, 0)),
+    "kg": ("1", 0, (0, 1, 0, 0)),
+    "g": ("1/1000", 0, (0, 1, 0, 0)),
+    "t": ("1000", 0, (0, 1, 0, 0)),
+    "s": ("1", 0, (0, 0, 1, 0)),
+    "min": ("60", 0, (0, 0, 1, 0)),
+    "ms": ("1/1000", 0, (0, 0, 1, 0)),
+    "us": ("1e-6", 0, (0, 0, 1, 0)),
+    "µs": ("1e-6", 0, (0, 0, 1, 0)),
+    "ns": ("1e-9", 0, (0, 0, 1, 0)),
+    "Hz": ("1", 0, (0, 0, -1, 0)),
+    "kHz": ("1000", 0, (0, 0, -1, 0)),
+    "rad": ("1", 0, (0, 0, 0, 1)),
+    "deg": ("1/180", 1, (0, 0, 0, 1)),
+    "°": ("1/180", 1, (0, 0, 0, 1)),
+    "rev": ("2", 1, (0, 0, 0, 1)),
+    "turn": ("2", 1, (0, 0, 0, 1)),
+    "rpm": ("1/30", 1, (0, 0, -1, 1)),
+    "mN": ("1/1000", 0, (1, 1, -2, 0)),
+    "N": ("1", 0, (1, 1, -2, 0)),
+    "kN": ("1000", 0, (1, 1, -2, 0)),
+    "MN": ("1e6", 0, (1, 1, -2, 0)),
+    "J": ("1", 0, (2, 1, -2, 0)),
+    "Nm": ("1", 0, (2, 1, -2, 0)),
+    "Pa": ("1", 0, (-1, 1, -2, 0)),
+    "kPa": ("1000", 0, (-1, 1, -2, 0)),
+    "MPa": ("1e6", 0, (-1, 1, -2, 0)),
+    "GPa": ("1e9", 0, (-1, 1, -2, 0)),
+    "bar": ("1e5", 0, (-1, 1, -2, 0)),
+}
+
+# What a dimension is called, its SI unit and an example.
+DIMENSIONS: tuple[tuple[str, str, str], ...] = (
+    ("a number without a unit", "1", "0.9"),
+    ("a length", "m", "0.5 mm"),
+    ("a mass", "kg", "2 kg"),
+    ("a time", "s", "20 ms"),
+    ("an angle", "rad", "30 deg"),
+    ("an angular velocity", "rad/s", "1500 rpm"),
+    ("an angular acceleration", "rad/s^2", "100 rad/s^2"),
+    ("a frequency", "1/s", "50 Hz"),
+    ("a velocity", "m/s", "10 mm/s"),
+    ("an acceleration", "m/s^2", "-9.81 m/s^2"),
+    ("a force", "N", "2 kN"),
+    ("a moment", "N m", "-5 N m"),
+    ("a moment of inertia", "kg m^2", "12 kg mm^2"),
+    ("an area", "m^2", "100 mm^2"),
+    ("a second moment of area", "m^4", "8e3 mm^4"),
+    ("a pressure", "Pa", "207 GPa"),
+    ("a density", "kg/m^3", "7800 kg/m^3"),
+    ("a mass per length", "kg/m", "7.8 kg/m"),
+    ("a stiffness", "N/m", "2 kN/mm"),
+    ("a damping coefficient", "N s/m", "5 N s/m"),
+    ("a torsional stiffness", "N m/rad", "20 N m/rad"),
+    ("a torsional damping", "N m s/rad", "0.1 N m s/rad"),
+    ("a generalised stiffness", "N/m^1.5", "6.6e10 N/m^1.5"),
+    ("a stiffness per unit of normal force", "1/m", "1e4 1/m"),
+    ("a damping per unit of normal force", "s/m", "30 s/m"),
+)
+
+LENGTH_LIMIT = 100
+_FACTOR = r"(?:[A-Za-zµ°%]+|1)(?:\^-?[0-9]{1,2}(?:\.[0-9]{1,6})?)?"
+_SEPARATOR = r"(?: ?[*·/] ?| )"
+_ITEM = rf"(?:{_FACTOR}|\({_FACTOR}(?:{_SEPARATOR}{_FACTOR})*\))"
+_UNIT = re.compile(rf"/?{_ITEM}(?:{_SEPARATOR}{_ITEM})*")
+_TOKEN = re.compile(r"([A-Za-zµ°%]+|1)(?:\^(-?[0-9.]+))?|([/()*·])")
+_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]")
+_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?) ?(.*)")
+
+
+def number(value: Any, dimension: str) -> float:
+    """SI value of a bare number (taken as SI) or of a text with a unit.
+
+    ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of what it measures ("length",
+    "angular velocity"). Raises QuantityError for any other dimension, for what is no number, and for nan and inf.
+
+    >>> number("0.5 mm", "m")
+    0.0005
+    """
+    unit = _unit_of_dimension(dimension)
+    limit, example = dimension_of(unit)
+    remedy = f'for example "{example}"' if unit != "1" else f"for example {example}"
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise QuantityError(value, kind_of(value), limit, remedy)
+    try:
+        result = _text(value, unit) if isinstance(value, str) else float(value)
+    except _Wrong as wrong:
+        raise QuantityError(value, str(wrong), limit, remedy) from None
+    except OverflowError:
+        raise QuantityError(value, "a number too large to calculate with", limit, remedy) from None
+    if not math.isfinite(result):
+        raise QuantityError(value, "not a finite number", limit, remedy)
+    return result
+
+
+def dimension_of(unit: str) -> tuple[str, str]:
+    """What a quantity in this unit is called, and an example of one."""
+    exponents = _measure(unit)[1]
+    for words, si, example in DIMENSIONS:
+        if _measure(si)[1] == exponents:
+            return words, example
+    return f"a quantity in {unit}", f"1 {unit}"
+
+
+class _Wrong(ValueError):
+    """What a text is instead of the quantity wanted."""
+
+
+@functools.lru_cache(maxsize=256)
+def _unit_of_dimension(dimension: str) -> str:
+    for words, si, _ in DIMENSIONS:
+        if words.partition(" ")[2] == dimension:
+            return si
+    return dimension
+
+
+def _text(text: str, unit: str) -> float:
+    """SI value of a text; the arithmetic is exact until the last rounding, so "0.2 mm" is 2e-4 to the bit."""
+    tidy = " ".join(text.replace("**", "^").replace("μ", "µ").replace("²", "^2").replace("³", "^3").split())
+    if len(text) > LENGTH_LIMIT or _COMMA.match(tidy) or not (match := _NUMBER.fullmatch(tidy)):
+        raise _Wrong(_no_number(tidy))
+    digits, written = Fraction(match[1]), match[2] or unit
+    if not _UNIT.fullmatch(written):
+        raise _Wrong(f'whose unit "{written}" cannot be read (write units as in "N/m^1.5" or "kg m^2")')
+    (exact, rough, pi), exponents = _measure(written)
+    if exponents != _measure(unit)[1]:
+        raise _Wrong(dimension_of(written)[0])
+    return float(digits * exact) * rough * math.pi**pi
+
+
+def _no_number(tidy: str) -> str:
+    if re.match(r"[+-]?(nan|inf)", tidy, re.IGNORECASE):
+        return "not a finite number"
+    if _COMMA.match(tidy):
+        return "a text with a comma (write a decimal point)"
+    return "a text that does not begin with a number" if len(tidy) <= LENGTH_LIMIT else "a text too long for a quantity"
+
+
+@functools.lru_cache(maxsize=256)
+def _measure(unit: str) -> tuple[tuple[Fraction, float, int], Exponents]:
+    """Factor to SI of a unit expression (exact part, rounded part, power of pi), and its dimension."""
+    exact, rough, pi = Fraction(1), 1.0, Fraction(0)
+    total = [Fraction(0)] * 4
+    for name, power in _factors(unit):
+        (factor, inexact, circle), exponents = _named(name)
+        if power.denominator == 1:
+            exact *= factor ** int(power)
+        else:
+            rough *= float(factor) ** float(power)
+        rough *= inexact ** float(power)
+        pi += circle * power
+        total = [have + power * more for have, more in zip(total, exponents, strict=True)]
+    if pi.denominator != 1:
+        rough, pi = rough * math.pi ** float(pi), Fraction(0)
+    return (exact, rough, int(pi)), (total[0], total[1], total[2], total[3])
+
+
+def _factors(unit: str) -> list[tuple[str, Fraction]]:
+    """Names and exponents of a unit expression; a product after a slash goes on in the numerator, as in pint."""
+    factors, sign, outer = [], 1, 1
+    for name, power, mark in _TOKEN.findall(unit):
+        if name:
+            factors.append((name, outer * sign * Fraction(power or 1)))
+            sign = 1
+        elif mark == "/":
+            sign = -1
+        elif mark == "(":
+            sign, outer = 1, sign
+        elif mark == ")":
+            outer = 1
+    return factors
+
+
+def _named(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]]:
+    if name in UNITS:
+        factor, pi, exponents = UNITS[name]
+        return (Fraction(factor), 1.0, pi), tuple(map(Fraction, exponents))
+    return _through_pint(name)
+
+
+@functools.lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint  # takes 0.3 s, and everyday units do without
+
+    return pint.UnitRegistry()
+
+
+@functools.lru_cache(maxsize=256)
+def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]]:
+    """A unit that is not in the table, looked up by its bare name: pint never sees an expression."""
+    import difflib
+
+    try:
+        base = (1.0 * _registry().parse_units(name)).to_base_units()
+        units = dict(base.unit_items())
+    except Exception:  # pint raises what its tokenizer or its arithmetic happens to raise
+        near = difflib.get_close_matches(name, UNITS, 1, 0.4)
+        hint = f' (did you mean "{near[0]}"?)' if near else ""
+        raise _Wrong(f'whose unit "{name}" is unknown{hint}') from None
+    exponents = tuple(Fraction(units.pop(key, 0)) for key in ("meter", "kilogram", "second", "radian"))
+    if units:
+        raise _Wrong(f'whose unit "{name}" measures no length, mass, time or angle')
+    return (Fraction(1), float(base.magnitude), 0), exponents
