@@ -59,7 +59,7 @@ def four_bar(elements: int) -> Mechanism:
 def speed(mechanism: Mechanism, loop: str, lanes: int, wanted: float) -> tuple[int, Callable[[], float]]:
     """Elements of a model, and a timed run of about ``wanted`` element-steps; it gives seconds per element-step."""
     assembly = assemble(mechanism, "auto", duration=1e-2)
-    elements = len(assembly.topology.element_nodes)
+    elements = len(assembly.topology.frame_nodes)
     steps = max(200, round(wanted / elements / lanes))
     states = np.repeat(assembly.state[: assembly.layout.rows, None], lanes, axis=1)
     tables = np.repeat(assembly.tables[None, :], lanes, axis=0)

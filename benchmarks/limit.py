@@ -83,7 +83,7 @@ def position(steps: int) -> tuple[float, float, float]:
     model = runner("generated")
     model.advance(steps + 1, 1)
     x, y = (float(model.states[model.layout.row(name, FOLLOWER_PIN), 0]) for name in ("particle_x", "particle_y"))
-    return x, y, float(model.states[model.layout["clearance_onsets"], 0].sum())
+    return x, y, float(model.states[model.layout["contact_onsets"], 0].sum())
 
 
 def agreement(programs: dict[str, Path], steps: tuple[int, ...]) -> list[dict[str, float]]:

@@ -21,12 +21,12 @@ TOPOLOGY = Topology(
     particles=6,  # ground, crank, coupler's ends, follower's ends (upper first)
     free=(2, 3, 4, 5),
     trig=(1,),
-    element_nodes=((2, 3), (5, 4)),
-    element_release=(0, 0),
-    clearance_bearing=(1, 3, 0),
-    clearance_journal=(2, 4, 5),
-    clearance_contact=(0, 0, 0),
-    clearance_friction=(0, 0, 0),
+    frame_nodes=((2, 3), (5, 4)),
+    frame_release=(0, 0),
+    contact_bearing=(1, 3, 0),
+    contact_journal=(2, 4, 5),
+    contact_form=(0, 0, 0),
+    friction_form=(0, 0, 0),
     driven=(1,),
     driven_function=(-1,),
     body_nodes=((1, 1), (2, 3), (5, 4)),
@@ -36,7 +36,7 @@ TOPOLOGY = Topology(
 STEP = 1e-6
 GROUND, CRANK, COUPLER, FOLLOWER = 0.15, 0.4, 0.26, 0.46
 SPEED, AREA, MODULUS, RADIUS = 50 * math.pi, 1e-3, 207e9, 0.01
-LAWS = {"clearance_contact": (6.6e10, 0.75 * (1 - 0.81)), "clearance_friction_slots": (0.1, 1e-2, 1e-1 - 1e-2)}
+LAWS = {"contact_slots": (6.6e10, 0.75 * (1 - 0.81)), "contact_friction_slots": (0.1, 1e-2, 1e-1 - 1e-2)}
 
 
 def state(clearance: float = 2e-4) -> NDArray[np.float64]:
@@ -64,14 +64,14 @@ def state(clearance: float = 2e-4) -> NDArray[np.float64]:
         "reference_inverse_length": [1 / a, 1 / b],
         "reference_cosine": [(x - r) / a, (x - g) / b],
         "reference_sine": [y / a, y / b],
-        "element_axial_stiffness": MODULUS * AREA,
-        "element_bending_stiffness": MODULUS * AREA * gyration,
-        "clearance_bearing_x": [r, 0, g],
-        "clearance_size": clearance,
-        "clearance_floor": 0.01,
-        "clearance_landing": 1e-5,
-        "clearance_arm_bearing": RADIUS,
-        "clearance_arm_journal": RADIUS - clearance,
+        "frame_axial_stiffness": MODULUS * AREA,
+        "frame_bending_stiffness": MODULUS * AREA * gyration,
+        "contact_bearing_x": [r, 0, g],
+        "contact_size": clearance,
+        "contact_floor": 0.01,
+        "contact_landing": 1e-5,
+        "contact_arm_bearing": RADIUS,
+        "contact_arm_journal": RADIUS - clearance,
         "driven_speed": w,
         "driven_inertia": 1.0,
         "step": STEP,

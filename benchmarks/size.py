@@ -74,7 +74,7 @@ def one(make: Callable[[int], Mechanism], size: int, options: Options) -> tuple[
     began = time.perf_counter()
     assembly = assemble(mechanism, duration=1.0, outputs=1)
     seconds = time.perf_counter() - began
-    elements = len(assembly.topology.element_nodes)
+    elements = len(assembly.topology.frame_nodes)
     runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], "data-driven", NOTHING)
     runner.advance(1, 1)
     steps = max(10, round(STEPS / elements))

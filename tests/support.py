@@ -140,7 +140,7 @@ def largest_force(record: Record, joint: str, window: np.ndarray) -> float:
 
 def onsets(record: Record) -> list[int]:
     """Contacts that began in each clearance joint."""
-    return [int(value) for value in record.block("clearance_onsets")[-1]]
+    return [int(value) for value in record.block("contact_onsets")[-1]]
 
 
 def particle(record: Record, name: str, which: int = 0) -> dict[str, np.ndarray]:
@@ -227,8 +227,8 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
 
 
 TURNED_ROUND = {
-    "particle_y", "particle_theta", "particle_v", "particle_w", "particle_ay", "particle_aw", "element_moment_1", "element_moment_2",
-    "reference_sine", "reference_theta_1", "reference_theta_2", "reference_moment_1", "reference_moment_2", "clearance_friction_force",
-    "clearance_memory", "ideal_fy", "driven_torque", "driven_fy", "body_alpha", "function_value", "function_rate", "function_acceleration",
+    "particle_y", "particle_theta", "particle_v", "particle_w", "particle_ay", "particle_aw", "frame_moment_1", "frame_moment_2",
+    "reference_sine", "reference_theta_1", "reference_theta_2", "reference_moment_1", "reference_moment_2", "contact_friction_force",
+    "contact_memory", "joint_fy", "driven_torque", "driven_fy", "body_alpha", "function_value", "function_rate", "function_acceleration",
     "function_next",
 }  # fmt: skip

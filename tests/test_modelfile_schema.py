@@ -23,9 +23,7 @@ MODELS = {path.stem: path.read_text(encoding="utf-8") for path in (*FILES, *TEMP
 
 def test_the_shipped_schema_is_that_of_the_code() -> None:
     if SHIPPED.read_text(encoding="utf-8") != text():
-        pytest.fail(
-            "model.schema.json is not what tables and laws say; run: vfife schema -o src/vfife/modelfile/model.schema.json", pytrace=False
-        )
+        pytest.fail("model.schema.json is not what tables and laws say; run: vfife schema -o src/vfife/modelfile/model.schema.json", pytrace=False)
 
 
 @pytest.mark.parametrize("name", MODELS)

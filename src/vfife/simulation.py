@@ -114,4 +114,4 @@ def begun(mechanism: Mechanism, step: float | str | None = None, start: Start = 
 
 def _too_deep(record: Record) -> bool:
     """Whether a first contact landed deeper than its joint allows."""
-    return bool(record.assembly.clearances) and bool(record.block("clearance_deep")[-1].any())
+    return bool(record.assembly.clearances) and bool(record.block("contact_deep")[-1].any())

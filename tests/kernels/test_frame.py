@@ -19,7 +19,7 @@ class Element:
     """One element between two particles, stepped by the data-driven loop's own function, run as plain Python."""
 
     def __init__(self, release: str = "none", path_unit: int = 1, ends=((0.3, -0.2), (0.3 + LENGTH, -0.2)), theta=(0.0, 0.0)) -> None:
-        topology = Topology(particles=3, free=(1, 2), element_nodes=((1, 2),), element_release=(RELEASED[release],), path_unit=path_unit)
+        topology = Topology(particles=3, free=(1, 2), frame_nodes=((1, 2),), frame_release=(RELEASED[release],), path_unit=path_unit)
         integers, self.layout, rows = tables(topology)
         self.I = [int(value) for value in integers]
         self.S = np.zeros(rows)
@@ -30,7 +30,7 @@ class Element:
             "reference_length": length, "reference_inverse_length": 1.0 / length,
             "reference_cosine": chord[0] / length, "reference_sine": chord[1] / length,
             "reference_theta_1": theta[0], "reference_theta_2": theta[1],
-            "element_axial_stiffness": EA, "element_bending_stiffness": EI,
+            "frame_axial_stiffness": EA, "frame_bending_stiffness": EI,
         }.items():  # fmt: skip
             self.S[self.layout[name]] = value
 
@@ -46,7 +46,7 @@ class Element:
 
     def inside(self) -> np.ndarray:
         """Axial force and end moments."""
-        return np.array([self.S[self.layout[f"element_{name}"]][0] for name in ("axial_force", "moment_1", "moment_2")])
+        return np.array([self.S[self.layout[f"frame_{name}"]][0] for name in ("axial_force", "moment_1", "moment_2")])
 
 
 def moved(points, turn: float, shift) -> list[tuple[float, float, float]]:

@@ -94,13 +94,13 @@ def test_every_law_has_something_to_do():
         return rows[:, [where[int(row) + part] for row in layout[name]]]
 
     names = [law.name for law in LAWS]
-    early = block("clearance_friction_work")[INTERPRETED, :, 0]
+    early = block("contact_friction_work")[INTERPRETED, :, 0]
     assert all((early[k] > 0) == (name != "none") for k, name in enumerate(names))
-    assert block("clearance_onsets")[-1, : len(names)].min() >= 1
-    assert (block("clearance_normal_force")[:, : len(names)] == 0).any()
+    assert block("contact_onsets")[-1, : len(names)].min() >= 1
+    assert (block("contact_normal_force")[:, : len(names)] == 0).any()
     for k, law in enumerate(LAWS):
         for part in range(FRICTION_MEMORY):
-            assert block("clearance_memory", part)[:, k].any() == (part < len(law.memory)), (law.name, part)
+            assert block("contact_memory", part)[:, k].any() == (part < len(law.memory)), (law.name, part)
 
 
 # ---------------------------------------------------------------------------------------------------------------- memory
@@ -109,7 +109,7 @@ def test_every_law_has_something_to_do():
 def test_memory_is_state_and_in_pieces_as_in_one():
     """All its rows are kept and checkpointed; a run in pieces has the bits of a run in one."""
     layout = computed("data-driven", LANES)[1]
-    rows = {int(row) + part for row in layout["clearance_memory"] for part in range(FRICTION_MEMORY)}
+    rows = {int(row) + part for row in layout["contact_memory"] for part in range(FRICTION_MEMORY)}
     assert rows <= set(layout.of("state"))
     whole, pieces = (lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "data-driven") for _ in range(2))
     whole.advance(600, 1)
@@ -124,9 +124,9 @@ def test_bristles_spring_back_where_nothing_presses():
     m = journal_in_bearing(contact=CONTACT, friction=LuGre())
     m.bodies["journal"] = dataclasses.replace(m.bodies["journal"], inertia=1e-4, velocity=(1.0, 0.0, 30.0))
     record = go(m, 5e-7, duration=2e-3, outputs=4000)
-    normal = record.block("clearance_normal_force")[:, 0]
+    normal = record.block("contact_normal_force")[:, 0]
     where = {int(row): k for k, row in enumerate(record.kept)}
-    first = record.assembly.layout.row("clearance_memory")
+    first = record.assembly.layout.row("contact_memory")
     memory = record.rows[:, [where[first + part] for part in range(3)]]
     pressed = normal > 0.0
     assert pressed.sum() > 100 and not pressed[-1]
@@ -155,7 +155,7 @@ def test_a_law_with_one_number_remembers_a_number():
     m = journal_in_bearing(contact=CONTACT, friction=Counting())
     m.bodies["journal"] = dataclasses.replace(m.bodies["journal"], inertia=1e-4, velocity=(1.0, 0.0, 300.0))
     record = go(m, 5e-7, duration=2e-3, outputs=4000, loop="interpreted")
-    normal, friction, steps = (record.block(f"clearance_{name}")[:, 0] for name in ("normal_force", "friction_force", "memory"))
+    normal, friction, steps = (record.block(f"contact_{name}")[:, 0] for name in ("normal_force", "friction_force", "memory"))
     pressed = np.flatnonzero(normal > 0.0)
     assert (steps[pressed] == np.arange(1, len(pressed) + 1)).all() and steps[-1] == 0.0
     assert np.abs(friction[pressed]) == pytest.approx(1e-5 * (steps[pressed] - 1) * normal[pressed], rel=1e-14)

@@ -157,15 +157,15 @@ def test_the_runs_are_worth_comparing(model):
 
     if model is not elastic_bars:
         interpreted = RUNS[model][3]
-        assert (block("clearance_onsets")[interpreted, :, 0] >= 1).any()
-        assert (block("clearance_onsets")[-1] >= 2).all(axis=0).any()
-        assert (block("clearance_damping_work")[interpreted, :, 0] > 0).any()
-        assert (block("clearance_friction_work")[interpreted, :, 0] > 0).any()
-        assert (block("clearance_slowness") == 0).any() and (block("clearance_slowness")[1:] > 0).any()
+        assert (block("contact_onsets")[interpreted, :, 0] >= 1).any()
+        assert (block("contact_onsets")[-1] >= 2).all(axis=0).any()
+        assert (block("contact_damping_work")[interpreted, :, 0] > 0).any()
+        assert (block("contact_friction_work")[interpreted, :, 0] > 0).any()
+        assert (block("contact_slowness") == 0).any() and (block("contact_slowness")[1:] > 0).any()
     if model is two_particle_bars:
-        assert (block("clearance_friction_work")[-1, :2] > 0).all() and (block("clearance_friction_work")[:, 2] == 0).all()
+        assert (block("contact_friction_work")[-1, :2] > 0).all() and (block("contact_friction_work")[:, 2] == 0).all()
     if model in (elastic_bars, two_particle_bars):
-        assert np.abs(block("element_moment_1")[-1]).min() > 0
+        assert np.abs(block("frame_moment_1")[-1]).min() > 0
     if model is swing:
         assert all(np.abs(block(name)[-1]).min() > 0 for name in ("external_work", "damping_work", "driven_work"))
 
@@ -196,10 +196,10 @@ def test_extremes_are_those_of_the_steps_since_the_last_output(loop):
     def of(rows: np.ndarray, name: str) -> np.ndarray:
         return rows[:, [column[row] for row in a.layout[name].tolist()]]
 
-    force = of(every, "clearance_normal_force") ** 2 + of(every, "clearance_friction_force") ** 2
+    force = of(every, "contact_normal_force") ** 2 + of(every, "contact_friction_force") ** 2
     largest = {
-        "clearance_force_squared_max": force,
-        "clearance_penetration_max": np.maximum(of(every, "clearance_penetration"), 0.0),
+        "contact_force_squared_max": force,
+        "contact_penetration_max": np.maximum(of(every, "contact_penetration"), 0.0),
         "body_alpha_max": np.abs(of(every, "body_alpha")),
         "driven_torque_max": np.abs(of(every, "driven_torque")),
     }

@@ -108,7 +108,7 @@ def test_a_law_that_branches_compiles_beside_others():
 def test_a_law_that_branches_is_no_straight_line():
     """Generated code refuses it and says what to write instead."""
     with pytest.raises(Branch, match="conditional expression"):
-        straight_line(replace(assembled(select_law()).topology, contact_laws=(branch_law(),), clearance_contact=(0,)), 1)
+        straight_line(replace(assembled(select_law()).topology, contact_laws=(branch_law(),), contact_form=(0,)), 1)
 
 
 def test_an_unused_law_of_the_user_does_not_stand_in_the_way():

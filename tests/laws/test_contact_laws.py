@@ -207,7 +207,7 @@ def rebound_in_a_run(law: ContactLaw) -> float:
     """Share of its speed that a journal of 2 kg, thrown against its bearing at 0.7 m/s, gets back in the step itself."""
     m = journal_in_bearing(0.7, mass=2.0, contact=law, friction=Frictionless(), clearance=2e-4)
     record = go(m, 1e-7, duration=2e-3, outputs=100, beside=all_contact_laws())
-    onsets, depth = record.block("clearance_onsets")[:, 0], record.block("clearance_penetration")[:, 0]
+    onsets, depth = record.block("contact_onsets")[:, 0], record.block("contact_penetration")[:, 0]
     assert onsets.tolist().count(1.0) > 5
     parted = np.flatnonzero((onsets == 1) & (depth < 0))
     parted = parted[parted > np.argmax(onsets == 1)]

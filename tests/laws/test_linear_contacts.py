@@ -32,7 +32,7 @@ def rebound_in_a_run(law) -> float:
     """The same in the step: a journal of 2 kg thrown against its bearing. The jump of the force at onset makes this first order in the step."""
     m = journal_in_bearing(SPEED, mass=MASS, contact=law, friction=Frictionless(), clearance=2e-4)
     record = go(m, 2e-8, duration=2e-3, outputs=100, beside=all_contact_laws())
-    onsets, depth = record.block("clearance_onsets")[:, 0], record.block("clearance_penetration")[:, 0]
+    onsets, depth = record.block("contact_onsets")[:, 0], record.block("contact_penetration")[:, 0]
     parted = np.flatnonzero((onsets == 1) & (depth < 0))
     parted = parted[parted > np.argmax(onsets == 1)]
     return float(-particle(record, "journal")["u"][parted[0]] / SPEED)

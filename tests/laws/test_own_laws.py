@@ -113,7 +113,7 @@ def test_a_changed_file_is_noticed(tmp_path):
         model = assemble(four_bar("C", contact=mine(restitution=0.3)), 2e-6, duration=1e-3, force_step=True)
         runner = lanes([model], "interpreted")
         runner.advance(500, 1)
-        forces.append(runner.states[model.layout.row("clearance_damping_work", 0), 0])
+        forces.append(runner.states[model.layout.row("contact_damping_work", 0), 0])
     assert forces[0] > 2.0 * forces[1] > 0.0
 
 

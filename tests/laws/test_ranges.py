@@ -121,13 +121,13 @@ def test_assembly_and_result_say_it_once_for_joints_that_are_alike():
 
 def test_a_run_tells_its_fastest_impact():
     record = go(journal_in_bearing(0.7, friction=Frictionless(), contact=LankaraniNikravesh(0.8)), 1e-6, duration=4e-3, outputs=10)
-    assert record.block("clearance_fastest")[-1] == pytest.approx(0.7, rel=1e-6)
-    assert record.block("clearance_onsets")[-1] > 1
+    assert record.block("contact_fastest")[-1] == pytest.approx(0.7, rel=1e-6)
+    assert record.block("contact_onsets")[-1] > 1
     said = Result(record).summary["warnings"]
     assert [one for one in said if one.startswith("Joint J: lankarani-nikravesh, impacts of up to 0.7 m/s")]
 
 
 def test_a_slow_run_is_silent():
     record = go(journal_in_bearing(0.04, friction=Frictionless(), contact=LankaraniNikravesh(0.8)), 1e-6, duration=3e-2, outputs=10)
-    assert record.block("clearance_onsets")[-1] >= 1
+    assert record.block("contact_onsets")[-1] >= 1
     assert not [one for one in Result(record).summary["warnings"] if "lankarani" in one]

@@ -35,7 +35,7 @@ def test_ledger_closes_at_second_order() -> None:
 def test_ledger_notices_a_wrong_work() -> None:
     """One per cent of the friction work missing is found."""
     record = go(four_bar(), 2e-6, turns=1.0)
-    where = [k for k, row in enumerate(record.kept) if row in record.assembly.layout["clearance_friction_work"]]
+    where = [k for k, row in enumerate(record.kept) if row in record.assembly.layout["contact_friction_work"]]
     rows = record.rows.copy()
     rows[:, where] *= 0.99
     assert ledger(dataclasses.replace(record, rows=rows)).error > 1e-4
@@ -90,7 +90,7 @@ def test_contact_stores_what_the_journal_had() -> None:
     record = go(journal_in_bearing(contact=law, friction=Ambrosio(0.0)), 1e-7, duration=7e-4, outputs=7000)
     book = ledger(record)
     assert book.terms["kinetic"][0] == pytest.approx(0.5)
-    deepest = int(np.argmax(record.block("clearance_penetration")[:, 0]))
+    deepest = int(np.argmax(record.block("contact_penetration")[:, 0]))
     assert book.terms["contact"][deepest] + book.terms["contact_loss"][deepest] == pytest.approx(0.5, rel=1e-5)
     assert book.terms["contact_loss"][-1] == pytest.approx(0.5 * (1.0 - 0.913177**2), rel=1e-4)
 

@@ -37,10 +37,10 @@ def test_maxima_are_those_of_the_extremes(record) -> None:
     for joint in "ABCD":
         assert found[f"{joint}.force.max"] == pytest.approx(largest_force(record, joint, window), rel=1e-14)
     assert found["follower.angular_acceleration.max"] == largest_alpha(record, "follower", window)
-    samples = np.hypot(record.block("clearance_normal_force"), record.block("clearance_friction_force"))[window, 1]
+    samples = np.hypot(record.block("contact_normal_force"), record.block("contact_friction_force"))[window, 1]
     assert found["C.force.max"] >= samples.max()
     assert found["crank.torque.max"] == record.block("driven_torque_max")[window].max()
-    assert found["C.penetration.max"] == record.block("clearance_penetration_max")[window, 1].max()
+    assert found["C.penetration.max"] == record.block("contact_penetration_max")[window, 1].max()
     assert found["crank.angular_acceleration.max"] == 0.0
 
 
@@ -58,7 +58,7 @@ def test_counts_and_shares_are_those_of_the_whole_run(record) -> None:
 def test_shares_count_every_step() -> None:
     """With an output at every step, the samples tell the same."""
     every = go(journal_in_bearing(), 1e-6, duration=1e-3, outputs=1000)
-    touching = int((every.block("clearance_penetration")[:, 0] > 0.0).sum())
+    touching = int((every.block("contact_penetration")[:, 0] > 0.0).sum())
     found = measures(every)
     count = len(every.steps)
     assert found["J.share.continuous_contact"] * count == pytest.approx(touching - found["J.impacts"])

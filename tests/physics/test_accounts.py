@@ -64,7 +64,7 @@ def test_friction_outside_a_bearing_keeps_angular_momentum(kind: str, moment: st
     else:
         m.external_contact("C", "a.c", "b.c", journal_radius=0.1, bearing_radius=0.1 if kind == "round" else None, **laws)
     record = ran(m, 0.03, 2e-6)
-    lost, deepest = record.block("clearance_friction_work")[-1].sum(), record.block("clearance_penetration_max").max()
+    lost, deepest = record.block("contact_friction_work")[-1].sum(), record.block("contact_penetration_max").max()
     assert lost > 1e-4 and deepest > 1e-5
     impulse = 0.5 * 3.0  # N s, more than mass times relative velocity
     drift = np.ptp(angular_momentum(record))

@@ -47,7 +47,7 @@ class Contact:
         self.depth = depth[self.inside]
         self.rate, self.slip = (velocity[1][k][self.inside] - velocity[0][k][self.inside] for k in (0, 1))
         self.normal, self.friction, slowness = (
-            record.block(f"clearance_{name}")[self.inside, 0] for name in ("normal_force", "friction_force", "slowness")
+            record.block(f"contact_{name}")[self.inside, 0] for name in ("normal_force", "friction_force", "slowness")
         )
         self.expected = STIFFNESS * self.depth**1.5 * (1 + CHI * self.rate * slowness)
 

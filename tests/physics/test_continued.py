@@ -44,7 +44,7 @@ def test_two_parts_are_one(elastic, clearance):
     assert np.abs(end - there).max() < 2e-6 * travel
     assert second.record.block("particle_theta")[0, 1] == pytest.approx(first.record.block("particle_theta")[-1, 1], abs=1e-15)
     if elastic:
-        axial = "element_axial_force"
+        axial = "frame_axial_force"
         assert second.record.block(axial)[0] == pytest.approx(first.record.block(axial)[-1], rel=1e-12)
 
 

@@ -98,10 +98,10 @@ def test_what_a_path_unit_of_one_step_costs():
     record = go(spring(ea), step, duration=1.0, outputs=1000)
     x, y = particle(record, "bar", 1)["x"], particle(record, "bar", 1)["y"]
     length = np.hypot(x, y)
-    excess = record.block("element_axial_force")[-1, 0] - ea * math.log(length[-1])
+    excess = record.block("frame_axial_force")[-1, 0] - ea * math.log(length[-1])
     expected = ea * 0.5 * (np.diff(length) / length[:-1]) @ (np.diff(length) / length[:-1])
     assert excess == pytest.approx(expected, rel=0.05)
-    assert 5e-3 < expected < 1e-3 * np.abs(record.block("element_axial_force")).max()
+    assert 5e-3 < expected < 1e-3 * np.abs(record.block("frame_axial_force")).max()
 
 
 @pytest.mark.parametrize(("clear", "fewest"), [("C", 1.6), ("BCD", 1.3)], ids=["case b", "case c"])

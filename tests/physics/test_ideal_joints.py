@@ -103,7 +103,7 @@ def test_reaction_between_two_particles(damping):
     t = record.steps * 1e-4
     p, q = np.array([30.0, -7.0]), np.outer(1 + 2 * t, [-11.0, 50.0])
     expected = (5.0 * p - 2.0 * q) / 7.0
-    found = np.stack([record.block("ideal_fx")[:, 0], record.block("ideal_fy")[:, 0]], axis=1)
+    found = np.stack([record.block("joint_fx")[:, 0], record.block("joint_fy")[:, 0]], axis=1)
     assert found == pytest.approx(expected, rel=0, abs=1e-6)
     assert joint_gap(record, "J") < 1e-15
     if not damping:
@@ -120,7 +120,7 @@ def test_reaction_between_two_elastic_links():
     m.revolute("J", "a.end", "b.start")
     m.loads["p"] = PointForce(name="p", at="b.start", force=(1e4, -2e4))
     record = go(m, 4e-6, duration=2e-3, outputs=100)
-    tension = record.block("element_axial_force")
+    tension = record.block("frame_axial_force")
 
     def along(name: str) -> np.ndarray:
         chord = pin(record, name, "end") - pin(record, name, "start")
@@ -130,7 +130,7 @@ def test_reaction_between_two_elastic_links():
     on_journal = tension[:, 1:] * along("b") + np.array([1e4, -2e4])
     m_b, m_j = 1.5, 1.5
     expected = (m_j * on_bearing - m_b * on_journal) / (m_j + m_b)
-    found = np.stack([record.block("ideal_fx")[:, 0], record.block("ideal_fy")[:, 0]], axis=1)
+    found = np.stack([record.block("joint_fx")[:, 0], record.block("joint_fy")[:, 0]], axis=1)
     assert np.abs(tension).max(axis=0).min() > 2e3
     assert found == pytest.approx(expected, rel=0, abs=1e-8 * np.abs(expected).max())
 
@@ -161,7 +161,7 @@ def test_three_links_on_one_pin(joints):
         assert np.ptp(particle(record, name)["w"]) < 1e-9
     force = {name: np.zeros((len(record.steps), 2)) for name in "abc"}
     for index, (bearing, journal) in enumerate(joints):
-        reaction = np.stack([record.block("ideal_fx")[:, index], record.block("ideal_fy")[:, index]], axis=1)
+        reaction = np.stack([record.block("joint_fx")[:, index], record.block("joint_fy")[:, index]], axis=1)
         force[journal] += reaction
         force[bearing] -= reaction
     for name in "abc":
@@ -190,8 +190,8 @@ def test_a_pin_with_four_links_falls_as_one():
 # ------------------------------------------------------------------------------------------------------- no ringing at the start
 
 
-FORCES = ("ideal_fx", "ideal_fy")
-INSIDE = ("element_axial_force", "element_moment_1", "element_moment_2")
+FORCES = ("joint_fx", "joint_fy")
+INSIDE = ("frame_axial_force", "frame_moment_1", "frame_moment_2")
 
 
 def ringing(mechanism: Mechanism, step: float, blocks=FORCES) -> float:

@@ -30,11 +30,11 @@ def measured(step: float) -> tuple[float, float, float, float]:
     """Contact time, depth, peak and rebound; before and after the contact the flight is straight and gives the instants exactly."""
     record = run(step)
     assert onsets(record) == [1]
-    depth, speed = record.block("clearance_penetration")[:, 0], particle(record, "journal")["u"]
+    depth, speed = record.block("contact_penetration")[:, 0], particle(record, "journal")["u"]
     after = np.flatnonzero((depth[1:] <= 0) & (depth[:-1] > 0))[0] + 1
     parted = times(record)[after] - depth[after] / speed[after]
-    peak = math.sqrt(record.block("clearance_force_squared_max").max())
-    return parted - CLEARANCE, record.block("clearance_penetration_max").max(), peak, -speed[-1]
+    peak = math.sqrt(record.block("contact_force_squared_max").max())
+    return parted - CLEARANCE, record.block("contact_penetration_max").max(), peak, -speed[-1]
 
 
 @cache
@@ -79,7 +79,7 @@ def test_the_impact_speed_is_located_inside_the_step():
     """1 m/s whatever part of a step the contact begins at."""
     for step in (1.03e-7, 3.3e-7, 1.7e-6):
         record = run(step)
-        slowness = record.block("clearance_slowness")[:, 0]
+        slowness = record.block("contact_slowness")[:, 0]
         assert slowness[slowness > 0] == pytest.approx(1.0, rel=1e-12)
 
 
@@ -87,13 +87,13 @@ def test_an_onset_slower_than_the_floor_is_counted_and_held_at_it():
     """0.2 mm/s against a floor of 1 mm/s: damping is that of an impact at the floor, weaker than at the true speed."""
     m = journal_in_bearing(2e-4, contact=LankaraniNikravesh(RESTITUTION, STIFFNESS), friction=Frictionless(), clearance=1e-6)
     record = go(m, 5e-7, duration=7e-3, outputs=700)
-    assert onsets(record) == [1] and record.block("clearance_grazing")[-1].tolist() == [1.0]
-    slowness = record.block("clearance_slowness")[:, 0]
+    assert onsets(record) == [1] and record.block("contact_grazing")[-1].tolist() == [1.0]
+    slowness = record.block("contact_slowness")[:, 0]
     assert slowness[slowness > 0] == pytest.approx(1e3, rel=1e-12)
     chi = 0.75 * (1 - RESTITUTION**2) * 2e-4 / 1e-3
     expected = brentq(lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)), 0.1, 1.0)  # the oracle for the weaker damping
     assert -particle(record, "journal")["u"][-1] / 2e-4 == pytest.approx(expected, rel=1e-4)
-    assert run(1e-7).block("clearance_grazing")[-1].tolist() == [0.0]
+    assert run(1e-7).block("contact_grazing")[-1].tolist() == [0.0]
 
 
 @pytest.mark.parametrize(("landing", "counted"), [(6e-6, 1.0), (2e-5, 0.0)])
@@ -102,17 +102,17 @@ def test_a_first_landing_deeper_than_allowed_is_counted(landing, counted):
     m = journal_in_bearing(contact=LankaraniNikravesh(RESTITUTION, STIFFNESS), friction=Frictionless(), clearance=CLEARANCE, landing_depth=landing)
     record = go(m, 1.3e-5, duration=39 * 1.3e-5, outputs=39)
     assert onsets(record) == [1]
-    assert record.block("clearance_deep")[-1, 0] == counted
-    assert record.block("clearance_deepest")[-1, 0] == pytest.approx(39 * 1.3e-5 - CLEARANCE, rel=1e-9)
+    assert record.block("contact_deep")[-1, 0] == counted
+    assert record.block("contact_deepest")[-1, 0] == pytest.approx(39 * 1.3e-5 - CLEARANCE, rel=1e-9)
 
 
 def test_modes_are_counted():
     """Eq. 19: a step with penetration after one without is an impact, one after another is continuous contact."""
     record = run(4e-7)
-    touching = record.block("clearance_penetration")[:, 0] > 0
+    touching = record.block("contact_penetration")[:, 0] > 0
     impacts = np.concatenate([[0], np.cumsum(touching[1:] & ~touching[:-1])])
-    assert (record.block("clearance_onsets")[:, 0] == impacts).all()
-    assert (record.block("clearance_contact_steps")[:, 0] == np.cumsum(touching) - impacts).all()
+    assert (record.block("contact_onsets")[:, 0] == impacts).all()
+    assert (record.block("contact_contact_steps")[:, 0] == np.cumsum(touching) - impacts).all()
     assert impacts[-1] == 1 and touching.sum() > 300
 
 
@@ -128,18 +128,18 @@ def test_energy_is_lost_in_damping_alone():
     """What the ledger of the joint says is lost is what the journal has lost."""
     record = run(1e-7)
     lost = 0.5 * (1 - particle(record, "journal")["u"][-1] ** 2)
-    assert record.block("clearance_damping_work")[-1, 0] == pytest.approx(lost, rel=1e-6)
-    assert record.block("clearance_friction_work")[-1, 0] == 0.0
+    assert record.block("contact_damping_work")[-1, 0] == pytest.approx(lost, rel=1e-6)
+    assert record.block("contact_friction_work")[-1, 0] == 0.0
 
 
 def test_the_ledger_holds_during_the_contact():
     """Kinetic, elastic and lost energy add up at every step of the impact, not only after it."""
     record, step = run(1e-7), 1e-7
-    depth, speed = record.block("clearance_penetration")[:, 0], particle(record, "journal")["u"]
+    depth, speed = record.block("contact_penetration")[:, 0], particle(record, "journal")["u"]
     inside = np.flatnonzero(depth > 0)[1:-1]
     elastic = 0.4 * STIFFNESS * depth[inside] ** 2.5
     kinetic = 0.5 * ((speed[inside] + speed[inside - 1]) / 2) ** 2  # at step n; the ledger reaches to n + 1/2
-    lost = record.block("clearance_damping_work")[inside, 0] - 0.5 * step * record.block("clearance_damping_power")[inside, 0]
+    lost = record.block("contact_damping_work")[inside, 0] - 0.5 * step * record.block("contact_damping_power")[inside, 0]
     assert elastic.max() > 0.4 and lost.max() > 0.05
     assert kinetic + elastic + lost == pytest.approx(np.full(len(inside), 0.5), abs=1e-5)
 
@@ -177,7 +177,7 @@ def test_friction_pushes_and_turns(moment):
     m.bodies["journal"] = replace(m.bodies["journal"], inertia=INERTIA, velocity=(SPEED, 0.0, SPIN))
     record = go(m, 5e-8, duration=CLEARANCE + 1.7e-4, outputs=100)
     p = particle(record, "journal")
-    assert onsets(record) == [1] and record.block("clearance_penetration")[-1, 0] < 0
+    assert onsets(record) == [1] and record.block("contact_penetration")[-1, 0] < 0
     expected = slanting(moment)
     assert [p["u"][-1], p["v"][-1], p["w"][-1]] == pytest.approx(list(expected), rel=1e-5, abs=1e-6)
     assert (abs(expected[1]) > 0.05) == (moment != "off")

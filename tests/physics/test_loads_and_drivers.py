@@ -110,7 +110,7 @@ def test_a_constant_torque():
     t, alpha = times(record), 1.5 / INERTIA
     assert particle(record, "rod")["theta"] == pytest.approx(alpha * t**2 / 2, abs=1e-6)
     assert record.block("body_alpha")[1:, 0] == pytest.approx(np.full(50, alpha), rel=1e-6)
-    f = np.hypot(record.block("ideal_fx")[:, 0], record.block("ideal_fy")[:, 0])
+    f = np.hypot(record.block("joint_fx")[:, 0], record.block("joint_fy")[:, 0])
     assert f[1:] == pytest.approx(2.0 * 0.3 * np.sqrt(alpha**2 + (alpha * t[1:]) ** 4), rel=1e-4)
     assert record.block("external_work")[-1, 0] == pytest.approx(0.5 * INERTIA * (alpha * (0.5 + 5e-5)) ** 2, rel=1e-4)
 

@@ -143,11 +143,11 @@ def test_four_lanes_are_data_driven_each(model):
 def test_the_runs_are_worth_comparing():
     rows, names = computed(guides, "data-driven", 4)
     at = {name: [k for k, other in enumerate(names) if other == name] for name in set(names)}
-    assert (rows[-1, at["clearance_onsets"]] > 0).any()
-    assert np.abs(rows[-1, at["ideal_fx"]]).max(axis=1).min() >= 0.0 and np.abs(rows[-1, at["ideal_moment"]]).max() > 0.0
+    assert (rows[-1, at["contact_onsets"]] > 0).any()
+    assert np.abs(rows[-1, at["joint_fx"]]).max(axis=1).min() >= 0.0 and np.abs(rows[-1, at["joint_moment"]]).max() > 0.0
     rows, names = computed(springs, "data-driven", 4)
     at = {name: [k for k, other in enumerate(names) if other == name] for name in set(names)}
-    assert (rows[-1, at["clearance_onsets"]] > 0).any(axis=1).sum() >= 2
+    assert (rows[-1, at["contact_onsets"]] > 0).any(axis=1).sum() >= 2
     assert (np.abs(rows[:, at["spring_fx"]]).max(axis=(0, 2)) > 0).sum() == 2 and (
         np.abs(rows[:, at["spring_moment"]]).max(axis=(0, 2)) > 0
     ).sum() == 3
@@ -204,7 +204,7 @@ def test_the_mirror_image_moves_as_the_mirror_image(model):
     for block, (sign, tolerance) in checks.items():
         a, b = ours.block(block), sign * theirs.block(block)
         assert np.abs(a - b).max() < tolerance * max(1.0, np.abs(a).max()), block
-    assert ours.block("clearance_onsets")[-1].sum() == theirs.block("clearance_onsets")[-1].sum() > 0
+    assert ours.block("contact_onsets")[-1].sum() == theirs.block("contact_onsets")[-1].sum() > 0
 
 
 # ------------------------------------------------------------------------------------------------------------- what floats

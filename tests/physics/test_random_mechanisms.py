@@ -229,7 +229,7 @@ def gaps(record: Record) -> float:
 def calm(record: Record) -> bool:
     """Whether the motion is resolved by the step, and near no dead centre: forces are those of such bodies, turns in a step are small."""
     spin = np.abs(record.block("particle_w")).max(initial=0.0)
-    force = max(np.abs(record.block(name)).max(initial=0.0) for name in ("ideal_fx", "ideal_fy", "ideal_moment"))
+    force = max(np.abs(record.block(name)).max(initial=0.0) for name in ("joint_fx", "joint_fy", "joint_moment"))
     return record.status == "complete" and spin * STEP < 0.02 and force < 1e5
 
 

@@ -51,7 +51,7 @@ def test_a_prescribed_travel_counts_from_the_start():
     result = vfife.simulate(m)
     assert tip(result) == pytest.approx([0.0, 0.005, 0.01], abs=1e-9)
     k = result.record.assembly.ideals.index("push")
-    assert result.record.block("ideal_fy")[1:, k] == pytest.approx([0.015, 0.03], rel=1e-3)
+    assert result.record.block("joint_fy")[1:, k] == pytest.approx([0.015, 0.03], rel=1e-3)
 
 
 def test_a_torque_over_the_angle_is_multiplied():

@@ -178,7 +178,7 @@ def brake(law: FrictionLaw, spin: float, torque: float, steps: int, damping: flo
 def pressed(m: Mechanism, steps: int, outputs: int = 20, step: float = STEP) -> Assembly:
     """The brake's axle put so far off the middle that the disc overlaps its bearing by BITE."""
     a = placed(m, {"disc": (0.0, -CLEARANCE - BITE, 0.0)}, steps, outputs, step)
-    a.state[a.layout.row("ideal_bearing_y", 0)] = -CLEARANCE - BITE
+    a.state[a.layout.row("joint_bearing_y", 0)] = -CLEARANCE - BITE
     return a
 
 
@@ -191,7 +191,7 @@ def test_brake_stops_where_it_must_and_rests(law):
     assert p["theta"][-1] == pytest.approx(0.5 * 2e-4 * 20.0**2 / (0.3 * normal * arm), abs=STEP * 0.5)
     assert abs(p["w"][-1]) < 1e-17
     assert p["theta"][-1] == p["theta"][-5]
-    assert record.block("clearance_friction_work")[-1, 0] == pytest.approx(0.5 * 2e-4 * 20.0**2, rel=1e-8)
+    assert record.block("contact_friction_work")[-1, 0] == pytest.approx(0.5 * 2e-4 * 20.0**2, rel=1e-8)
     assert ledger(record).error < 1e-8
 
 
@@ -201,7 +201,7 @@ def test_brake_holds_a_torque_up_to_its_limit(law):
     for damping in (0.0, 5.0):
         held = went(brake(law, 0.0, 0.999 * 0.3 * normal * arm, 50_000, damping)[0])
         assert moved(held, "disc")[0] < 1e-15
-        assert abs(held.block("clearance_friction_work")[-1, 0]) < 1e-25
+        assert abs(held.block("contact_friction_work")[-1, 0]) < 1e-25
     free = went(brake(law, 0.0, 1.001 * 0.3 * normal * arm, 50_000)[0])
     assert moved(free, "disc")[0] > 1e-6
 
@@ -216,7 +216,7 @@ def test_friction_of_a_run_that_stops_and_slides_is_in_the_ledger():
         torque = tuple(1.5 * limit * math.sin(2 * math.pi * k / 20) for k in range(41))
         m.drivers["disc"] = Torque(body="disc", torque=torque, times=tuple(0.01 * k for k in range(41)))
         record = went(pressed(m, round(0.4 / step), 400, step))
-        work = record.block("clearance_friction_work")[:, 0]
+        work = record.block("contact_friction_work")[:, 0]
         assert work[-1] > 1e-3 and np.diff(work).min() > -1e-9 * work[-1]
         errors.append(ledger(record).error)
         w = particle(record, "disc")["w"]
@@ -249,7 +249,7 @@ def test_block_stays_on_an_incline(law):
     record = went(assembly)
     way, speed = moved(record, "block")
     assert way < 1e-13 and speed < 1e-10
-    assert abs(record.block("clearance_friction_force")[-1].sum()) == pytest.approx(G * math.sin(math.atan(0.29)), rel=1e-9)
+    assert abs(record.block("contact_friction_force")[-1].sum()) == pytest.approx(G * math.sin(math.atan(0.29)), rel=1e-9)
 
 
 def test_block_slides_down_an_incline():
@@ -261,4 +261,4 @@ def test_block_slides_down_an_incline():
     expected = G * (math.sin(angle) - 0.3 * math.cos(angle))
     assert down[1:] == pytest.approx(expected * (time[1:] + 0.5 * STEP), rel=1e-6)
     assert np.abs(p["theta"] - angle).max() < 1e-9
-    assert np.abs(record.block("clearance_friction_force")[1:]) == pytest.approx(0.3 * record.block("clearance_normal_force")[1:], rel=1e-12)
+    assert np.abs(record.block("contact_friction_force")[1:]) == pytest.approx(0.3 * record.block("contact_normal_force")[1:], rel=1e-12)

@@ -71,7 +71,7 @@ def masses(record) -> tuple[np.ndarray, np.ndarray]:
 def test_momentum_of_a_free_mechanism(model):
     """Linear and angular momentum to rounding over 10,000 steps and a dozen impacts; angular, as friction acts at one point of both."""
     record = go(free_chain(model), 2e-6, duration=0.02, outputs=200)
-    assert onsets(record)[0] >= 8 and record.block("clearance_friction_work")[-1, 0] > 0.1
+    assert onsets(record)[0] >= 8 and record.block("contact_friction_work")[-1, 0] > 0.1
     m, i = masses(record)
     x, y, u, v, w = (record.block(f"particle_{name}")[:, 1:] for name in ("x", "y", "u", "v", "w"))
     momentum = np.array([u @ m, v @ m])
@@ -88,8 +88,8 @@ def test_energy_of_a_free_mechanism():
     m, i = masses(record)
     u, v, w = (record.block(f"particle_{name}")[:, 1:] for name in ("u", "v", "w"))
     kinetic = 0.5 * ((u * u + v * v) @ m + (w * w) @ i)
-    flight = record.block("clearance_penetration")[:, 0] < 0  # no energy in the contact
-    ledger = kinetic + record.block("clearance_damping_work")[:, 0] + record.block("clearance_friction_work")[:, 0]
+    flight = record.block("contact_penetration")[:, 0] < 0  # no energy in the contact
+    ledger = kinetic + record.block("contact_damping_work")[:, 0] + record.block("contact_friction_work")[:, 0]
     lost = kinetic[0] - kinetic[flight][-1]
     assert lost > 0.05 * kinetic[0]
     assert np.abs(ledger[flight] - ledger[0]).max() < 1e-4 * kinetic[0]
@@ -101,7 +101,7 @@ def test_nothing_depends_on_where_the_origin_is_or_where_x_points():
         go(free_chain("rigid", shift=shift, turn=turn), 1e-6, duration=0.006, outputs=60) for shift, turn in (((0, 0), 0.0), ((2.0, -1.0), 0.7))
     )
     assert onsets(here) == onsets(there) and onsets(here)[0] >= 2
-    for name in ("clearance_normal_force", "clearance_friction_force", "particle_w", "clearance_penetration"):
+    for name in ("contact_normal_force", "contact_friction_force", "particle_w", "contact_penetration"):
         ours, theirs = here.block(name), there.block(name)
         assert theirs == pytest.approx(ours, rel=0, abs=1e-7 * np.abs(ours).max()), name
 

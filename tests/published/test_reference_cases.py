@@ -63,9 +63,9 @@ def test_forces_of_the_other_joints():
 @pytest.mark.parametrize("case", CASES)
 def test_no_onset_grazes_or_lands_too_deep(case):
     record, _ = second_turn(case, 1e-6)
-    for block in ("clearance_grazing", "clearance_deep"):
+    for block in ("contact_grazing", "contact_deep"):
         assert record.block(block)[-1].tolist() == [0.0] * len(CASES[case][3])
-    assert 0.0 < record.block("clearance_deepest")[-1].max() < 1e-5
+    assert 0.0 < record.block("contact_deepest")[-1].max() < 1e-5
 
 
 def test_case_a():

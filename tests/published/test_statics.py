@@ -52,7 +52,7 @@ def at(record: Record, body: str, pin: str) -> np.ndarray:
 def reaction(record: Record, joint: str) -> np.ndarray:
     """Force on the journal and moment on its body under all load factors."""
     k = record.assembly.ideals.index(joint)
-    return np.stack([record.block(f"ideal_{axis}")[1:, k] for axis in ("fx", "fy", "moment")], axis=1)
+    return np.stack([record.block(f"joint_{axis}")[1:, k] for axis in ("fx", "fy", "moment")], axis=1)
 
 
 # ------------------------------------------------------------------------------------------------------------------ elastica
@@ -94,7 +94,7 @@ def test_cantilever_rolled_up_by_an_end_moment():
         assert end[:2] == pytest.approx([math.sin(a) / a, (1.0 - math.cos(a)) / a], abs=1e-3)
         assert end[2] == pytest.approx(a, rel=1e-5)
         assert clamp[2] == pytest.approx(-a, rel=1e-5)
-    assert record.block("element_moment_2")[-1] == pytest.approx(2.0 * math.pi * np.ones(40), rel=1e-5)
+    assert record.block("frame_moment_2")[-1] == pytest.approx(2.0 * math.pi * np.ones(40), rel=1e-5)
 
 
 def follower(load: float) -> tuple[float, float, float]:
@@ -201,7 +201,7 @@ def test_two_bar_truss_against_its_closed_form():
     y = rise - drops
     length = np.hypot(half, y)
     force = ea * np.log(length / size)
-    assert record.block("element_axial_force")[1:, 0] == pytest.approx(force, rel=1e-3)
+    assert record.block("frame_axial_force")[1:, 0] == pytest.approx(force, rel=1e-3)
     assert reaction(record, "push")[:, 1] == pytest.approx(2.0 * force * y / length, rel=1e-3, abs=1e-3 * np.abs(force).max() * 0.01)
 
 
@@ -351,7 +351,7 @@ def test_a_journal_settles_in_its_bearing():
     for factor, place in zip((1.0, 2.0), at(record, "j", "center"), strict=True):
         depth = (9.81 * factor / 6.6e10) ** (2.0 / 3.0)
         assert place[1] == pytest.approx(-1e-3 - depth, rel=1e-6)
-    assert record.block("clearance_normal_force")[1:, 0] == pytest.approx([9.81, 19.62], rel=1e-5)
+    assert record.block("contact_normal_force")[1:, 0] == pytest.approx([9.81, 19.62], rel=1e-5)
 
 
 def test_a_journal_finds_the_lowest_point():

@@ -76,7 +76,7 @@ def test_contact_is_never_lost(column):
     """As the paper says of Table 3: no onset in the last turn."""
     record, window = sixth_turn(1, CLEARANCES[column])
     first = int(window.argmax()) - 1
-    assert (record.block("clearance_onsets")[-1] == record.block("clearance_onsets")[first]).all()
+    assert (record.block("contact_onsets")[-1] == record.block("contact_onsets")[first]).all()
     assert sum(onsets(record)) >= 3
 
 

@@ -56,8 +56,8 @@ def ledger(record: Record) -> Ledger:
             "strain": strain(record),
             "contact": contact(record),
             "spring": record.block("spring_energy").sum(axis=1),
-            "contact_loss": _work(record, "clearance_damping"),
-            "friction_loss": _work(record, "clearance_friction"),
+            "contact_loss": _work(record, "contact_damping"),
+            "friction_loss": _work(record, "friction_form"),
             "damping_loss": _work(record, "damping"),
             "spring_loss": _work(record, "spring_damping"),
             "external": _work(record, "external") + constant_loads(record),
@@ -100,11 +100,11 @@ def strain(record: Record) -> Array:
     With one end released its moment is zero, and what is left, l m^2/(6 E I), is the energy of the condensed
     stiffness 3 E I/l.
     """
-    if not record.assembly.topology.element_nodes:
+    if not record.assembly.topology.frame_nodes:
         return np.zeros(len(record.steps))
     length = record.block("reference_length")
-    n, m1, m2 = (record.block(f"element_{name}") for name in ("axial_force", "moment_1", "moment_2"))
-    axial, bending = record.parameter("element_axial_stiffness"), record.parameter("element_bending_stiffness")
+    n, m1, m2 = (record.block(f"frame_{name}") for name in ("axial_force", "moment_1", "moment_2"))
+    axial, bending = record.parameter("frame_axial_stiffness"), record.parameter("frame_bending_stiffness")
     flexible = np.where(bending > 0.0, bending, np.inf)
     energy = n**2 * length / (2.0 * axial) + length / (6.0 * flexible) * (m1**2 - m1 * m2 + m2**2)
     return np.asarray(energy.sum(axis=1), dtype=float)
@@ -116,10 +116,10 @@ def contact(record: Record) -> Array:
     total = np.zeros(len(record.steps))
     if not assembly.clearances:
         return total
-    depth = np.maximum(record.block("clearance_penetration"), 0.0)
+    depth = np.maximum(record.block("contact_penetration"), 0.0)
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        row = assembly.layout.row("clearance_contact", index)
+        row = assembly.layout.row("contact_slots", index)
         slots = tuple(float(value) for value in assembly.state[row : row + len(law.slots)])
         total += elastic_energy(law, depth[:, index], slots)
     return total

@@ -65,7 +65,7 @@ def static_measures(record: Record) -> dict[str, float]:
         if moment[:, k].any():
             found[f"{name}.moment.max"] = float(moment[:, k].max())
     for k, name in enumerate(record.assembly.clearances):
-        found[f"{name}.penetration.max"] = float(record.block("clearance_penetration")[:, k].max())
+        found[f"{name}.penetration.max"] = float(record.block("contact_penetration")[:, k].max())
     for body in record.assembly.bodies.values():
         if body.driven is not None:
             found[f"{body.name}.torque.max"] = float(np.abs(record.block("driven_torque")[:, body.driven]).max())

@@ -21,7 +21,7 @@ def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
     """
     assembly = record.assembly
     found: dict[str, tuple[str, list[int]]] = {}
-    for kind, block in (("contact_joints", "clearance"), ("ideals", "ideal"), ("pivots", "driven")):
+    for kind, block in (("contact_joints", "contact"), ("ideals", "joint"), ("pivots", "driven")):
         for index, name in enumerate(getattr(assembly, kind)):
             found.setdefault(name, (block, []))[1].append(index)
     return {name: found[name] for name in (*assembly.mechanism.joints, *found) if name in found}
@@ -31,7 +31,7 @@ def eccentricity(record: Record) -> Array:
     """Journal centre seen from the bearing's pin, global axes (m), shape (outputs, contacts, 2): Eq. 20."""
     if not record.assembly.clearances:
         return np.zeros((len(record.steps), 0, 2))
-    return np.asarray(seen(record, "clearance", "journal") - seen(record, "clearance", "bearing"), dtype=float)
+    return np.asarray(seen(record, "contact", "journal") - seen(record, "contact", "bearing"), dtype=float)
 
 
 def normals(record: Record) -> Array:
@@ -42,12 +42,12 @@ def normals(record: Record) -> Array:
     topology = record.assembly.topology
     away = eccentricity(record)
     n = away / np.maximum(np.linalg.norm(away, axis=2, keepdims=True), 1e-300)
-    kind = np.array(topology.clearance_kind, dtype=int)
+    kind = np.array(topology.contact_kind, dtype=int)
     n[:, kind == KINDS.index("round")] *= -1.0
     lines = np.flatnonzero(kind == KINDS.index("line"))
     if len(lines):
-        angle = record.block("particle_theta")[:, [topology.clearance_bearing[k] for k in lines]]
-        x, y = (record.parameter(f"clearance_line_{axis}")[lines] for axis in "xy")
+        angle = record.block("particle_theta")[:, [topology.contact_bearing[k] for k in lines]]
+        x, y = (record.parameter(f"contact_line_{axis}")[lines] for axis in "xy")
         n[:, lines] = np.stack([np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y], axis=2)
     return np.asarray(n, dtype=float)
 
@@ -62,7 +62,7 @@ def joint_force(record: Record) -> Array:
     force = np.zeros((len(record.steps), len(rows), 2))
     contact = contact_force(record) if record.assembly.clearances else None
     for k, (name, (block, indices)) in enumerate(rows.items()):
-        if block == "clearance" and contact is not None:
+        if block == "contact" and contact is not None:
             force[:, k] = contact[:, indices].sum(axis=1)
             continue
         force[:, k, 0], force[:, k, 1] = (record.block(f"{block}_f{axis}")[:, indices[0]] for axis in "xy")
@@ -75,7 +75,7 @@ def contact_force(record: Record) -> Array:
     """Force of each contact on the journal (N), shape (outputs, contacts, 2)."""
     n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
-    normal, friction = record.block("clearance_normal_force"), record.block("clearance_friction_force")
+    normal, friction = record.block("contact_normal_force"), record.block("contact_friction_force")
     return np.asarray(friction[..., None] * t - normal[..., None] * n, dtype=float)
 
 
@@ -84,8 +84,8 @@ def joint_moment(record: Record) -> Array:
     rows = joint_rows(record)
     moment = np.zeros((len(record.steps), len(rows)))
     for k, (block, indices) in enumerate(rows.values()):
-        if block == "ideal":
-            moment[:, k] = record.block("ideal_moment")[:, indices[0]]
+        if block == "joint":
+            moment[:, k] = record.block("joint_moment")[:, indices[0]]
     return moment
 
 
@@ -102,8 +102,8 @@ def modes(record: Record) -> NDArray[np.int8]:
     2 continuous contact where the penetration is positive, 0 free flight elsewhere, and 1 impact where a contact
     began since the output before: an impact lasts one step (Eq. 19), and no sample would meet it.
     """
-    mode = np.where(record.block("clearance_penetration") > 0.0, CONTINUOUS_CONTACT, FREE_FLIGHT)
-    began = np.diff(record.block("clearance_onsets"), axis=0, prepend=0.0) > 0.0
+    mode = np.where(record.block("contact_penetration") > 0.0, CONTINUOUS_CONTACT, FREE_FLIGHT)
+    began = np.diff(record.block("contact_onsets"), axis=0, prepend=0.0) > 0.0
     return np.where(began, IMPACT, mode).astype(np.int8)
 
 
@@ -113,6 +113,6 @@ def shares(record: Record) -> dict[str, Array]:
     An impact is a step at which a contact begins, continuous contact is every further step of it.
     """
     steps = float(record.steps[-1] + 1)
-    impact = record.block("clearance_onsets")[-1] / steps
-    lasting = record.block("clearance_contact_steps")[-1] / steps
+    impact = record.block("contact_onsets")[-1] / steps
+    lasting = record.block("contact_contact_steps")[-1] / steps
     return dict(zip(MODES, (1.0 - impact - lasting, impact, lasting), strict=True))

@@ -50,7 +50,7 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     for k, name in enumerate(joint_rows(record)):
         found[f"{name}.force.max"] = float(forces[:, k].max())
     for index, name in enumerate(record.assembly.ideals):
-        if (moment := record.block("ideal_moment_max")[window, index].max()) > 0.0:
+        if (moment := record.block("joint_moment_max")[window, index].max()) > 0.0:
             found[f"{name}.moment.max"] = float(moment)
     found |= _clearances(record, window) | _bodies(record, window)
     if reference is not None:
@@ -63,9 +63,9 @@ def _clearances(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     found: dict[str, float] = {}
     if not record.assembly.clearances:
         return found
-    depth = record.block("clearance_penetration_max")[window]
+    depth = record.block("contact_penetration_max")[window]
     counts = {"impacts": "onsets", "grazing": "grazing", "deep": "deep", "deepest": "deepest", "fastest": "fastest"}
-    totals = {name: record.block(f"clearance_{row}")[-1] for name, row in counts.items() if record.keeps(f"clearance_{row}")}
+    totals = {name: record.block(f"contact_{row}")[-1] for name, row in counts.items() if record.keeps(f"contact_{row}")}
     parts = shares(record)
     for k, name in enumerate(record.assembly.clearances):
         found[f"{name}.penetration.max"] = float(depth[:, k].max())

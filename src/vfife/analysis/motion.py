@@ -133,7 +133,7 @@ def particle_names(record: Record) -> list[str]:
 def element_names(record: Record) -> list[str]:
     """Names of the elements: that of the link, with their number along it."""
     names = {e: f"{body.name}.{k}" for body in record.assembly.bodies.values() for k, e in enumerate(body.elements)}
-    return [names[e] for e in range(len(record.assembly.topology.element_nodes))]
+    return [names[e] for e in range(len(record.assembly.topology.frame_nodes))]
 
 
 def body_velocity(record: Record) -> Array:

@@ -31,5 +31,5 @@ def stress(record: Record) -> Array:
     for k, section in enumerate(found):
         if section is not None and section.extreme_fibre is not None:
             area[k], modulus[k] = section.area, section.second_moment / section.extreme_fibre
-    axial, first, second = (np.abs(record.block(f"element_{name}")) for name in ("axial_force", "moment_1", "moment_2"))
+    axial, first, second = (np.abs(record.block(f"frame_{name}")) for name in ("axial_force", "moment_1", "moment_2"))
     return np.asarray(axial / area + np.maximum(first, second) / modulus, dtype=float)

@@ -114,17 +114,17 @@ def topology_of(
         particles=numbering.count,
         free=tuple(numbering.free),
         trig=turning(numbering, parts),
-        element_nodes=tuple(numbering.elements),
-        element_release=tuple(numbering.releases),
-        clearance_bearing=tuple(t.bearing[0] for t in parts.touches),
-        clearance_journal=tuple(t.journal[0] for t in parts.touches),
-        clearance_kind=tuple(t.kind for t in parts.touches),
-        clearance_contact=tuple(laws[0].index(t.joint.contact.form()) for t in parts.touches),
-        clearance_friction=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
-        ideal_bearing=tuple(j.bearing[0] for j in parts.ideals),
-        ideal_journal=tuple(j.journal[0] for j in parts.ideals),
-        ideal_kind=tuple(j.kind for j in parts.ideals),
-        ideal_function=tuple(j.function for j in parts.ideals),
+        frame_nodes=tuple(numbering.elements),
+        frame_release=tuple(numbering.releases),
+        contact_bearing=tuple(t.bearing[0] for t in parts.touches),
+        contact_journal=tuple(t.journal[0] for t in parts.touches),
+        contact_kind=tuple(t.kind for t in parts.touches),
+        contact_form=tuple(laws[0].index(t.joint.contact.form()) for t in parts.touches),
+        friction_form=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
+        joint_bearing=tuple(j.bearing[0] for j in parts.ideals),
+        joint_journal=tuple(j.journal[0] for j in parts.ideals),
+        joint_kind=tuple(j.kind for j in parts.ideals),
+        joint_function=tuple(j.function for j in parts.ideals),
         spring_first=tuple(s[2][0] for s in parts.springs),
         spring_second=tuple(s[3][0] for s in parts.springs),
         spring_kind=tuple(s[1] for s in parts.springs),
@@ -166,7 +166,7 @@ def refitted(assembly: Assembly, joints: Mapping[str, ClearanceRevolute]) -> Ass
         raise ValueError("only the clearance joints of a mechanism whose journals start centred can be refitted, and all of them at once")
     state, topology = assembly.state.copy(), assembly.topology
     for index, (name, joint) in enumerate(joints.items()):
-        kinds = topology.contact_laws[topology.clearance_contact[index]], topology.friction_laws[topology.clearance_friction[index]]
+        kinds = topology.contact_laws[topology.contact_form[index]], topology.friction_laws[topology.friction_form[index]]
         if kinds != (joint.contact.form(), joint.friction.form()) or joint.sides != mechanism.joints[name].sides:
             raise ValueError(f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the mechanism anew")
         nowhere = (0, (0.0, 0.0))

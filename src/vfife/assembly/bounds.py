@@ -21,9 +21,9 @@ def unsound(assembly: Assembly, kept: NDArray[np.uint32], rows: NDArray[np.float
         bad = ~np.isfinite(rows)
         column = {int(row): k for k, row in enumerate(kept)}
         for index, name in enumerate(assembly.contact_joints):
-            k = column[assembly.layout.row("clearance_penetration", index)]
+            k = column[assembly.layout.row("contact_penetration", index)]
             bad[:, k] |= rows[:, k] > reach(assembly.mechanism.contacts[name])
-        if assembly.topology.element_nodes:
+        if assembly.topology.frame_nodes:
             lengths = assembly.layout["reference_length"]
             columns = [column[int(row)] for row in lengths]
             ratio = rows[:, columns] / assembly.state[lengths]

@@ -89,11 +89,11 @@ class Filler:
             "reference_length": length, "reference_inverse_length": 1.0 / length,
             "reference_cosine": chord[:, 0] / length, "reference_sine": chord[:, 1] / length,
             "reference_theta_1": there[mesh.nodes[:, 0], 2], "reference_theta_2": there[mesh.nodes[:, 1], 2],
-            "element_axial_stiffness": mesh.axial, "element_bending_stiffness": mesh.bending,
+            "frame_axial_stiffness": mesh.axial, "frame_bending_stiffness": mesh.bending,
         }  # fmt: skip
         if self.stressed is not None and name in self.stressed.shapes:
             shape = self.stressed.shapes[name]
-            for kind in ("element", "reference") if self.mechanism.settings.path_unit > 1 else ("element",):
+            for kind in ("frame", "reference") if self.mechanism.settings.path_unit > 1 else ("frame",):
                 values |= {f"{kind}_axial_force": shape.axial, f"{kind}_moment_1": shape.moment_1, f"{kind}_moment_2": shape.moment_2}
         elements = slice(where.elements[0], where.elements[-1] + 1)
         for block, value in values.items():
@@ -119,11 +119,11 @@ class Filler:
     def ideals(self, ideals: Sequence[Ideal], tables: NDArray[np.float64]) -> None:
         """Pins, guides and ratios of ideal joints; what their bodies keep between them is what they have at the start."""
         for index, joint in enumerate(ideals):
-            self._pins("ideal", index, (joint.bearing, joint.journal))
+            self._pins("joint", index, (joint.bearing, joint.journal))
             for axis, value in zip("xy", joint.direction, strict=True):
-                self.put(f"ideal_direction_{axis}", value, index)
-            self.put("ideal_ratio", joint.ratio, index)
-            self.put("ideal_offset", self._offset(joint, tables), index)
+                self.put(f"joint_direction_{axis}", value, index)
+            self.put("joint_ratio", joint.ratio, index)
+            self.put("joint_offset", self._offset(joint, tables), index)
 
     def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> float:
         if joint.kind in (REVOLUTE, SLOT):
@@ -152,7 +152,7 @@ class Filler:
     def touches(self, touches: Sequence[Touch]) -> None:
         """Pins, sizes and laws of contacts."""
         for index, touch in enumerate(touches):
-            self._pins("clearance", index, (touch.bearing, touch.journal))
+            self._pins("contact", index, (touch.bearing, touch.journal))
             for row, values in touch_rows(self.mechanism, self.layout, touch, index):
                 self.state[row : row + len(values)] = values
 
@@ -184,9 +184,9 @@ class Filler:
         """Contact under way in joints whose journals start where the ideal reaction presses them."""
         for index, touch in enumerate(touches):
             if touch.name in seats:
-                self.put("clearance_slowness", 1.0 / touch.joint.impact_speed_floor, index)
-                self.put("clearance_normal_force", seats[touch.name].force, index)
-                self.put("clearance_penetration", seats[touch.name].depth, index)
+                self.put("contact_slowness", 1.0 / touch.joint.impact_speed_floor, index)
+                self.put("contact_normal_force", seats[touch.name].force, index)
+                self.put("contact_penetration", seats[touch.name].depth, index)
 
     def drivers_and_loads(self, loads: Sequence[Load]) -> None:
         """Parameters of drivers and of loads."""
@@ -220,16 +220,16 @@ def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -
         arms = ({LINE: 1.0, ROUND: -1.0}.get(touch.kind, 0.0) * touch.size, 0.0)
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
     numbers = {
-        "clearance_size": (touch.size,),
-        "clearance_line_x": (touch.line[0],),
-        "clearance_line_y": (touch.line[1],),
-        "clearance_arm_bearing": (arms[0],),
-        "clearance_arm_journal": (arms[1],),
-        "clearance_arm_overlap": (overlap,),
-        "clearance_floor": (joint.impact_speed_floor,),
-        "clearance_landing": (joint.landing,),
-        "clearance_contact": joint.contact.parameters(pair),
-        "clearance_friction_slots": joint.friction.parameters(pair),
+        "contact_size": (touch.size,),
+        "contact_line_x": (touch.line[0],),
+        "contact_line_y": (touch.line[1],),
+        "contact_arm_bearing": (arms[0],),
+        "contact_arm_journal": (arms[1],),
+        "contact_arm_overlap": (overlap,),
+        "contact_floor": (joint.impact_speed_floor,),
+        "contact_landing": (joint.landing,),
+        "contact_slots": joint.contact.parameters(pair),
+        "contact_friction_slots": joint.friction.parameters(pair),
     }
     return [(layout.row(block, index), values) for block, values in numbers.items()]
 

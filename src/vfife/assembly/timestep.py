@@ -35,14 +35,14 @@ def element_limits(layout: Layout, state: Array, topology: Topology) -> tuple[Ar
     axial w^2 = sum over both nodes of K/m, K the sum of EA/l there. Bending of particles with rotary inertia: the symmetric and the
     antisymmetric mode, EI/l and 3 EI/l with the rotations, 12 EI/l^3 with the translations, added.
     """
-    nodes = np.array(topology.element_nodes, dtype=int).reshape(-1, 2)
+    nodes = np.array(topology.frame_nodes, dtype=int).reshape(-1, 2)
     inverse = state[layout["reference_inverse_length"]]
-    axial = state[layout["element_axial_stiffness"]] * inverse
-    release = np.array(topology.element_release)
+    axial = state[layout["frame_axial_stiffness"]] * inverse
+    release = np.array(topology.frame_release)
     bend = np.where(
         release == 0,
-        state[layout["element_bending_stiffness"]] * inverse,
-        np.where(release == 3, 0.0, 0.75 * state[layout["element_bending_stiffness"]] * inverse),
+        state[layout["frame_bending_stiffness"]] * inverse,
+        np.where(release == 3, 0.0, 0.75 * state[layout["frame_bending_stiffness"]] * inverse),
     )
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
 
@@ -65,9 +65,9 @@ def element_limits(layout: Layout, state: Array, topology: Topology) -> tuple[Ar
 def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> float:
     """Largest inverse mass (1/kg) that a clearance joint can meet in any direction."""
     total = 0.0
-    for side, bodies in (("bearing", topology.clearance_bearing), ("journal", topology.clearance_journal)):
+    for side, bodies in (("bearing", topology.contact_bearing), ("journal", topology.contact_journal)):
         body = bodies[index]
-        arm = state[layout.row(f"clearance_{side}_x", index)] ** 2 + state[layout.row(f"clearance_{side}_y", index)] ** 2
+        arm = state[layout.row(f"contact_{side}_x", index)] ** 2 + state[layout.row(f"contact_{side}_y", index)] ** 2
         total += state[layout.row("particle_inverse_mass", body)] + arm * state[layout.row("particle_inverse_inertia", body)]
     return total
 
@@ -77,7 +77,7 @@ def contact_limits(touches: Sequence[Touch], layout: Layout, state: Array, topol
     limits = {}
     for index, touch in enumerate(touches):
         joint = touch.joint
-        row = layout.row("clearance_contact", index)
+        row = layout.row("contact_slots", index)
         slots = tuple(float(v) for v in state[row : row + len(joint.contact.slots)])
         mobility = joint_mobility(layout, state, topology, index)
         force = 2.0 * expected.get(joint.name, 0.0) or _impact_force(joint, slots, state, layout, mobility)
@@ -113,9 +113,9 @@ def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence
     spin = float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
     found = []
     for k, name in enumerate(names):
-        for side, bodies in (("bearing", topology.ideal_bearing), ("journal", topology.ideal_journal)):
+        for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
             mass, inertia = (float(state[layout.row(f"particle_inverse_{kind}", bodies[k])]) for kind in ("mass", "inertia"))
-            arm = math.hypot(*(state[layout.row(f"ideal_{side}_{axis}", k)] for axis in "xy"))
+            arm = math.hypot(*(state[layout.row(f"joint_{side}_{axis}", k)] for axis in "xy"))
             if mass > 0.0 and inertia > 0.0 and arm * spin > 0.0:
                 found.append((f"small inertia on an arm at joint {name}", math.sqrt(mass / inertia) / (6.0 * arm * spin)))
     return sorted(found, key=lambda entry: entry[1])[:1]
@@ -210,7 +210,7 @@ def _limits(
 ) -> list[tuple[str, float]]:
     limits = [(f"contact of joint {name}", value) for name, value in contact_limits(touches, layout, state, topology, expected).items()]
     limits += spring_limits(layout, state, topology, springs)
-    if topology.element_nodes:
+    if topology.frame_nodes:
         for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology), strict=True):
             worst = int(np.argmin(steps))
             if math.isfinite(steps[worst]):

@@ -23,9 +23,9 @@ def estimate(assembly: Assembly) -> dict[str, Any]:
     topology, choice = assembly.topology, assembly.choice
     counts = {
         "step": 1,
-        "clearance": len(topology.clearance_bearing),
-        "ideal": len(topology.ideal_bearing),
-        "element": len(topology.element_nodes),
+        "clearance": len(topology.contact_bearing),
+        "ideal": len(topology.joint_bearing),
+        "element": len(topology.frame_nodes),
     }
     loop = choose_loop(assembly, "auto")
     ns = sum(NANOSECONDS[loop][name] * count for name, count in counts.items())

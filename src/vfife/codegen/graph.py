@@ -11,7 +11,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.arrays import JB, JC, JD, JE, JF, JG, JK, JL, JQ, JR, JT, H, Layout, Q
+from ..kernels.arrays import (
+    BODY_INDEX,
+    CONSTRAINT,
+    CONSTRAINT_INDEX,
+    CONTACT_INDEX,
+    COUPLE_INDEX,
+    DRIVEN_INDEX,
+    FRAME_INDEX,
+    FUNCTION_INDEX,
+    HEADER,
+    JOINT_INDEX,
+    LOAD_INDEX,
+    SPRING_INDEX,
+    TILE_INDEX,
+    Layout,
+)
 from ..kernels.topology import IDEAL_ROWS, REVOLUTE, Topology
 
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
@@ -36,8 +51,8 @@ class Graph:
 def derive(topology: Topology) -> Graph:
     """The graph of a topology. A couple is (row, row before it or the same, body, journal side of the first, journal side of the second)."""
     free = set(topology.free)
-    clearances = list(zip(topology.clearance_bearing, topology.clearance_journal, strict=True))
-    ideals = list(zip(topology.ideal_bearing, topology.ideal_journal, strict=True))
+    clearances = list(zip(topology.contact_bearing, topology.contact_journal, strict=True))
+    ideals = list(zip(topology.joint_bearing, topology.joint_journal, strict=True))
     uses = Counter(body for pair in [*clearances, *ideals] for body in set(pair) if body in free)
     pinned = tuple(sorted({body for pair in ideals for body in pair if body in free}))
     constrained = tuple(any(body in pinned for body in pair) for pair in clearances)
@@ -45,7 +60,7 @@ def derive(topology: Topology) -> Graph:
     shared = tuple(any(uses[body] > 1 or body in armed & free for body in pair) for pair in clearances)
     touched = {body for pair in clearances for body in pair if body in free}
     jointed = tuple(sorted(touched | (set(pinned) if any(constrained) else set())))
-    starts = topology.row_starts
+    starts = topology.constraint_starts
     sides = [pair for joint, pair in enumerate(ideals) for _ in range(starts[joint + 1] - starts[joint])]
     couples = _couples(sides, free)
     reach = list(range(len(sides)))
@@ -74,13 +89,13 @@ def _couples(sides: list[tuple[int, int]], free: set[int]) -> tuple[tuple[int, i
 
 def tiles(topology: Topology, layout: Layout) -> list[tuple[int, int, int, int, int, int]]:
     """Ranges of plain particles to drift, elements, and plain particles to kick, so that few lines of the cache are needed at a time."""
-    count = len(topology.element_nodes)
+    count = len(topology.frame_nodes)
     plain = np.full(topology.particles, -1, dtype=np.intp)
     loose = np.flatnonzero(np.isin(np.arange(topology.particles), topology.bound, invert=True))
     plain[loose] = np.arange(len(loose))
     if not count:
         return [(0, len(loose), 0, 0, 0, len(loose))] if len(loose) else []
-    nodes = plain[np.asarray(topology.element_nodes, dtype=np.intp)]
+    nodes = plain[np.asarray(topology.frame_nodes, dtype=np.intp)]
     drifted = np.maximum.accumulate(nodes.max(axis=1)) + 1
     needed = np.where(nodes >= 0, nodes, len(loose)).min(axis=1)
     waiting = np.minimum.accumulate(needed[::-1])[::-1]
@@ -101,7 +116,7 @@ class Lists:
     def __init__(self, topology: Topology) -> None:
         self.t, self.graph, self.layout = topology, derive(topology), Layout(topology)
         self.body = self.layout.records["particle"]
-        self.low, self.count = self.layout.rows, topology.row_starts[-1]
+        self.low, self.count = self.layout.rows, topology.constraint_starts[-1]
         self.y = self.low + self.graph.size + self.count
 
     def records(self, entity: str, *columns: Iterable[int]) -> NDArray[np.int64]:
@@ -118,42 +133,42 @@ class Lists:
 
     def row(self, k: int, lever: int = 0) -> int:
         """Row of a constraint, or of one of its levers."""
-        return self.layout.record("row", k) + lever
+        return self.layout.record("constraint", k) + lever
 
     def particles(self) -> dict[str, Any]:
         """Particles that are treated one by one, tiles of the others, elements."""
         t, free = self.t, set(self.t.free)
-        nodes = np.asarray(t.element_nodes, dtype=np.intp).reshape(-1, 2)
+        nodes = np.asarray(t.frame_nodes, dtype=np.intp).reshape(-1, 2)
         units = self.layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
         chosen = {"bound": [p for p in t.bound if p in free], "trig": t.trig, "jointed": self.graph.jointed, "pinned": self.graph.pinned}
         found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
         found["tile"] = tiles(t, self.layout)
-        found["element"] = self.records("element", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.element_release, units)
+        found["frame"] = self.records("frame", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.frame_release, units)
         return found
 
     def contacts(self) -> NDArray[np.int64]:
         """Contacts with what their laws ask for."""
         t = self.t
-        ahead = [int(t.friction_laws[kind].set_valued) for kind in t.clearance_friction]  # type: ignore[attr-defined]
-        film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.clearance_contact]
+        ahead = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
+        film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
         return self.records(
-            "clearance", self.bodies(t.clearance_bearing), self.bodies(t.clearance_journal), self.graph.shared, self.graph.constrained,
-            t.clearance_contact, t.clearance_friction, ahead, film, t.clearance_kind or [0] * len(t.clearance_bearing),
+            "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
+            t.contact_form, t.friction_form, ahead, film, t.contact_kind or [0] * len(t.contact_bearing),
         )  # fmt: skip
 
     def constraints(self) -> dict[str, Any]:
         """Ideal joints, their rows, and which rows meet at a body; two revolutes meet in one entry."""
         t, graph, low, row = self.t, self.graph, self.low, self.row
-        starts, body = t.row_starts, self.body
-        ends = [pair for k, pair in enumerate(zip(t.ideal_bearing, t.ideal_journal, strict=True)) for _ in range(starts[k + 1] - starts[k])]
+        starts, body = t.constraint_starts, self.body
+        ends = [pair for k, pair in enumerate(zip(t.joint_bearing, t.joint_journal, strict=True)) for _ in range(starts[k + 1] - starts[k])]
         pins = [part for kind in t.kinds for part in ((1, 2) if kind == REVOLUTE else (0,) * IDEAL_ROWS[kind])]
-        lever = {False: Q.jb, True: Q.jk}
+        lever = {False: CONSTRAINT.jb, True: CONSTRAINT.jk}
         return {
-            "ideal": self.records(
-                "ideal", self.bodies(t.ideal_bearing), self.bodies(t.ideal_journal), t.kinds, [row(k) if self.count else 0 for k in starts[:-1]],
-                [self.y + k for k in starts[:-1]], self.function(t.ideal_function or [-1] * len(t.ideal_bearing)), np.diff(starts),
+            "joint": self.records(
+                "joint", self.bodies(t.joint_bearing), self.bodies(t.joint_journal), t.kinds, [row(k) if self.count else 0 for k in starts[:-1]],
+                [self.y + k for k in starts[:-1]], self.function(t.joint_function or [-1] * len(t.joint_bearing)), np.diff(starts),
             ),
-            "row": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k]) for k in range(self.count)],
+            "constraint": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k]) for k in range(self.count)],
             "couple": [
                 (row(i), row(k), int(body[shared]), row(i, lever[si]), row(k, lever[sk]), int(si == sk), low + graph.start[i] + k,
                  int(pins[i] and pins[k]), low + graph.start[min(i + 1, self.count - 1)] + k)
@@ -166,7 +181,7 @@ class Lists:
         """Springs, drivers, loads, bodies and functions."""
         t, layout, body = self.t, self.layout, self.body
         ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
-        spans = {nodes: layout.record("element", e) for e, nodes in enumerate(t.element_nodes) if nodes in ends}
+        spans = {nodes: layout.record("frame", e) for e, nodes in enumerate(t.frame_nodes) if nodes in ends}
         return {
             "spring": self.records("spring", self.bodies(t.spring_first), self.bodies(t.spring_second), t.spring_kind),
             "driven": self.records("driven", self.bodies(t.driven), self.function(t.driven_function)),
@@ -177,28 +192,37 @@ class Lists:
 
 
 SIZES = {
-    "tile": JT, "element": JE, "clearance": JC, "ideal": JR, "row": JQ, "couple": JK, "spring": JG, "driven": JD, "load": JL, "body": JB,
-    "function": JF,
-}  # fmt: skip
+    "tile": TILE_INDEX,
+    "frame": FRAME_INDEX,
+    "contact": CONTACT_INDEX,
+    "joint": JOINT_INDEX,
+    "constraint": CONSTRAINT_INDEX,
+    "couple": COUPLE_INDEX,
+    "spring": SPRING_INDEX,
+    "driven": DRIVEN_INDEX,
+    "load": LOAD_INDEX,
+    "body": BODY_INDEX,
+    "function": FUNCTION_INDEX,
+}
 
 
 def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that loop's scratch."""
     made, t = Lists(topology), topology
-    lists = {**made.particles(), "clearance": made.contacts(), **made.constraints(), **made.others()}
-    integers = np.zeros(H.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
-    at = H.SIZE
+    lists = {**made.particles(), "contact": made.contacts(), **made.constraints(), **made.others()}
+    integers = np.zeros(HEADER.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
+    at = HEADER.SIZE
     for name, values in lists.items():
         flat = np.asarray(values, dtype=np.int64).reshape(-1)
-        integers[getattr(H, name)] = at
-        integers[getattr(H, f"{name}_count")] = len(flat) // (SIZES[name].SIZE if name in SIZES else 1)
+        integers[getattr(HEADER, name)] = at
+        integers[getattr(HEADER, f"{name}_count")] = len(flat) // (SIZES[name].SIZE if name in SIZES else 1)
         integers[at : at + len(flat)] = flat
         at += len(flat)
     inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
-    integers[[H.profile, H.profile_count, H.inverse, H.y, H.gn, H.gt]] = made.low, made.graph.size, inverse, y, gn, gt
-    worked = bool(t.load_particle) or any(k >= 0 for k in t.ideal_function)
+    integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = made.low, made.graph.size, inverse, y, gn, gt
+    worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
     flags = (made.layout.plain, t.path_unit, t.damped, worked, made.graph.close_again)
-    integers[[H.plain, H.path_unit, H.damped, H.worked, H.close_again]] = flags
+    integers[[HEADER.plain, HEADER.path_unit, HEADER.damped, HEADER.worked, HEADER.close_again]] = flags
     return integers, made.layout, gt + made.count
 
 

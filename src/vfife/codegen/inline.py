@@ -114,7 +114,21 @@ class _Inliner:
         return self._calls(ast.Assign([target], value or ast.Constant(None), lineno=0))
 
 
-PARTS = ("move", "tiles", "springs", "resist", "meet", "answer", "levers", "close", "factor", "gaps", "spread", "settle", "observe")
+PARTS = (
+    "move",
+    "tiles",
+    "springs",
+    "resist",
+    "contact_geometry",
+    "solve_contacts",
+    "levers",
+    "close",
+    "factor",
+    "residual",
+    "spread",
+    "settle",
+    "observe",
+)
 
 
 def written_out(text: str, entry: str, parts: tuple[str, ...] = PARTS) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from ..kernels.arrays import Layout, P
+from ..kernels.arrays import PARTICLE, Layout
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import REVOLUTE, SLOT, SPEED, TIME, TURNED, Topology
 from .graph import tables
@@ -21,14 +21,14 @@ def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     for i in range(topology.particles):
         base = layout.record("particle", i)
         if i in bound:
-            known |= {base + getattr(P, name): 0.0 for name in ("vu", "vv", "vw", "s", "sn")}
-            known |= {base + getattr(P, name): 1.0 for name in ("c", "cn")}
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", "sn")}
+            known |= {base + getattr(PARTICLE, name): 1.0 for name in ("c", "cn")}
         if topology.weightless:
-            known |= {base + getattr(P, name): 0.0 for name in ("load_x", "load_y", "load_m")}
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("load_x", "load_y", "load_m")}
         if i not in free:
-            known |= {base + getattr(P, name): 0.0 for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")}
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")}
         if i not in free | driven:
-            known |= {base + getattr(P, name): 0.0 for name in ("x", "y", "theta", "w", "aw", "xn", "yn", "tn")}
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw", "xn", "yn", "tn")}
     if topology.weightless:
         known |= {layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"}
     known |= _on_particles(topology, layout, armed)
@@ -39,10 +39,10 @@ def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[i
     """Arms of joints and springs that are zero because the particle itself is the pin; offsets of joints that have none."""
     known: dict[int, float] = {}
     pairs = (
-        ("clearance", "bearing"),
-        ("clearance", "journal"),
-        ("ideal", "bearing"),
-        ("ideal", "journal"),
+        ("contact", "bearing"),
+        ("contact", "journal"),
+        ("joint", "bearing"),
+        ("joint", "journal"),
         ("spring", "first"),
         ("spring", "second"),
     )
@@ -52,7 +52,7 @@ def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[i
                 known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
     for joint, kind_of_joint in enumerate(topology.kinds):
         if kind_of_joint in (REVOLUTE, SLOT):
-            known[layout.row("ideal_offset", joint)] = 0.0
+            known[layout.row("joint_offset", joint)] = 0.0
     return known
 
 

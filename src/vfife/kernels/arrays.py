@@ -73,12 +73,12 @@ BLOCKS: tuple[Block, ...] = (
         particle_ax | m/s^2 | acceleration at step n
         particle_ay | m/s^2 | acceleration at step n
         particle_aw | rad/s^2 | angular acceleration at step n"""),
-    *_blocks("state", "element", """
-        element_axial_force | N | axial force, tension positive, at step n
-        element_moment_1 | N m | internal moment at the first node at step n
-        element_moment_2 | N m | internal moment at the second node at step n
+    *_blocks("state", "frame", """
+        frame_axial_force | N | axial force, tension positive, at step n
+        frame_moment_1 | N m | internal moment at the first node at step n
+        frame_moment_2 | N m | internal moment at the second node at step n
         reference_length | m | length at the start of the path unit"""),
-    *_blocks("memory", "element", """
+    *_blocks("memory", "frame", """
         reference_inverse_length | 1/m | its inverse
         reference_cosine | 1 | direction at the start of the path unit
         reference_sine | 1 | direction at the start of the path unit
@@ -88,29 +88,29 @@ BLOCKS: tuple[Block, ...] = (
         reference_axial_force | N | axial force at the start of the path unit
         reference_moment_1 | N m | moment at the first node at the start of the path unit
         reference_moment_2 | N m | moment at the second node at the start of the path unit"""),
-    *_blocks("state", "clearance", """
-        clearance_normal_force | N | normal force F_N at step n
-        clearance_friction_force | N | friction force F_T at step n, along t on the journal
-        clearance_penetration | m | signed penetration e - c at step n
-        clearance_slowness | s/m | inverse of the impact speed at the last onset, 0 in free flight
-        clearance_memory | unit of the law | what the friction law remembers: a bristle's deflection, sliding velocities ... | 3
-        clearance_damping_power | W | power lost in normal damping at step n
-        clearance_friction_power | W | power lost in friction at step n
-        clearance_damping_work | J | energy lost in normal damping up to step n + 1/2
-        clearance_friction_work | J | energy lost in friction up to step n + 1/2
-        clearance_onsets | 1 | contacts that began
-        clearance_grazing | 1 | onsets slower than the floor of the impact speed
-        clearance_deep | 1 | onsets that landed deeper than the landing depth
-        clearance_deepest | m | deepest first landing
-        clearance_fastest | m/s | fastest impact
-        clearance_contact_steps | 1 | steps in continuous contact"""),
-    *_blocks("state", "ideal", """
-        ideal_fx | N | force on the journal at step n
-        ideal_fy | N | force on the journal at step n
-        ideal_moment | N m | moment on the journal's body at step n"""),
-    *_blocks("memory", "row", """
-        row_force | N or N m | reaction along one constraint at step n
-        row_before | N or N m | the same at step n - 1"""),
+    *_blocks("state", "contact", """
+        contact_normal_force | N | normal force F_N at step n
+        contact_friction_force | N | friction force F_T at step n, along t on the journal
+        contact_penetration | m | signed penetration e - c at step n
+        contact_slowness | s/m | inverse of the impact speed at the last onset, 0 in free flight
+        contact_memory | unit of the law | what the friction law remembers: a bristle's deflection, sliding velocities ... | 3
+        contact_damping_power | W | power lost in normal damping at step n
+        contact_friction_power | W | power lost in friction at step n
+        contact_damping_work | J | energy lost in normal damping up to step n + 1/2
+        contact_friction_work | J | energy lost in friction up to step n + 1/2
+        contact_onsets | 1 | contacts that began
+        contact_grazing | 1 | onsets slower than the floor of the impact speed
+        contact_deep | 1 | onsets that landed deeper than the landing depth
+        contact_deepest | m | deepest first landing
+        contact_fastest | m/s | fastest impact
+        contact_contact_steps | 1 | steps in continuous contact"""),
+    *_blocks("state", "joint", """
+        joint_fx | N | force on the journal at step n
+        joint_fy | N | force on the journal at step n
+        joint_moment | N m | moment on the journal's body at step n"""),
+    *_blocks("memory", "constraint", """
+        constraint_force | N or N m | reaction along one constraint at step n
+        constraint_before | N or N m | the same at step n - 1"""),
     *_blocks("state", "spring", """
         spring_fx | N | force on the second body at step n
         spring_fy | N | force on the second body at step n
@@ -140,12 +140,12 @@ BLOCKS: tuple[Block, ...] = (
         external_work | J | work of time-dependent loads up to step n + 1/2
         iterations | 1 | iterations that a load factor took in a static analysis
         unbalanced | 1 | unbalanced force that is left there, over the largest force"""),
-    *_blocks("extreme", "clearance", """
-        clearance_force_squared_max | N^2 | largest squared joint force since the last output
-        clearance_penetration_max | m | largest signed penetration since the last output"""),
-    *_blocks("extreme", "ideal", """
-        ideal_force_squared_max | N^2 | largest squared joint force since the last output
-        ideal_moment_max | N m | largest absolute moment since the last output"""),
+    *_blocks("extreme", "contact", """
+        contact_force_squared_max | N^2 | largest squared joint force since the last output
+        contact_penetration_max | m | largest signed penetration since the last output"""),
+    *_blocks("extreme", "joint", """
+        joint_force_squared_max | N^2 | largest squared joint force since the last output
+        joint_moment_max | N m | largest absolute moment since the last output"""),
     *_blocks("extreme", "driven", """
         driven_force_squared_max | N^2 | largest squared ground force since the last output
         driven_torque_max | N m | largest absolute torque since the last output"""),
@@ -159,33 +159,33 @@ BLOCKS: tuple[Block, ...] = (
         particle_load_x | N | constant load, weight included
         particle_load_y | N | constant load, weight included
         particle_load_m | N m | constant moment"""),
-    *_blocks("parameter", "element", """
-        element_axial_stiffness | N | E A
-        element_bending_stiffness | N m^2 | E I"""),
-    *_blocks("parameter", "clearance", """
-        clearance_bearing_x | m | bearing centre in its body's frame
-        clearance_bearing_y | m | bearing centre in its body's frame
-        clearance_journal_x | m | journal centre in its body's frame
-        clearance_journal_y | m | journal centre in its body's frame
-        clearance_line_x | 1 | on a line: direction into its material, in the bearing's frame
-        clearance_line_y | 1 | on a line: direction into its material, in the bearing's frame
-        clearance_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing, R_B + R_J outside, -R_J on a line
-        clearance_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
-        clearance_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
-        clearance_arm_overlap | 1 | share of the penetration by which the arms change
-        clearance_floor | m/s | least impact speed
-        clearance_landing | m | depth at which a first contact may land
-        clearance_contact | unit of the law | parameters of the contact law | 8
-        clearance_friction_slots | unit of the law | parameters of the friction law | 8"""),
-    *_blocks("parameter", "ideal", """
-        ideal_bearing_x | m | pin in the bearing body's frame
-        ideal_bearing_y | m | pin in the bearing body's frame
-        ideal_journal_x | m | pin in the journal body's frame
-        ideal_journal_y | m | pin in the journal body's frame
-        ideal_direction_x | 1 | direction of a guide, in the bearing body's frame
-        ideal_direction_y | 1 | direction of a guide, in the bearing body's frame
-        ideal_offset | rad or m | angle, or travel, between the bodies at the start
-        ideal_ratio | 1 | turns of the journal's body for one of the bearing's"""),
+    *_blocks("parameter", "frame", """
+        frame_axial_stiffness | N | E A
+        frame_bending_stiffness | N m^2 | E I"""),
+    *_blocks("parameter", "contact", """
+        contact_bearing_x | m | bearing centre in its body's frame
+        contact_bearing_y | m | bearing centre in its body's frame
+        contact_journal_x | m | journal centre in its body's frame
+        contact_journal_y | m | journal centre in its body's frame
+        contact_line_x | 1 | on a line: direction into its material, in the bearing's frame
+        contact_line_y | 1 | on a line: direction into its material, in the bearing's frame
+        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing, R_B + R_J outside, -R_J on a line
+        contact_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
+        contact_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
+        contact_arm_overlap | 1 | share of the penetration by which the arms change
+        contact_floor | m/s | least impact speed
+        contact_landing | m | depth at which a first contact may land
+        contact_slots | unit of the law | parameters of the contact law | 8
+        contact_friction_slots | unit of the law | parameters of the friction law | 8"""),
+    *_blocks("parameter", "joint", """
+        joint_bearing_x | m | pin in the bearing body's frame
+        joint_bearing_y | m | pin in the bearing body's frame
+        joint_journal_x | m | pin in the journal body's frame
+        joint_journal_y | m | pin in the journal body's frame
+        joint_direction_x | 1 | direction of a guide, in the bearing body's frame
+        joint_direction_y | 1 | direction of a guide, in the bearing body's frame
+        joint_offset | rad or m | angle, or travel, between the bodies at the start
+        joint_ratio | 1 | turns of the journal's body for one of the bearing's"""),
     *_blocks("parameter", "spring", """
         spring_first_x | m | pin in the first body's frame
         spring_first_y | m | pin in the first body's frame
@@ -229,7 +229,7 @@ BLOCKS: tuple[Block, ...] = (
         sn | 1 | sine of the rotation at step n + 1
         rn | 1/kg | velocities per unit of a joint's normal force | 3
         rt | 1/kg | velocities per unit of a joint's friction force | 3"""),
-    *_blocks("scratch", "clearance", """
+    *_blocks("scratch", "contact", """
         nx | 1 | direction from bearing to journal centre, or into the line's material
         ny | 1 | direction from bearing to journal centre, or into the line's material
         jn | m | lever of the normal force on the journal's body
@@ -244,39 +244,39 @@ BLOCKS: tuple[Block, ...] = (
         film_across | N | its force along t on the journal, at rest
         film_damping | N s/m | damping of that by the velocity along t
         film_cross | N s/m | force along t by the rate along n, and the reverse"""),
-    *_blocks("scratch", "row", """
-        row_nx | 1 | direction of the constraint, 0 for an angle
-        row_ny | 1 | direction of the constraint, 0 for an angle
-        row_jb | m | lever on the bearing's body
-        row_jk | m | lever on the journal's body"""),
+    *_blocks("scratch", "constraint", """
+        constraint_nx | 1 | direction of the constraint, 0 for an angle
+        constraint_ny | 1 | direction of the constraint, 0 for an angle
+        constraint_jb | m | lever on the bearing's body
+        constraint_jk | m | lever on the journal's body"""),
 )  # fmt: skip
 
 BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
-ENTITIES = ("system", "particle", "element", "unit", "clearance", "ideal", "row", "spring", "driven", "load", "body", "function")
+ENTITIES = ("system", "particle", "frame", "unit", "contact", "joint", "constraint", "spring", "driven", "load", "body", "function")
 
 
 def _fields(*entities: str) -> Fields:
     return Fields((block.field, block.width) for entity in entities for block in BLOCKS if block.entity == entity)
 
 
-# Rows of each entity's record; P is that of a bound particle, whose first PLAIN rows are those of a plain one.
-Y, P, E, U, C, R, Q, G, D, L, B, F = (_fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES)
-RECORDS = dict(zip(ENTITIES, (Y, P, E, U, C, R, Q, G, D, L, B, F), strict=True))
+# Rows of each entity's record; PARTICLE is that of a bound particle, whose first PLAIN rows are those of a plain one.
+RECORDS = {entity: _fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES}
+SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, JOINT, CONSTRAINT, SPRING, DRIVEN, LOAD, BODY, FUNCTION = RECORDS.values()
 PLAIN = _fields("particle").SIZE
 
 
 # Records of the integer array: rows of S and kinds.
-JE = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
-JC = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "film", "kind"))
-JR = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function", "rows"))
-JQ = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
-JG = Fields((name, 1) for name in ("row", "first", "second", "kind"))
-JD = Fields((name, 1) for name in ("row", "body", "function"))
-JL = Fields((name, 1) for name in ("row", "body", "function", "follow"))
-JB = Fields((name, 1) for name in ("row", "first", "second", "element"))
-JF = Fields((name, 1) for name in ("row", "table", "argument", "first", "second"))
-JK = Fields((name, 1) for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at", "pins", "lower"))
-JT = Fields((name, 1) for name in ("drift", "drift_end", "element", "element_end", "kick", "kick_end"))
+FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
+CONTACT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "film", "kind"))
+JOINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function", "rows"))
+CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
+SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
+DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))
+LOAD_INDEX = Fields((name, 1) for name in ("row", "body", "function", "follow"))
+BODY_INDEX = Fields((name, 1) for name in ("row", "first", "second", "frame"))
+FUNCTION_INDEX = Fields((name, 1) for name in ("row", "table", "argument", "first", "second"))
+COUPLE_INDEX = Fields((name, 1) for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at", "pins", "lower"))
+TILE_INDEX = Fields((name, 1) for name in ("drift", "drift_end", "frame", "frame_end", "kick", "kick_end"))
 
 LISTS = (
     "bound",
@@ -284,10 +284,10 @@ LISTS = (
     "jointed",
     "pinned",
     "tile",
-    "element",
-    "clearance",
-    "ideal",
-    "row",
+    "frame",
+    "contact",
+    "joint",
+    "constraint",
     "couple",
     "spring",
     "driven",
@@ -295,7 +295,7 @@ LISTS = (
     "body",
     "function",
 )
-H = Fields(
+HEADER = Fields(
     (name, 1)
     for name in (
         *LISTS,
@@ -316,11 +316,11 @@ class Layout:
             sizes = np.full(counts[entity], RECORDS[entity].SIZE, dtype=np.intp)
             if entity == "particle":
                 sizes[:] = PLAIN
-                sizes[list(topology.bound)] = P.SIZE
+                sizes[list(topology.bound)] = PARTICLE.SIZE
                 order = np.argsort(sizes == PLAIN, kind="stable")  # bound ones first, so that plain ones follow each other
                 starts = np.empty_like(sizes)
                 starts[order] = self.rows + np.cumsum(sizes[order]) - sizes[order]
-                self.plain = self.rows + len(topology.bound) * P.SIZE
+                self.plain = self.rows + len(topology.bound) * PARTICLE.SIZE
                 self.records["bound"] = starts[list(topology.bound)]
             else:
                 starts = self.rows + np.arange(counts[entity], dtype=np.intp) * RECORDS[entity].SIZE
@@ -331,7 +331,7 @@ class Layout:
     def __getitem__(self, name: str) -> NDArray[np.intp]:
         if name not in self.known:
             block = BY_NAME[name]
-            fields: Any = P if block.entity == "bound" else RECORDS[block.entity]
+            fields: Any = PARTICLE if block.entity == "bound" else RECORDS[block.entity]
             self.known[name] = self.records[block.entity] + getattr(fields, block.field)
         return self.known[name]
 
@@ -343,7 +343,7 @@ class Layout:
         """Row of entity ``index`` in block ``name``; of its first row where the block is wider. Of bound blocks the index is the particle's."""
         block = BY_NAME[name]
         if block.entity == "bound":
-            return int(self.records["particle"][index]) + int(getattr(P, block.field))
+            return int(self.records["particle"][index]) + int(getattr(PARTICLE, block.field))
         return int(self[name][index])
 
     def record(self, entity: str, index: int) -> int:

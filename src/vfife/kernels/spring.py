@@ -6,7 +6,7 @@ holds the last resistance already; the change of the resistance enters through t
 
 import math
 
-from .arrays import JG, G, H, P
+from .arrays import HEADER, PARTICLE, SPRING, SPRING_INDEX
 from .central_difference import larger
 from .contact import expected
 from .geometry import arm
@@ -16,16 +16,16 @@ from .topology import BUSHING, LINEAR, STOP
 def resist(S, g, axis, b, k, n, x, p, h):
     """Force (N, N m) along one axis, against its lengthening; returned with its elastic part and the rate.
 
-    ``n`` is (nx, ny, jb, jk): direction and levers on the two bodies; ``x`` the elastic lengthening of a stiffness at ``G.stiffness + axis``.
+    ``n`` is (nx, ny, jb, jk): direction and levers on the two bodies; ``x`` the elastic lengthening of a stiffness at ``SPRING.stiffness + axis``.
     """
     nx, ny, jb, jk = n
     bu, bv, bw = expected(S, b, p, h)
     ku, kv, kw = expected(S, k, p, h)
-    both = (nx * nx + ny * ny) * (S[k + P.inverse_mass] + S[b + P.inverse_mass])
-    mobility = p * h * (both + jk * jk * S[k + P.inverse_inertia] + jb * jb * S[b + P.inverse_inertia])
-    c = S[g + G.damping + axis]
-    elastic = S[g + G.stiffness + axis] * x
-    rate = nx * (ku - bu) + ny * (kv - bv) + jk * kw - jb * bw + mobility * S[g + G.resistance + axis]
+    both = (nx * nx + ny * ny) * (S[k + PARTICLE.inverse_mass] + S[b + PARTICLE.inverse_mass])
+    mobility = p * h * (both + jk * jk * S[k + PARTICLE.inverse_inertia] + jb * jb * S[b + PARTICLE.inverse_inertia])
+    c = S[g + SPRING.damping + axis]
+    elastic = S[g + SPRING.stiffness + axis] * x
+    rate = nx * (ku - bu) + ny * (kv - bv) + jk * kw - jb * bw + mobility * S[g + SPRING.resistance + axis]
     rate = (rate - mobility * elastic) / (1.0 + mobility * c)
     return elastic + c * rate, elastic, rate
 
@@ -33,38 +33,38 @@ def resist(S, g, axis, b, k, n, x, p, h):
 def add(S, g, axis, b, k, n, force):
     """Puts a resistance on both bodies."""
     nx, ny, jb, jk = n
-    S[g + G.resistance + axis] = force
-    S[k + P.fx] -= force * nx
-    S[k + P.fy] -= force * ny
-    S[k + P.mz] -= force * jk
-    S[b + P.fx] += force * nx
-    S[b + P.fy] += force * ny
-    S[b + P.mz] += force * jb
+    S[g + SPRING.resistance + axis] = force
+    S[k + PARTICLE.fx] -= force * nx
+    S[k + PARTICLE.fy] -= force * ny
+    S[k + PARTICLE.mz] -= force * jk
+    S[b + PARTICLE.fx] += force * nx
+    S[b + PARTICLE.fy] += force * ny
+    S[b + PARTICLE.mz] += force * jb
 
 
 def springs(S, I, span, p, h):
     """Forces of all springs, dampers, stops and bushings at t_n."""
-    for m in range(I[H.spring_count]):
-        r = I[H.spring] + JG.SIZE * m
-        g = I[r + JG.row]
-        b = I[r + JG.first]
-        k = I[r + JG.second]
-        kind = I[r + JG.kind]
-        bx, by = arm(S[b + P.c], S[b + P.s], S[g + G.first_x], S[g + G.first_y])
-        kx, ky = arm(S[k + P.c], S[k + P.s], S[g + G.second_x], S[g + G.second_y])
-        ex = (S[k + P.x] + kx) - (S[b + P.x] + bx)
-        ey = (S[k + P.y] + ky) - (S[b + P.y] + by)
-        angle = S[k + P.theta] - S[b + P.theta]
+    for m in range(I[HEADER.spring_count]):
+        r = I[HEADER.spring] + SPRING_INDEX.SIZE * m
+        g = I[r + SPRING_INDEX.row]
+        b = I[r + SPRING_INDEX.first]
+        k = I[r + SPRING_INDEX.second]
+        kind = I[r + SPRING_INDEX.kind]
+        bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[g + SPRING.first_x], S[g + SPRING.first_y])
+        kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[g + SPRING.second_x], S[g + SPRING.second_y])
+        ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
+        ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
+        angle = S[k + PARTICLE.theta] - S[b + PARTICLE.theta]
         if kind == LINEAR:
             power = stretch(S, g, b, k, (bx, by, kx, ky), ex, ey, p, h)
         elif kind == BUSHING:
-            power = bush(S, g, b, k, (kx, ky), (bx + ex, by + ey), ex, ey, angle - S[g + G.free], p, h)
+            power = bush(S, g, b, k, (kx, ky), (bx + ex, by + ey), ex, ey, angle - S[g + SPRING.free], p, h)
         else:
             power = twist(S, g, b, k, kind == STOP, angle, p, h)
-        S[g + G.damping_power] = power
-        S[g + G.damping_work] += span * power
-        at = g + G.force_squared_max
-        S[at] = larger(S[at], S[g + G.fx] * S[g + G.fx] + S[g + G.fy] * S[g + G.fy])
+        S[g + SPRING.damping_power] = power
+        S[g + SPRING.damping_work] += span * power
+        at = g + SPRING.force_squared_max
+        S[at] = larger(S[at], S[g + SPRING.fx] * S[g + SPRING.fx] + S[g + SPRING.fy] * S[g + SPRING.fy])
 
 
 def stretch(S, g, b, k, arms, ex, ey, p, h):
@@ -75,12 +75,12 @@ def stretch(S, g, b, k, arms, ex, ey, p, h):
     nx = ex * inverse
     ny = ey * inverse
     n = (nx, ny, bx * ny - by * nx, kx * ny - ky * nx)
-    x = length - S[g + G.free]
+    x = length - S[g + SPRING.free]
     force, elastic, rate = resist(S, g, 0, b, k, n, x, p, h)
     add(S, g, 0, b, k, n, force)
-    S[g + G.fx] = -force * nx
-    S[g + G.fy] = -force * ny
-    S[g + G.energy] = 0.5 * elastic * x
+    S[g + SPRING.fx] = -force * nx
+    S[g + SPRING.fy] = -force * ny
+    S[g + SPRING.energy] = 0.5 * elastic * x
     return (force - elastic) * rate
 
 
@@ -90,16 +90,16 @@ def twist(S, g, b, k, stop, angle, p, h):
     A stop that does not push any more relaxes by itself: what it has stored goes into its damper as the angle comes back.
     """
     n = (0.0, 0.0, 1.0, 1.0)
-    over = angle - S[g + G.free]
-    beyond = angle - S[g + G.high]
+    over = angle - S[g + SPRING.free]
+    beyond = angle - S[g + SPRING.high]
     x = (over if over < 0.0 else beyond if beyond > 0.0 else 0.0) if stop else over
     moment, elastic, rate = resist(S, g, 2, b, k, n, x, p, h)
     pushes = moment * x > 0.0 if stop else True
-    rate = rate if pushes else rate + p * h * (S[k + P.inverse_inertia] + S[b + P.inverse_inertia]) * moment
+    rate = rate if pushes else rate + p * h * (S[k + PARTICLE.inverse_inertia] + S[b + PARTICLE.inverse_inertia]) * moment
     moment = moment if pushes else 0.0
     add(S, g, 2, b, k, n, moment)
-    S[g + G.moment] = -moment
-    S[g + G.energy] = 0.5 * S[g + G.stiffness + 2] * x * x
+    S[g + SPRING.moment] = -moment
+    S[g + SPRING.energy] = 0.5 * S[g + SPRING.stiffness + 2] * x * x
     return (moment - elastic) * rate
 
 
@@ -107,8 +107,8 @@ def bush(S, g, b, k, arm_k, arm_b, ex, ey, angle, p, h):
     """Bushing along the axes of the first body and about the axis of the plane; returned: power lost."""
     kx, ky = arm_k
     bx, by = arm_b
-    c = S[b + P.c]
-    s = S[b + P.s]
+    c = S[b + PARTICLE.c]
+    s = S[b + PARTICLE.s]
     along = (c, s, bx * s - by * c, kx * s - ky * c)
     across = (-s, c, bx * c + by * s, kx * c + ky * s)
     about = (0.0, 0.0, 1.0, 1.0)
@@ -120,8 +120,8 @@ def bush(S, g, b, k, arm_k, arm_b, ex, ey, angle, p, h):
     add(S, g, 0, b, k, along, fx)
     add(S, g, 1, b, k, across, fy)
     add(S, g, 2, b, k, about, moment)
-    S[g + G.fx] = fy * s - fx * c
-    S[g + G.fy] = -fx * s - fy * c
-    S[g + G.moment] = -moment
-    S[g + G.energy] = 0.5 * (elastic_x * x + elastic_y * y + elastic_m * angle)
+    S[g + SPRING.fx] = fy * s - fx * c
+    S[g + SPRING.fy] = -fx * s - fy * c
+    S[g + SPRING.moment] = -moment
+    S[g + SPRING.energy] = 0.5 * (elastic_x * x + elastic_y * y + elastic_m * angle)
     return (fx - elastic_x) * rate_x + (fy - elastic_y) * rate_y + (moment - elastic_m) * rate_m

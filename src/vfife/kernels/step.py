@@ -4,10 +4,30 @@
 drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2). Velocities at half steps are algebraically the paper's Eq. 3-5.
 """
 
-from .arrays import JB, JD, JE, JF, JL, JR, JT, PLAIN, B, D, E, F, H, L, P, Q, R, U, Y
+from .arrays import (
+    BODY,
+    BODY_INDEX,
+    CONSTRAINT,
+    DRIVEN,
+    DRIVEN_INDEX,
+    FRAME,
+    FRAME_INDEX,
+    FUNCTION,
+    FUNCTION_INDEX,
+    HEADER,
+    JOINT,
+    JOINT_INDEX,
+    LOAD,
+    LOAD_INDEX,
+    PARTICLE,
+    PLAIN,
+    SYSTEM,
+    TILE_INDEX,
+    UNIT,
+)
 from .central_difference import chord_acceleration, coefficients, driven_reaction, larger
-from .constraint import ahead, close, fill, levers, reaction, recall
-from .contact import answer, meet, velocities
+from .constraint import ahead, close, fill, levers, reaction, warm_start
+from .contact import contact_geometry, solve_contacts, velocities
 from .elementary import sincos
 from .frame import axial, bending, bending_released, chord, nodal_force, step_turn, turn
 from .geometry import arm
@@ -21,103 +41,103 @@ def functions(S, T, I, shift, time, after, dt):
 
     ``dt`` is the step that leads to t_n, 0 at the start. The speed at t_n is expected from the last step's acceleration.
     """
-    for m in range(I[H.function_count]):
-        r = I[H.function] + JF.SIZE * m
-        f = I[r + JF.row]
-        start = shift + I[r + JF.table]
-        argument = I[r + JF.argument]
-        i = I[r + JF.first]
-        j = I[r + JF.second]
+    for m in range(I[HEADER.function_count]):
+        r = I[HEADER.function] + FUNCTION_INDEX.SIZE * m
+        f = I[r + FUNCTION_INDEX.row]
+        start = shift + I[r + FUNCTION_INDEX.table]
+        argument = I[r + FUNCTION_INDEX.argument]
+        i = I[r + FUNCTION_INDEX.first]
+        j = I[r + FUNCTION_INDEX.second]
         x = time
         if argument == TURNED:
-            x = (S[j + P.theta] + dt * S[j + P.w]) - (S[i + P.theta] + dt * S[i + P.w])
+            x = (S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w]) - (S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
         elif argument != TIME:
-            x = (S[j + P.w] + 0.5 * dt * S[j + P.aw]) - (S[i + P.w] + 0.5 * dt * S[i + P.aw])
+            x = (S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]) - (S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw])
         value, rate, second = polynomial(T, start, x)
-        S[f + F.value] = value
-        S[f + F.rate] = rate
-        S[f + F.acceleration] = second
-        S[f + F.next] = polynomial(T, start, after)[0] if argument == TIME else value
+        S[f + FUNCTION.value] = value
+        S[f + FUNCTION.rate] = rate
+        S[f + FUNCTION.acceleration] = second
+        S[f + FUNCTION.next] = polynomial(T, start, after)[0] if argument == TIME else value
 
 
 def drift(S, i, d):
     """Position of a free particle at t_n by its half-step velocity; its force starts with its constant load."""
-    S[i + P.x] += d * S[i + P.u]
-    S[i + P.y] += d * S[i + P.v]
-    S[i + P.theta] += d * S[i + P.w]
-    S[i + P.fx] = S[i + P.load_x]
-    S[i + P.fy] = S[i + P.load_y]
-    S[i + P.mz] = S[i + P.load_m]
+    S[i + PARTICLE.x] += d * S[i + PARTICLE.u]
+    S[i + PARTICLE.y] += d * S[i + PARTICLE.v]
+    S[i + PARTICLE.theta] += d * S[i + PARTICLE.w]
+    S[i + PARTICLE.fx] = S[i + PARTICLE.load_x]
+    S[i + PARTICLE.fy] = S[i + PARTICLE.load_y]
+    S[i + PARTICLE.mz] = S[i + PARTICLE.load_m]
 
 
 def move(S, I, time, d):
     """Bound particles at t_n: free ones drift, driven ones go as prescribed; then directions."""
-    for q in range(I[H.bound_count]):
-        drift(S, I[I[H.bound] + q], d)
-    for m in range(I[H.driven_count]):
-        r = I[H.driven] + JD.SIZE * m
-        k = I[r + JD.row]
-        i = I[r + JD.body]
-        f = I[r + JD.function]
+    for q in range(I[HEADER.bound_count]):
+        drift(S, I[I[HEADER.bound] + q], d)
+    for m in range(I[HEADER.driven_count]):
+        r = I[HEADER.driven] + DRIVEN_INDEX.SIZE * m
+        k = I[r + DRIVEN_INDEX.row]
+        i = I[r + DRIVEN_INDEX.body]
+        f = I[r + DRIVEN_INDEX.function]
         if f == 0:
-            S[i + P.theta] = S[k + D.angle] + S[k + D.speed] * time
-            S[i + P.w] = S[k + D.speed]
-            S[i + P.aw] = 0.0
+            S[i + PARTICLE.theta] = S[k + DRIVEN.angle] + S[k + DRIVEN.speed] * time
+            S[i + PARTICLE.w] = S[k + DRIVEN.speed]
+            S[i + PARTICLE.aw] = 0.0
         else:
-            S[i + P.theta] = S[f + F.value]
-            S[i + P.w] = S[f + F.rate]
-            S[i + P.aw] = S[f + F.acceleration]
-        S[i + P.vw] = S[i + P.w]
-        S[i + P.fx] = S[i + P.load_x]
-        S[i + P.fy] = S[i + P.load_y]
-        S[i + P.mz] = S[i + P.load_m]
-    for q in range(I[H.trig_count]):
-        i = I[I[H.trig] + q]
-        S[i + P.s], S[i + P.c] = sincos(S[i + P.theta])
+            S[i + PARTICLE.theta] = S[f + FUNCTION.value]
+            S[i + PARTICLE.w] = S[f + FUNCTION.rate]
+            S[i + PARTICLE.aw] = S[f + FUNCTION.acceleration]
+        S[i + PARTICLE.vw] = S[i + PARTICLE.w]
+        S[i + PARTICLE.fx] = S[i + PARTICLE.load_x]
+        S[i + PARTICLE.fy] = S[i + PARTICLE.load_y]
+        S[i + PARTICLE.mz] = S[i + PARTICLE.load_m]
+    for q in range(I[HEADER.trig_count]):
+        i = I[I[HEADER.trig] + q]
+        S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])
 
 
 def loads(S, I):
     """Loads over time, speed or angle, at t_n."""
-    for m in range(I[H.load_count]):
-        r = I[H.load] + JL.SIZE * m
-        k = I[r + JL.row]
-        i = I[r + JL.body]
-        value = S[I[r + JL.function] + F.value]
-        rx, ry = arm(S[i + P.c], S[i + P.s], S[k + L.x], S[k + L.y])
-        px = value * S[k + L.fx]
-        py = value * S[k + L.fy]
-        if I[r + JL.follow] != 0:
-            px, py = arm(S[i + P.c], S[i + P.s], px, py)
-        S[i + P.fx] += px
-        S[i + P.fy] += py
-        S[i + P.mz] += rx * py - ry * px + value * S[k + L.m]
+    for m in range(I[HEADER.load_count]):
+        r = I[HEADER.load] + LOAD_INDEX.SIZE * m
+        k = I[r + LOAD_INDEX.row]
+        i = I[r + LOAD_INDEX.body]
+        value = S[I[r + LOAD_INDEX.function] + FUNCTION.value]
+        rx, ry = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], S[k + LOAD.x], S[k + LOAD.y])
+        px = value * S[k + LOAD.fx]
+        py = value * S[k + LOAD.fy]
+        if I[r + LOAD_INDEX.follow] != 0:
+            px, py = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], px, py)
+        S[i + PARTICLE.fx] += px
+        S[i + PARTICLE.fy] += py
+        S[i + PARTICLE.mz] += rx * py - ry * px + value * S[k + LOAD.m]
 
 
 def elements(S, I, first, last, renew):
     """Element forces from the reversed rigid-body motion; the reference is renewed where a path unit ends."""
-    own = I[H.path_unit] == 1
+    own = I[HEADER.path_unit] == 1
     for m in range(first, last):
-        r = I[H.element] + JE.SIZE * m
-        e = I[r + JE.row]
-        i = I[r + JE.first]
-        j = I[r + JE.second]
-        a = I[r + JE.unit]
-        length, inverse, c, s = chord(S[j + P.x] - S[i + P.x], S[j + P.y] - S[i + P.y])
-        ila = S[e + E.reference_inverse_length]
-        na = S[e + E.axial_force] if own else S[a + U.reference_axial_force]
-        n = axial(length, S[e + E.reference_length], ila, na, S[e + E.axial_stiffness])
-        release = I[r + JE.release]
+        r = I[HEADER.frame] + FRAME_INDEX.SIZE * m
+        e = I[r + FRAME_INDEX.row]
+        i = I[r + FRAME_INDEX.first]
+        j = I[r + FRAME_INDEX.second]
+        a = I[r + FRAME_INDEX.unit]
+        length, inverse, c, s = chord(S[j + PARTICLE.x] - S[i + PARTICLE.x], S[j + PARTICLE.y] - S[i + PARTICLE.y])
+        ila = S[e + FRAME.reference_inverse_length]
+        na = S[e + FRAME.axial_force] if own else S[a + UNIT.reference_axial_force]
+        n = axial(length, S[e + FRAME.reference_length], ila, na, S[e + FRAME.axial_stiffness])
+        release = I[r + FRAME_INDEX.release]
         m1 = 0.0
         m2 = 0.0
         if release != 3:
-            ei = S[e + E.bending_stiffness]
-            m1a = S[e + E.moment_1] if own else S[a + U.reference_moment_1]
-            m2a = S[e + E.moment_2] if own else S[a + U.reference_moment_2]
-            ca = S[e + E.reference_cosine]
-            sa = S[e + E.reference_sine]
+            ei = S[e + FRAME.bending_stiffness]
+            m1a = S[e + FRAME.moment_1] if own else S[a + UNIT.reference_moment_1]
+            m2a = S[e + FRAME.moment_2] if own else S[a + UNIT.reference_moment_2]
+            ca = S[e + FRAME.reference_cosine]
+            sa = S[e + FRAME.reference_sine]
             rigid = step_turn(c, s, ca, sa) if own else turn(c, s, ca, sa)
-            theta_1 = S[i + P.theta] - S[e + E.reference_theta_1] - rigid
-            theta_2 = S[j + P.theta] - S[e + E.reference_theta_2] - rigid
+            theta_1 = S[i + PARTICLE.theta] - S[e + FRAME.reference_theta_1] - rigid
+            theta_2 = S[j + PARTICLE.theta] - S[e + FRAME.reference_theta_2] - rigid
             if release == 0:
                 m1, m2 = bending(theta_1, theta_2, ila, m1a, m2a, ei)
             elif release == 1:
@@ -125,198 +145,198 @@ def elements(S, I, first, last, renew):
             else:
                 m1 = bending_released(theta_1, ila, m1a, ei)
         px, py = nodal_force(c, s, inverse, n, m1, m2)
-        S[i + P.fx] += px
-        S[i + P.fy] += py
-        S[i + P.mz] -= m1
-        S[j + P.fx] -= px
-        S[j + P.fy] -= py
-        S[j + P.mz] -= m2
-        S[e + E.axial_force] = n
-        S[e + E.moment_1] = m1
-        S[e + E.moment_2] = m2
+        S[i + PARTICLE.fx] += px
+        S[i + PARTICLE.fy] += py
+        S[i + PARTICLE.mz] -= m1
+        S[j + PARTICLE.fx] -= px
+        S[j + PARTICLE.fy] -= py
+        S[j + PARTICLE.mz] -= m2
+        S[e + FRAME.axial_force] = n
+        S[e + FRAME.moment_1] = m1
+        S[e + FRAME.moment_2] = m2
         if renew:
-            S[e + E.reference_length] = length
-            S[e + E.reference_inverse_length] = inverse
-            S[e + E.reference_cosine] = c
-            S[e + E.reference_sine] = s
-            S[e + E.reference_theta_1] = S[i + P.theta]
-            S[e + E.reference_theta_2] = S[j + P.theta]
+            S[e + FRAME.reference_length] = length
+            S[e + FRAME.reference_inverse_length] = inverse
+            S[e + FRAME.reference_cosine] = c
+            S[e + FRAME.reference_sine] = s
+            S[e + FRAME.reference_theta_1] = S[i + PARTICLE.theta]
+            S[e + FRAME.reference_theta_2] = S[j + PARTICLE.theta]
             if not own:
-                S[a + U.reference_axial_force] = n
-                S[a + U.reference_moment_1] = m1
-                S[a + U.reference_moment_2] = m2
+                S[a + UNIT.reference_axial_force] = n
+                S[a + UNIT.reference_moment_1] = m1
+                S[a + UNIT.reference_moment_2] = m2
 
 
 def kick(S, i, h, b, k, p):
     """Acceleration of a free particle at t_n and its velocity at t_(n+1/2); returned: its velocity at t_n."""
-    im = S[i + P.inverse_mass]
-    ii = S[i + P.inverse_inertia]
-    ax = im * S[i + P.fx]
-    ay = im * S[i + P.fy]
-    aw = ii * S[i + P.mz]
-    u = S[i + P.u]
-    v = S[i + P.v]
-    w = S[i + P.w]
+    im = S[i + PARTICLE.inverse_mass]
+    ii = S[i + PARTICLE.inverse_inertia]
+    ax = im * S[i + PARTICLE.fx]
+    ay = im * S[i + PARTICLE.fy]
+    aw = ii * S[i + PARTICLE.mz]
+    u = S[i + PARTICLE.u]
+    v = S[i + PARTICLE.v]
+    w = S[i + PARTICLE.w]
     un = p * (u + h * ax)
     vn = p * (v + h * ay)
     wn = p * (w + h * aw)
-    S[i + P.ax] = ax
-    S[i + P.ay] = ay
-    S[i + P.aw] = aw
-    S[i + P.u] = b * u + k * ax
-    S[i + P.v] = b * v + k * ay
-    S[i + P.w] = b * w + k * aw
+    S[i + PARTICLE.ax] = ax
+    S[i + PARTICLE.ay] = ay
+    S[i + PARTICLE.aw] = aw
+    S[i + PARTICLE.u] = b * u + k * ax
+    S[i + PARTICLE.v] = b * v + k * ay
+    S[i + PARTICLE.w] = b * w + k * aw
     return un, vn, wn
 
 
 def lost_power(S, i, zeta, u, v, w):
     """Power that mass-proportional damping takes from a particle."""
-    ii = S[i + P.inverse_inertia]
-    return zeta * ((u * u + v * v) / S[i + P.inverse_mass] + (w * w / ii if ii > 0.0 else 0.0))
+    ii = S[i + PARTICLE.inverse_inertia]
+    return zeta * ((u * u + v * v) / S[i + PARTICLE.inverse_mass] + (w * w / ii if ii > 0.0 else 0.0))
 
 
 def tiles(S, I, renew, d, h, b, k, p):
     """Elements, with the plain particles around them drifting just before and kicked just after, while they are in the cache."""
     lost = 0.0
-    zeta = S[Y.damping]
-    damped = I[H.damped] != 0
-    for m in range(I[H.tile_count]):
-        r = I[H.tile] + JT.SIZE * m
-        for q in range(I[r + JT.drift], I[r + JT.drift_end]):
-            drift(S, I[H.plain] + PLAIN * q, d)
-        elements(S, I, I[r + JT.element], I[r + JT.element_end], renew)
-        for q in range(I[r + JT.kick], I[r + JT.kick_end]):
-            i = I[H.plain] + PLAIN * q
+    zeta = S[SYSTEM.damping]
+    damped = I[HEADER.damped] != 0
+    for m in range(I[HEADER.tile_count]):
+        r = I[HEADER.tile] + TILE_INDEX.SIZE * m
+        for q in range(I[r + TILE_INDEX.drift], I[r + TILE_INDEX.drift_end]):
+            drift(S, I[HEADER.plain] + PLAIN * q, d)
+        elements(S, I, I[r + TILE_INDEX.frame], I[r + TILE_INDEX.frame_end], renew)
+        for q in range(I[r + TILE_INDEX.kick], I[r + TILE_INDEX.kick_end]):
+            i = I[HEADER.plain] + PLAIN * q
             un, vn, wn = kick(S, i, h, b, k, p)
             if damped:
                 lost += lost_power(S, i, zeta, un, vn, wn)
     if damped:
-        S[Y.damping_power] = lost
+        S[SYSTEM.damping_power] = lost
 
 
 def settle(S, I, span, h, b, k, p):
     """Kick of the bound particles; power of damping, of time-dependent loads and of prescribed travels at t_n."""
     lost = 0.0
-    zeta = S[Y.damping]
-    damped = I[H.damped] != 0
-    worked = I[H.worked] != 0
-    for q in range(I[H.bound_count]):
-        i = I[I[H.bound] + q]
+    zeta = S[SYSTEM.damping]
+    damped = I[HEADER.damped] != 0
+    worked = I[HEADER.worked] != 0
+    for q in range(I[HEADER.bound_count]):
+        i = I[I[HEADER.bound] + q]
         un, vn, wn = kick(S, i, h, b, k, p)
         if worked:
-            S[i + P.vu] = un
-            S[i + P.vv] = vn
-            S[i + P.vw] = wn
+            S[i + PARTICLE.vu] = un
+            S[i + PARTICLE.vv] = vn
+            S[i + PARTICLE.vw] = wn
         if damped:
             lost += lost_power(S, i, zeta, un, vn, wn)
     if damped:
-        lost += S[Y.damping_power]
-        S[Y.damping_work] += span * lost
-        S[Y.damping_power] = lost
+        lost += S[SYSTEM.damping_power]
+        S[SYSTEM.damping_work] += span * lost
+        S[SYSTEM.damping_power] = lost
     if worked:
         power = outside(S, I)
-        S[Y.external_work] += span * power
-        S[Y.external_power] = power
+        S[SYSTEM.external_work] += span * power
+        S[SYSTEM.external_power] = power
 
 
 def outside(S, I):
     """Power of time-dependent loads and of prescribed travels at t_n."""
     power = 0.0
-    for m in range(I[H.load_count]):
-        r = I[H.load] + JL.SIZE * m
-        g = I[r + JL.row]
-        i = I[r + JL.body]
-        value = S[I[r + JL.function] + F.value]
-        rx, ry = arm(S[i + P.c], S[i + P.s], S[g + L.x], S[g + L.y])
-        px = S[g + L.fx]
-        py = S[g + L.fy]
-        if I[r + JL.follow] != 0:
-            px, py = arm(S[i + P.c], S[i + P.s], px, py)
-        turning = rx * py - ry * px + S[g + L.m]
-        power += value * (px * S[i + P.vu] + py * S[i + P.vv] + turning * S[i + P.vw])
-    for m in range(I[H.ideal_count]):
-        r = I[H.ideal] + JR.SIZE * m
-        f = I[r + JR.function]
+    for m in range(I[HEADER.load_count]):
+        r = I[HEADER.load] + LOAD_INDEX.SIZE * m
+        g = I[r + LOAD_INDEX.row]
+        i = I[r + LOAD_INDEX.body]
+        value = S[I[r + LOAD_INDEX.function] + FUNCTION.value]
+        rx, ry = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], S[g + LOAD.x], S[g + LOAD.y])
+        px = S[g + LOAD.fx]
+        py = S[g + LOAD.fy]
+        if I[r + LOAD_INDEX.follow] != 0:
+            px, py = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], px, py)
+        turning = rx * py - ry * px + S[g + LOAD.m]
+        power += value * (px * S[i + PARTICLE.vu] + py * S[i + PARTICLE.vv] + turning * S[i + PARTICLE.vw])
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        f = I[r + JOINT_INDEX.function]
         if f != 0:
-            power += S[I[r + JR.first] + Q.force] * S[f + F.rate]
+            power += S[I[r + JOINT_INDEX.first] + CONSTRAINT.force] * S[f + FUNCTION.rate]
     return power
 
 
 def observe(S, I, span):
     """What the driver does and how the bodies turn at t_n."""
-    for m in range(I[H.driven_count]):
-        k = I[I[H.driven] + JD.SIZE * m + JD.row]
-        i = I[I[H.driven] + JD.SIZE * m + JD.body]
-        w = S[i + P.w]
+    for m in range(I[HEADER.driven_count]):
+        k = I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.row]
+        i = I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.body]
+        w = S[i + PARTICLE.w]
         torque, rx, ry = driven_reaction(
-            S[i + P.c], S[i + P.s], w, S[i + P.aw], S[i + P.fx], S[i + P.fy], S[i + P.mz],
-            S[k + D.inertia], S[k + D.moment_x], S[k + D.moment_y],
-            S[k + D.weight_x], S[k + D.weight_y],
+            S[i + PARTICLE.c], S[i + PARTICLE.s], w, S[i + PARTICLE.aw], S[i + PARTICLE.fx], S[i + PARTICLE.fy], S[i + PARTICLE.mz],
+            S[k + DRIVEN.inertia], S[k + DRIVEN.moment_x], S[k + DRIVEN.moment_y],
+            S[k + DRIVEN.weight_x], S[k + DRIVEN.weight_y],
         )  # fmt: skip
         power = torque * w
-        S[k + D.work] += span * power
-        S[k + D.power] = power
-        S[k + D.torque] = torque
-        S[k + D.fx] = rx
-        S[k + D.fy] = ry
-        at = k + D.force_squared_max
+        S[k + DRIVEN.work] += span * power
+        S[k + DRIVEN.power] = power
+        S[k + DRIVEN.torque] = torque
+        S[k + DRIVEN.fx] = rx
+        S[k + DRIVEN.fy] = ry
+        at = k + DRIVEN.force_squared_max
         S[at] = larger(S[at], rx * rx + ry * ry)
-        at = k + D.torque_max
+        at = k + DRIVEN.torque_max
         S[at] = larger(S[at], abs(torque))
-    for m in range(I[H.ideal_count]):
-        i = I[I[H.ideal] + JR.SIZE * m]
-        reaction(S, I, I[H.ideal] + JR.SIZE * m)
-        at = i + R.force_squared_max
-        S[at] = larger(S[at], S[i + R.fx] * S[i + R.fx] + S[i + R.fy] * S[i + R.fy])
-    for m in range(I[H.body_count]):
-        r = I[H.body] + JB.SIZE * m
-        k = I[r + JB.row]
-        i = I[r + JB.first]
-        j = I[r + JB.second]
-        e = I[r + JB.element]
-        alpha = S[i + P.aw]
+    for m in range(I[HEADER.joint_count]):
+        i = I[I[HEADER.joint] + JOINT_INDEX.SIZE * m]
+        reaction(S, I, I[HEADER.joint] + JOINT_INDEX.SIZE * m)
+        at = i + JOINT.force_squared_max
+        S[at] = larger(S[at], S[i + JOINT.fx] * S[i + JOINT.fx] + S[i + JOINT.fy] * S[i + JOINT.fy])
+    for m in range(I[HEADER.body_count]):
+        r = I[HEADER.body] + BODY_INDEX.SIZE * m
+        k = I[r + BODY_INDEX.row]
+        i = I[r + BODY_INDEX.first]
+        j = I[r + BODY_INDEX.second]
+        e = I[r + BODY_INDEX.element]
+        alpha = S[i + PARTICLE.aw]
         if i != j:
-            dx = S[j + P.x] - S[i + P.x]
-            dy = S[j + P.y] - S[i + P.y]
-            inverse = S[e + E.reference_inverse_length]
+            dx = S[j + PARTICLE.x] - S[i + PARTICLE.x]
+            dy = S[j + PARTICLE.y] - S[i + PARTICLE.y]
+            inverse = S[e + FRAME.reference_inverse_length]
             if e == 0:
                 inverse = chord(dx, dy)[1]
-            alpha = chord_acceleration(dx, dy, S[j + P.ax] - S[i + P.ax], S[j + P.ay] - S[i + P.ay], inverse)
-        S[k + B.alpha] = alpha
-        at = k + B.alpha_max
+            alpha = chord_acceleration(dx, dy, S[j + PARTICLE.ax] - S[i + PARTICLE.ax], S[j + PARTICLE.ay] - S[i + PARTICLE.ay], inverse)
+        S[k + BODY.alpha] = alpha
+        at = k + BODY.alpha_max
         S[at] = larger(S[at], abs(alpha))
 
 
 def joints(S, I, n, start, span, central):
     """All joints at t_n: clearances met, ideal reactions, then both again with what each does to the other."""
-    dt = S[Y.step]
+    dt = S[SYSTEM.step]
     h, b, k, p = central
-    if I[H.clearance_count] > 0:
-        meet(S, I, start, p, h)
-    if I[H.ideal_count] > 0:
+    if I[HEADER.contact_count] > 0:
+        contact_geometry(S, I, start, p, h)
+    if I[HEADER.joint_count] > 0:
         levers(S, I)
         ahead(S, I, (n + 1) * dt)
         fill(S, I)
-        recall(S, I)
+        warm_start(S, I)
         close(S, I, dt, b, k, True)
-    if I[H.clearance_count] > 0:
+    if I[HEADER.contact_count] > 0:
         velocities(S, I, p, h)
-        answer(S, I, span, central)
-    if I[H.close_again] != 0 or (start and I[H.ideal_count] > 0):
+        solve_contacts(S, I, span, central)
+    if I[HEADER.close_again] != 0 or (start and I[HEADER.joint_count] > 0):
         close(S, I, dt, b, k, False)
 
 
 def step(S, I, n, start):
     """One step: everything it needs and leaves is in S; functions of time are there already."""
-    dt = S[Y.step]
-    if I[H.damped] != 0:
-        h, b, k, p = coefficients(start, dt, S[Y.damping])
+    dt = S[SYSTEM.step]
+    if I[HEADER.damped] != 0:
+        h, b, k, p = coefficients(start, dt, S[SYSTEM.damping])
     else:
         h, b, k, p = 0.0 if start else 0.5 * dt, 1.0, 0.5 * dt if start else dt, 1.0
     span = 0.5 * dt if start else dt
     d = 0.0 if start else dt
     move(S, I, n * dt, d)
-    tiles(S, I, n % I[H.path_unit] == 0, d, h, b, k, p)
+    tiles(S, I, n % I[HEADER.path_unit] == 0, d, h, b, k, p)
     loads(S, I)
     springs(S, I, span, p, h)
     joints(S, I, n, start, span, (h, b, k, p))
@@ -337,7 +357,7 @@ def advance(S, T, I, wide, rows, lanes, n0, count, out, kept, extremes):
             for q in extremes:
                 S[q] = 0.0
             for n in range(n0 + m * count, n0 + (m + 1) * count):
-                functions(S, T, I, shift, n * S[Y.step], (n + 1) * S[Y.step], 0.0 if n == 0 else S[Y.step])
+                functions(S, T, I, shift, n * S[SYSTEM.step], (n + 1) * S[SYSTEM.step], 0.0 if n == 0 else S[SYSTEM.step])
                 step(S, I, n, n == 0)
             for q in range(out.shape[1]):
                 out[m, q, w] = S[kept[q]]

@@ -23,17 +23,17 @@ class Topology:
     particles: int
     free: tuple[int, ...] = ()
     trig: tuple[int, ...] = ()
-    element_nodes: tuple[tuple[int, int], ...] = ()
-    element_release: tuple[int, ...] = ()
-    clearance_bearing: tuple[int, ...] = ()
-    clearance_journal: tuple[int, ...] = ()
-    clearance_kind: tuple[int, ...] = ()
-    clearance_contact: tuple[int, ...] = ()
-    clearance_friction: tuple[int, ...] = ()
-    ideal_bearing: tuple[int, ...] = ()
-    ideal_journal: tuple[int, ...] = ()
-    ideal_kind: tuple[int, ...] = ()
-    ideal_function: tuple[int, ...] = ()
+    frame_nodes: tuple[tuple[int, int], ...] = ()
+    frame_release: tuple[int, ...] = ()
+    contact_bearing: tuple[int, ...] = ()
+    contact_journal: tuple[int, ...] = ()
+    contact_kind: tuple[int, ...] = ()
+    contact_form: tuple[int, ...] = ()
+    friction_form: tuple[int, ...] = ()
+    joint_bearing: tuple[int, ...] = ()
+    joint_journal: tuple[int, ...] = ()
+    joint_kind: tuple[int, ...] = ()
+    joint_function: tuple[int, ...] = ()
     spring_first: tuple[int, ...] = ()
     spring_second: tuple[int, ...] = ()
     spring_kind: tuple[int, ...] = ()
@@ -54,10 +54,10 @@ class Topology:
     @property
     def kinds(self) -> tuple[int, ...]:
         """Kinds of the ideal joints, revolutes unless said."""
-        return self.ideal_kind or (REVOLUTE,) * len(self.ideal_bearing)
+        return self.joint_kind or (REVOLUTE,) * len(self.joint_bearing)
 
     @property
-    def row_starts(self) -> tuple[int, ...]:
+    def constraint_starts(self) -> tuple[int, ...]:
         """First constraint row of each ideal joint, and the number of rows."""
         starts = [0]
         for kind in self.kinds:
@@ -67,7 +67,7 @@ class Topology:
     @cached_property
     def bound(self) -> tuple[int, ...]:
         """Particles that a joint, spring, load, driver or function touches, or that turn an arm; the ground."""
-        touched = {0, *self.trig, *self.clearance_bearing, *self.clearance_journal, *self.ideal_bearing, *self.ideal_journal, *self.driven}
+        touched = {0, *self.trig, *self.contact_bearing, *self.contact_journal, *self.joint_bearing, *self.joint_journal, *self.driven}
         touched |= {*self.spring_first, *self.spring_second, *self.load_particle}
         touched |= {body for _, first, second in self.function_argument for body in (first, second)}
         free = set(self.free)
@@ -77,11 +77,11 @@ class Topology:
         """Number of records per entity."""
         return {
             "particle": self.particles,
-            "element": len(self.element_nodes),
-            "unit": len(self.element_nodes) if self.path_unit > 1 else 0,
-            "clearance": len(self.clearance_bearing),
-            "ideal": len(self.ideal_bearing),
-            "row": self.row_starts[-1],
+            "frame": len(self.frame_nodes),
+            "unit": len(self.frame_nodes) if self.path_unit > 1 else 0,
+            "contact": len(self.contact_bearing),
+            "joint": len(self.joint_bearing),
+            "constraint": self.constraint_starts[-1],
             "spring": len(self.spring_first),
             "driven": len(self.driven),
             "load": len(self.load_particle),

@@ -45,7 +45,7 @@ def run_up(context: Context) -> list[Verdict]:
     """How the motion settles."""
     runs = [*context.sizes, *context.speeds[:-1]]
     apart = [astray(one, first_turns(context, one)) for one in runs]
-    onsets = [np.diff(one.member.turns.block("clearance_onsets").sum(axis=1)) for one in runs]
+    onsets = [np.diff(one.member.turns.block("contact_onsets").sum(axis=1)) for one in runs]
     ends = "; ".join(f"{size_title(one)}, {speed_title(one)}: {settling(one)}" for one in runs)
     sizes = [turns[0] for turns in apart[: len(context.sizes)]]
     measure = "largest acceleration apart from the settled turn's, over the largest ideal one"

@@ -49,7 +49,7 @@ def velocity(member: Member, body: str = BODY) -> tuple[Array, Array]:
 def penetration(member: Member, joint: str = JOINT) -> tuple[Array, Array]:
     """Crank angle (degrees) and signed penetration (m) of a clearance joint."""
     angle, order = crank_angle(member.last)
-    return angle, member.last.block("clearance_penetration")[order, member.assembly.clearances.index(joint)]
+    return angle, member.last.block("contact_penetration")[order, member.assembly.clearances.index(joint)]
 
 
 def ripples(values: Array, floor: float = 0.01) -> int:

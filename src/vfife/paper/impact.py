@@ -43,7 +43,7 @@ def impact(law: ContactLaw, length: float, duration: float) -> tuple[Array, Arra
         assemble(journal(law, axial_length=length, mass=MASS, speed=SPEED), STEP, duration=duration, outputs=round(duration / (10 * STEP)))
     )
     time = np.asarray(record.steps * record.assembly.choice.step, dtype=float)
-    return time, record.block("clearance_penetration")[:, 0], record.block("clearance_normal_force")[:, 0], record.block("particle_u")[:, 1]
+    return time, record.block("contact_penetration")[:, 0], record.block("contact_normal_force")[:, 0], record.block("particle_u")[:, 1]
 
 
 def first_impact(law: ContactLaw, length: float) -> dict[str, Array]:

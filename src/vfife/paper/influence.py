@@ -51,8 +51,8 @@ class Influence:
     def contact_kept(self) -> bool:
         """Whether no joint lost contact in the last turn: every one in contact at its outputs, and no contact began."""
         last = self.member.last
-        onsets = last.block("clearance_onsets")
-        return bool((onsets[-1] == onsets[0]).all() and (last.block("clearance_penetration") > 0.0).all())
+        onsets = last.block("contact_onsets")
+        return bool((onsets[-1] == onsets[0]).all() and (last.block("contact_penetration") > 0.0).all())
 
 
 def influences(

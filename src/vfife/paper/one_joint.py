@@ -102,7 +102,7 @@ def fig13(context: Context) -> Item:
         force.append(curves.over_angle(curves.force(found[name].member), 1e-3, name, style))
         angle, values = curves.penetration(found[name].member)
         depth.append(Line(angle, 1e6 * np.maximum(values, 0.0), name, style))
-    deepest = {name: float(one.member.turns.block("clearance_penetration_max")[-1, 0]) for name, one in found.items()}
+    deepest = {name: float(one.member.turns.block("contact_penetration_max")[-1, 0]) for name, one in found.items()}
     counted = {name: penetrations(one) for name, one in found.items()}
     first, second = "Lankarani–Nikravesh", "enhanced with friction"
     pairs = [(first, "Lankarani–Nikravesh with friction"), ("enhanced without friction", second)]

@@ -111,7 +111,7 @@ def table_3(points: Sequence[Parameters], step: float = STEP, workers: int | Non
     for member, p in zip(members, [p for p in points for _ in CLEARANCES], strict=True):
         pair = zip(maxima(member), ideal_maxima(p.link, p.below, FASTEST), strict=True)
         numbers.append([lip(value, ideal) for value, ideal in pair])
-        onsets = member.turns.block("clearance_onsets")
+        onsets = member.turns.block("contact_onsets")
         sound.append(member.settled is not None and bool((onsets[-1] == onsets[-2]).all()))
     shaped = np.array(numbers).reshape(-1, 3, 2).transpose(0, 2, 1).reshape(-1, 6)
     return np.asarray(shaped, dtype=float), np.all(np.array(sound, dtype=bool).reshape(-1, 3), axis=1)

@@ -39,7 +39,7 @@ def fig15(context: Context) -> Item:
 def fig18(context: Context) -> Item:
     """Journal paths at three crank speeds."""
     item = _paths("fig18", "Fig. 18: journal paths, c = 0.2 mm", context, context.speeds, speed_title)
-    deepest = [float(np.max(one.member.turns.block("clearance_penetration_max")[-1])) for one in context.speeds]
+    deepest = [float(np.max(one.member.turns.block("contact_penetration_max")[-1])) for one in context.speeds]
     rise = Verdict("Penetration grows with crank speed", deepest == sorted(deepest), f"deepest {_list(deepest, 1e6, 1)} µm at 10π, 20π, 50π rad/s")
     item.verdicts = [*item.verdicts, rise]
     return item
@@ -51,7 +51,7 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
     text = "; ".join(f"{label(one)}: {settling(one)}" for one in runs)
     verdicts = [kept(runs, label)]
     data = {"runs": [{"clearance_mm": 1e3 * one.case.clearance, "speed": one.case.speed, "contact_kept": one.contact_kept} for one in runs]}
-    deepest = max(float(one.member.turns.block("clearance_penetration_max")[-1].max()) / one.case.clearance for one in runs)
+    deepest = max(float(one.member.turns.block("contact_penetration_max")[-1].max()) / one.case.clearance for one in runs)
     words = [f"The journal lies outside the circle where it presses into the bearing. {text}."]
     if deepest > 0.5:
         words.append(
@@ -64,7 +64,7 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
 
 def kept(runs: Sequence[Influence], label: Any) -> Verdict:
     """Continuous contact in all joints over the settled turn."""
-    least = [float(one.member.last.block("clearance_penetration").min()) for one in runs]
+    least = [float(one.member.last.block("contact_penetration").min()) for one in runs]
     numbers = ", ".join(f"{label(one)}: {1e6 * value:.2f} µm" for one, value in zip(runs, least, strict=True))
     words = "All three joints stay in contact throughout the settled turn"
     return Verdict(words, all(one.contact_kept for one in runs), f"least penetration of the three joints {numbers}")

@@ -79,7 +79,7 @@ def _particles(result: View, nodes: list[int]) -> Array:
 
 
 def _members(result: View, elements: list[int]) -> Array:
-    pairs = np.array([result.record.assembly.topology.element_nodes[e][:2] for e in elements])
+    pairs = np.array([result.record.assembly.topology.frame_nodes[e][:2] for e in elements])
     ends = [_particles(result, list(pairs[:, k])) for k in (0, 1)]
     gaps = np.full_like(ends[0], np.nan)
     return np.asarray(np.stack([*ends, gaps], axis=2).reshape(len(gaps), -1, 2), dtype=float)

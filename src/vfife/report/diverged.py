@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ..solvers.record import Record
 
 # Forces come first: where a step makes several quantities infinite, they are what did it.
-ORDER = ("clearance", "element", "spring", "ideal", "driven", "function", "system", "body", "particle")
+ORDER = ("contact", "frame", "spring", "joint", "driven", "function", "system", "body", "particle")
 
 
 def diverged(record: Record) -> str:
@@ -58,18 +58,19 @@ def named(assembly: Assembly, rows: Any) -> str:
 def owner(assembly: Assembly, entity: str, index: int) -> str:
     """Name of the joint or body that an entry of a block belongs to."""
     names = {
-        "clearance": assembly.clearances,
-        "ideal": assembly.ideals,
+        "contact": assembly.clearances,
+        "joint": assembly.ideals,
         "spring": assembly.springs,
         "driven": assembly.pivots,
         "body": tuple(assembly.bodies),
     }
     if entity in names:
         return f"{entity if entity in ('body', 'spring') else 'joint'} {names[entity][index]}"
+    words = {"frame": "element"}
     for name, where in assembly.bodies.items():
-        parts = {"element": where.elements, "particle": where.particles}.get(entity, ())
+        parts = {"frame": where.elements, "particle": where.particles}.get(entity, ())
         if index in parts:
-            return f"body {name}" if len(parts) == 1 else f"body {name} ({entity} {parts.index(index) + 1} of {len(parts)})"
+            return f"body {name}" if len(parts) == 1 else f"body {name} ({words.get(entity, entity)} {parts.index(index) + 1} of {len(parts)})"
     return "the whole"
 
 
@@ -82,7 +83,7 @@ def cause(record: Record) -> str:
             "which is the likely cause; take --step auto, without --force-step."
         )
     topology = record.assembly.topology
-    if record.assembly.ideals and not (topology.element_nodes or topology.clearance_bearing):
+    if record.assembly.ideals and not (topology.frame_nodes or topology.contact_bearing):
         held = "the drivers lead it" if record.assembly.mobility is not None and record.assembly.mobility.after_drives == 0 else "the motion leads"
         return (
             f"The likely cause is that {held} to a place where the ideal joints cannot stay closed: a dead centre, or beyond the reach of the "
@@ -90,7 +91,7 @@ def cause(record: Record) -> str:
         )
     deepest = ""
     if record.assembly.clearances:
-        depths = record.block("clearance_penetration_max").max(axis=0)
+        depths = record.block("contact_penetration_max").max(axis=0)
         worst = int(np.argmax(depths))
         deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.clearances[worst]})"
     return (

@@ -177,8 +177,8 @@ def out_of_range(result: View) -> Iterable[str]:
     record = result.record
     if not record.assembly.clearances:
         return ()
-    depths = record.block("clearance_penetration_max").max(axis=0)
-    speeds = record.block("clearance_fastest")[-1] if record.keeps("clearance_fastest") else np.zeros(len(depths))
+    depths = record.block("contact_penetration_max").max(axis=0)
+    speeds = record.block("contact_fastest")[-1] if record.keeps("contact_fastest") else np.zeros(len(depths))
     found: dict[str, tuple[float, float]] = {}
     for name, depth, speed in zip(record.assembly.contact_joints, depths, speeds, strict=True):
         before = found.get(name, (0.0, 0.0))

@@ -18,6 +18,10 @@ from ..model.mechanism import Mechanism
 from ..solvers.record import Record
 from .runfile import RunFile
 
+# Names of blocks in run files of version 0.1 and before.
+OLD_ENTITIES = {"clearance": "contact", "ideal": "joint", "element": "frame", "row": "constraint"}
+OLD_NAMES = {"clearance_contact": "contact_slots"}
+
 
 def versions() -> dict[str, str]:
     """Versions of what computes a run; nothing is imported for it."""
@@ -116,6 +120,7 @@ def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], wher
     """Rows of S of runs of a block, as :func:`named_rows` gives them."""
     layout = assembly.layout
     rows = {name: layout.rows_of(name) for name in BY_NAME}
+    runs = [(present_name(name), where_to) for name, where_to in runs]
     unknown = sorted({name for name, (first, count) in runs if first + count > len(rows.get(name, ()))})
     if unknown:
         raise RunFileError(
@@ -124,6 +129,14 @@ def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], wher
         )
     parts = [np.array(rows[name][first : first + count], dtype=np.uint32) for name, (first, count) in runs]
     return np.concatenate(parts) if parts else np.zeros(0, dtype=np.uint32)
+
+
+def present_name(name: str) -> str:
+    """What a block is called today; run files keep the names of their time."""
+    if name in BY_NAME:
+        return name
+    entity, _, rest = name.partition("_")
+    return OLD_NAMES.get(name) or f"{OLD_ENTITIES.get(entity, entity)}_{rest}"
 
 
 def keep_reference(file: RunFile, record: Record) -> None:

@@ -32,9 +32,9 @@ def former(source: View | Mapping[str, Any], time: float | None) -> Record | Non
 def alike(assembly: Assembly, record: Record) -> bool:
     """Whether particles, elements, joints and springs of both are the same in number and kind, so that one's state is the other's."""
     one, other = assembly.topology, record.assembly.topology
-    same = ("particles", "element_nodes", "clearance_bearing", "clearance_journal", "clearance_kind", "ideal_bearing", "ideal_journal",
-            "ideal_kind", "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
-    laws = [[topology.friction_laws[k] for k in topology.clearance_friction] for topology in (one, other)]
+    same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing", "joint_journal",
+            "joint_kind", "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
+    laws = [[topology.friction_laws[k] for k in topology.friction_form] for topology in (one, other)]
     return all(getattr(one, name) == getattr(other, name) for name in same) and laws[0] == laws[1]
 
 
@@ -70,10 +70,10 @@ def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:
         else:
             start = t.function_start[function]
             _raise(tables, start, angle - float(polynomial(tables, start, 0.0)[0]))
-    for k, (kind, function) in enumerate(zip(t.ideal_kind, t.ideal_function, strict=True)):
+    for k, (kind, function) in enumerate(zip(t.joint_kind, t.joint_function, strict=True)):
         if function >= 0 and kind in (ANGLE, TRAVEL):
             begin = float(polynomial(tables, t.function_start[function], 0.0)[0])
-            state[layout.row("ideal_offset", k)] = _travelled(assembly, state, k, kind) - begin
+            state[layout.row("joint_offset", k)] = _travelled(assembly, state, k, kind) - begin
 
 
 def _raise(tables: Array, start: int, by: float) -> None:
@@ -87,13 +87,13 @@ def _travelled(assembly: Assembly, state: Array, k: int, kind: int) -> float:
     """Relative angle (rad), or place along the guide (m), of a prescribed motion's two sides."""
     t, layout = assembly.topology, assembly.layout
     sides = []
-    for side, p in (("bearing", t.ideal_bearing[k]), ("journal", t.ideal_journal[k])):
+    for side, p in (("bearing", t.joint_bearing[k]), ("journal", t.joint_journal[k])):
         x, y, angle = (float(state[layout.row(f"particle_{axis}", p)]) for axis in ("x", "y", "theta"))
-        px, py = (float(state[layout.row(f"ideal_{side}_{axis}", k)]) for axis in "xy")
+        px, py = (float(state[layout.row(f"joint_{side}_{axis}", k)]) for axis in "xy")
         c, s = np.cos(angle), np.sin(angle)
         sides.append((x + c * px - s * py, y + s * px + c * py, angle))
     if kind == ANGLE:
         return sides[1][2] - sides[0][2]
-    dx, dy = (float(state[layout.row(f"ideal_direction_{axis}", k)]) for axis in "xy")
+    dx, dy = (float(state[layout.row(f"joint_direction_{axis}", k)]) for axis in "xy")
     c, s = np.cos(sides[0][2]), np.sin(sides[0][2])
     return float((c * dx - s * dy) * (sides[1][0] - sides[0][0]) + (s * dx + c * dy) * (sides[1][1] - sides[0][1]))

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 LANES = 4  # doubles in a vector register
 PREPARATION = threading.Lock()  # steps are written and compiled by one thread at a time: Python 3.11 cannot parse in two
-REPEATED = ("body_alpha", "clearance_normal_force")  # beside the extremes, what two turns are compared by
+REPEATED = ("body_alpha", "contact_normal_force")  # beside the extremes, what two turns are compared by
 
 
 @dataclass

@@ -35,12 +35,12 @@ def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> t
 def _elements(assembly: Assembly, state: Array, mass: Array, inertia: Array) -> None:
     """Axial EA/l on two motions; bending 12 EI/l^3 and 4 EI/l (one end released: 3 EI/l on its rotation and 3 EI/l^3); N/l across."""
     topology, layout = assembly.topology, assembly.layout
-    if not topology.element_nodes:
+    if not topology.frame_nodes:
         return
-    nodes, release = np.array(topology.element_nodes), np.array(topology.element_release)
+    nodes, release = np.array(topology.frame_nodes), np.array(topology.frame_release)
     inverse = state[layout["reference_inverse_length"]]
-    bend = state[layout["element_bending_stiffness"]] * inverse
-    along = 2.0 * (state[layout["element_axial_stiffness"]] + np.abs(state[layout["element_axial_force"]])) * inverse
+    bend = state[layout["frame_bending_stiffness"]] * inverse
+    along = 2.0 * (state[layout["frame_axial_stiffness"]] + np.abs(state[layout["frame_axial_force"]])) * inverse
     across = np.select([release == 0, release == 3], [24.0, 0.0], 6.0) / SWAY * bend * inverse**2
     whole, one = 8.0 / (1.0 - SWAY) * bend, 3.0 / (1.0 - SWAY) * bend
     for column, free in ((0, 1), (1, 2)):
@@ -66,13 +66,13 @@ def _contacts(assembly: Assembly, state: Array, force: Array, mass: Array, inert
     topology, layout = assembly.topology, assembly.layout
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        row = layout.row("clearance_contact", index)
+        row = layout.row("contact_slots", index)
         slots = tuple(float(value) for value in state[row : row + len(law.slots)])
         if force[index] <= 0.0:
             continue
         stiffness = tangent(law, slots, float(force[index]))[1]
-        for side, body in (("bearing", topology.clearance_bearing[index]), ("journal", topology.clearance_journal[index])):
-            arm = sum(float(state[layout.row(f"clearance_{side}_{axis}", index)]) ** 2 for axis in "xy")
+        for side, body in (("bearing", topology.contact_bearing[index]), ("journal", topology.contact_journal[index])):
+            arm = sum(float(state[layout.row(f"contact_{side}_{axis}", index)]) ** 2 for axis in "xy")
             mass[body] += 4.0 * stiffness
             inertia[body] += 4.0 * stiffness * arm
 

@@ -25,9 +25,9 @@ class Loading:
         self.loads = dict(zip(t.load_function, scaled, strict=True))
         self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
         self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]
-        angles = [f for f, kind in zip(t.ideal_function, t.kinds, strict=True) if kind != TRAVEL]
+        angles = [f for f, kind in zip(t.joint_function, t.kinds, strict=True) if kind != TRAVEL]
         self.turns = {f for f in (*t.driven_function, *angles) if f >= 0}
-        self.motions = sorted({f for f in (*t.driven_function, *t.ideal_function) if f >= 0})
+        self.motions = sorted({f for f in (*t.driven_function, *t.joint_function) if f >= 0})
 
     def value(self, function: int, factor: float) -> float:
         """Value of a function of time under a load factor."""

@@ -66,8 +66,8 @@ class Relaxation:
             state[self.layout[f"particle_{block}"]] = 0.0
         state[self.layout["step"]] = 1.0
         state[self.layout["damping"]] = 0.0
-        state[self.layout["clearance_floor"]] = 1e30  # contacts press by their elastic part alone
-        watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["clearance_force_squared_max"]]).astype(np.uint32)
+        state[self.layout["contact_floor"]] = 1e30  # contacts press by their elastic part alone
+        watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]).astype(np.uint32)
         self.longest = FEW if assembly.clearances else LONGEST
         self.pressed = np.zeros(len(assembly.clearances))
         self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched)
@@ -173,9 +173,9 @@ class Relaxation:
         value = np.abs(state[layout["function_value"]])[list(self.assembly.topology.load_function)]
         loads = [float((value * np.abs(state[layout[f"load_{axis}"]])).max(initial=0.0)) for axis in ("fx", "fy", "m")]
         force = top(
-            "particle_load_x", "particle_load_y", "element_axial_force", "ideal_fx", "ideal_fy", "clearance_normal_force",
+            "particle_load_x", "particle_load_y", "frame_axial_force", "joint_fx", "joint_fy", "contact_normal_force",
             "spring_fx", "spring_fy", "driven_fx", "driven_fy",
         )  # fmt: skip
-        shear = (state[layout["element_moment_1"]] + state[layout["element_moment_2"]]) * state[layout["reference_inverse_length"]]
-        moment = top("element_moment_1", "element_moment_2", "ideal_moment", "spring_moment", "driven_torque", "particle_load_m")
+        shear = (state[layout["frame_moment_1"]] + state[layout["frame_moment_2"]]) * state[layout["reference_inverse_length"]]
+        moment = top("frame_moment_1", "frame_moment_2", "joint_moment", "spring_moment", "driven_torque", "particle_load_m")
         return max(force, *loads[:2], float(np.abs(shear).max(initial=0.0))), max(moment, loads[2])

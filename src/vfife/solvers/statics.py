@@ -38,8 +38,8 @@ AWAY = 100.0  # sizes of the mechanism from its start where nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
     "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work", "spring_damping_power",
-    "spring_damping_work", "clearance_damping_power", "clearance_damping_work", "clearance_friction_power", "clearance_friction_work",
-    "clearance_onsets", "clearance_grazing", "clearance_deep", "clearance_deepest", "clearance_contact_steps", "function_rate",
+    "spring_damping_work", "contact_damping_power", "contact_damping_work", "contact_friction_power", "contact_friction_work",
+    "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_contact_steps", "function_rate",
     "function_acceleration", "body_alpha", "body_alpha_max",
 )  # fmt: skip
 
@@ -95,8 +95,8 @@ def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
         state[layout[f"particle_{name}"]] = 0.0
     for name in MEANINGLESS:
         state[layout[name]] = 0.0
-    touching = state[layout["clearance_penetration"]] > 0.0
-    state[layout["clearance_slowness"]] = np.where(touching, 1.0 / assembly.state[layout["clearance_floor"]], 0.0)
+    touching = state[layout["contact_penetration"]] > 0.0
+    state[layout["contact_slowness"]] = np.where(touching, 1.0 / assembly.state[layout["contact_floor"]], 0.0)
     state[layout["iterations"]], state[layout["unbalanced"]] = stage.done, stage.ratio
     return state
 

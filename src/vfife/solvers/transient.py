@@ -34,13 +34,13 @@ class Writer(Protocol):
 def entities(assembly: Assembly) -> int:
     """Elements and joints: what a step's work grows with."""
     t = assembly.topology
-    return len(t.element_nodes) + len(t.clearance_bearing) + len(t.ideal_bearing) + len(t.spring_first)
+    return len(t.frame_nodes) + len(t.contact_bearing) + len(t.joint_bearing) + len(t.spring_first)
 
 
 def compilation(assembly: Assembly) -> float:
     """Seconds (measured on one machine, a guess elsewhere) that straight-line code takes to compile: it grows with the square of its lines."""
     t = assembly.topology
-    lines = 60 * len(t.element_nodes) + 190 * len(t.clearance_bearing) + 150 * len(t.ideal_bearing) + 20 * len(t.free)
+    lines = 60 * len(t.frame_nodes) + 190 * len(t.contact_bearing) + 150 * len(t.joint_bearing) + 20 * len(t.free)
     return 1.0 + 3.5e-6 * lines**2
 
 

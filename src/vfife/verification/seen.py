@@ -49,7 +49,7 @@ class Seen:
 
     def ideal(self, joint: str, what: str) -> Array:
         """Reaction fx, fy (N) or moment (N m) on the journal of an ideal joint, gear or prescribed travel."""
-        return self.record.block(f"ideal_{what}")[:, self.record.assembly.ideals.index(joint)]
+        return self.record.block(f"joint_{what}")[:, self.record.assembly.ideals.index(joint)]
 
     def driven(self, body: str, what: str) -> Array:
         """torque (N m), fx, fy (N) of a driven body's pivot."""
@@ -57,7 +57,7 @@ class Seen:
 
     def contact(self, name: str, what: str) -> Array:
         """A block of one contact."""
-        return self.record.block(f"clearance_{what}")[:, self.record.assembly.clearances.index(name)]
+        return self.record.block(f"contact_{what}")[:, self.record.assembly.clearances.index(name)]
 
     @property
     def ledger(self) -> Ledger:
