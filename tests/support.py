@@ -132,7 +132,7 @@ def largest_alpha(record: Record, body: str, window: np.ndarray) -> float:
 def largest_force(record: Record, joint: str, window: np.ndarray) -> float:
     """Largest force (N) in a joint."""
     a = record.assembly
-    for names, block in ((a.clearances, "clearance"), (a.ideals, "ideal"), (a.pivots, "driven")):
+    for names, block in ((a.contacts, "contact"), (a.ideals, "joint"), (a.pivots, "driven")):
         if joint in names:
             return math.sqrt(record.block(f"{block}_force_squared_max")[window, names.index(joint)].max())
     raise KeyError(joint)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .result import Result
     from .results.runfile import RunFile
 
-Start: TypeAlias = "Result | str | Path | Mapping[str, Any] | None"
+StartFrom: TypeAlias = "Result | str | Path | Mapping[str, Any] | None"
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
@@ -55,7 +55,7 @@ def simulate(
     force_step: bool = False,
     progress: Callable[[Progress], None] | None = None,
     file: RunFile | None = None,
-    start: Start = None,
+    start: StartFrom = None,
 ) -> Result:
     """Simulates a mechanism.
 
@@ -82,19 +82,21 @@ def simulate(
     ideal = reference if not isinstance(reference, bool) else reference_of(mechanism, turns, duration) if reference else None
     expected = expected_forces(ideal)
     options: dict[str, Any] = {"turns": turns, "duration": duration, "outputs": outputs, "force_step": force_step}
-    assembly = begun(mechanism, step, start, expected=expected, **options)
+    assembly = assembled_at(mechanism, step, start, expected=expected, **options)
     record = run(assembly, loop=loop, progress=progress, file=file)
     tries = 3 if assembly.choice.automatic else 0
     while tries and record.status == "complete" and _too_deep(record):
         tries -= 1
-        assembly = begun(mechanism, 0.5 * assembly.choice.step, start, expected=expected, **options)
+        assembly = assembled_at(mechanism, 0.5 * assembly.choice.step, start, expected=expected, **options)
         if file is not None:
             file.begin(provenance(assembly, recorded_rows(assembly), choose_loop(assembly, loop)))
         record = run(assembly, loop=loop, progress=progress, file=file)
     return Result(record, ideal)
 
 
-def begun(mechanism: Mechanism, step: float | str | None = None, start: Start = None, time: float | None = None, **options: Any) -> Assembly:
+def assembled_at(
+    mechanism: Mechanism, step: float | str | None = None, start: StartFrom = None, time: float | None = None, **options: Any
+) -> Assembly:
     """The assembled mechanism at its own start, or where a former run was at ``time`` (s; its end unless given), or at states given by name.
 
     A run that ended and is cut alike goes on with its whole state, element and contact forces with it.
@@ -102,16 +104,16 @@ def begun(mechanism: Mechanism, step: float | str | None = None, start: Start = 
     if start is None:
         return assemble(mechanism, step, **options)
     from .result import Result
-    from .results.restart import alike, continued, former
-    from .results.start_from import given
+    from .results.restart import restart_record, restarted, same_layout
+    from .results.start_from import initial_state
 
     if isinstance(start, str | Path):
         start = Result.load(start)
-    assembly = assemble(mechanism, step, given=given(start, mechanism, time), **options)
-    record = former(start, time)
-    return continued(assembly, record) if record is not None and alike(assembly, record) else assembly
+    assembly = assemble(mechanism, step, given=initial_state(start, mechanism, time), **options)
+    record = restart_record(start, time)
+    return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly
 
 
 def _too_deep(record: Record) -> bool:
     """Whether a first contact landed deeper than its joint allows."""
-    return bool(record.assembly.clearances) and bool(record.block("contact_deep")[-1].any())
+    return bool(record.assembly.contacts) and bool(record.block("contact_deep")[-1].any())

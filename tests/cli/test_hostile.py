@@ -15,7 +15,7 @@ from vfife.model.drivers import Ramp
 from vfife.model.joints import ClearanceRevolute
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import examined
-from vfife.simulation import begun
+from vfife.simulation import assembled_at
 
 CRANK = """name = "slider-crank"
 [run]
@@ -193,9 +193,9 @@ def test_python_hears_the_sentences_of_files(case: str) -> None:
 def test_start_given_outside_a_bearing_is_refused() -> None:
     m = pendulum()
     m.joints["J"] = ClearanceRevolute(name="J", bearing="ground.O", journal="rod.start", clearance=1e-4, bearing_radius=0.01)
-    begun(m, start={"rod": (0.0, 5e-5, -0.5)}, duration=0.01)
+    assembled_at(m, start={"rod": (0.0, 5e-5, -0.5)}, duration=0.01)
     with pytest.raises(ValueError, match=r"joint 'J' starts with rod.start 0.1999 m deep in ground.O"):
-        begun(m, start={"rod": (0.2, 0.0, -0.5)}, duration=0.01)
+        assembled_at(m, start={"rod": (0.2, 0.0, -0.5)}, duration=0.01)
 
 
 def test_a_run_shorter_than_an_output_of_a_slow_crank_lasts_as_long_as_asked() -> None:
@@ -203,7 +203,7 @@ def test_a_run_shorter_than_an_output_of_a_slow_crank_lasts_as_long_as_asked() -
     m.link("arm", length=0.1, mass=1.0)
     m.revolute("K", "rod.end", "arm.start")
     m.drive("rod", speed=1e-3)
-    choice = begun(m, 1e-4, duration=0.01).choice
+    choice = assembled_at(m, 1e-4, duration=0.01).choice
     assert choice.steps * choice.step == pytest.approx(0.01, rel=0.02)
 
 

@@ -33,7 +33,7 @@ FOUR_BARS = {
 def gaps(name: str, steps: int) -> dict[str, float]:
     mechanism, step = FOUR_BARS[name]
     record = go(mechanism, step, duration=steps * step, outputs=200)
-    return {joint: joint_gap(record, joint) for joint in mechanism.joints if joint not in record.assembly.clearances}
+    return {joint: joint_gap(record, joint) for joint in mechanism.joints if joint not in record.assembly.contacts}
 
 
 @pytest.mark.parametrize("name", FOUR_BARS)

@@ -135,7 +135,7 @@ def same_motion(one, other, tolerance: float) -> None:
     for name in ("x", "y", "theta", "u", "v", "w"):
         ours, theirs = one.block(f"particle_{name}"), other.block(f"particle_{name}")
         assert theirs == pytest.approx(ours, rel=0, abs=tolerance * np.abs(ours).max()), name
-    if one.assembly.clearances:
+    if one.assembly.contacts:
         assert onsets(one) == onsets(other)
 
 
@@ -198,7 +198,7 @@ def test_a_mirrored_start_makes_the_mirrored_motion_to_the_bit(name):
             other.state[rows] = sign(block) * one.state[rows]
     records = run(one, loop="data-driven"), run(other, loop="data-driven")
     assert mirror_faults(*records) == set()
-    assert not one.clearances or max(onsets(records[0])) >= 2
+    assert not one.contacts or max(onsets(records[0])) >= 2
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -114,7 +114,7 @@ def contact(record: Record) -> Array:
     """Energy stored in the contacts (J)."""
     assembly = record.assembly
     total = np.zeros(len(record.steps))
-    if not assembly.clearances:
+    if not assembly.contacts:
         return total
     depth = np.maximum(record.block("contact_penetration"), 0.0)
     for index, name in enumerate(assembly.contact_joints):

@@ -64,7 +64,7 @@ def static_measures(record: Record) -> dict[str, float]:
         found[f"{name}.force.max"] = float(np.hypot(force[:, k, 0], force[:, k, 1]).max())
         if moment[:, k].any():
             found[f"{name}.moment.max"] = float(moment[:, k].max())
-    for k, name in enumerate(record.assembly.clearances):
+    for k, name in enumerate(record.assembly.contacts):
         found[f"{name}.penetration.max"] = float(record.block("contact_penetration")[:, k].max())
     for body in record.assembly.bodies.values():
         if body.driven is not None:

@@ -29,7 +29,7 @@ def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
 
 def eccentricity(record: Record) -> Array:
     """Journal centre seen from the bearing's pin, global axes (m), shape (outputs, contacts, 2): Eq. 20."""
-    if not record.assembly.clearances:
+    if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0, 2))
     return np.asarray(seen(record, "contact", "journal") - seen(record, "contact", "bearing"), dtype=float)
 
@@ -60,7 +60,7 @@ def joint_force(record: Record) -> Array:
     """
     rows = joint_rows(record)
     force = np.zeros((len(record.steps), len(rows), 2))
-    contact = contact_force(record) if record.assembly.clearances else None
+    contact = contact_force(record) if record.assembly.contacts else None
     for k, (name, (block, indices)) in enumerate(rows.items()):
         if block == "contact" and contact is not None:
             force[:, k] = contact[:, indices].sum(axis=1)

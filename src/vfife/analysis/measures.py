@@ -61,13 +61,13 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
 
 def _clearances(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     found: dict[str, float] = {}
-    if not record.assembly.clearances:
+    if not record.assembly.contacts:
         return found
     depth = record.block("contact_penetration_max")[window]
     counts = {"impacts": "onsets", "grazing": "grazing", "deep": "deep", "deepest": "deepest", "fastest": "fastest"}
     totals = {name: record.block(f"contact_{row}")[-1] for name, row in counts.items() if record.keeps(f"contact_{row}")}
     parts = shares(record)
-    for k, name in enumerate(record.assembly.clearances):
+    for k, name in enumerate(record.assembly.contacts):
         found[f"{name}.penetration.max"] = float(depth[:, k].max())
         found |= {f"{name}.{kind}": float(values[k]) for kind, values in totals.items()}
         found |= {f"{name}.share.{mode}": float(values[k]) for mode, values in parts.items()}

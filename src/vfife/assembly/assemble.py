@@ -162,7 +162,7 @@ def refitted(assembly: Assembly, joints: Mapping[str, ClearanceRevolute]) -> Ass
     the start, which depends on clearances where journals are seated.
     """
     mechanism = assembly.mechanism
-    if tuple(joints) != assembly.clearances or mechanism.start.journals == "seated":
+    if tuple(joints) != assembly.contacts or mechanism.start.journals == "seated":
         raise ValueError("only the clearance joints of a mechanism whose journals start centred can be refitted, and all of them at once")
     state, topology = assembly.state.copy(), assembly.topology
     for index, (name, joint) in enumerate(joints.items()):

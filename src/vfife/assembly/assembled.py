@@ -59,8 +59,8 @@ class StepChoice:
 class Assembly:
     """Model and state of one mechanism.
 
-    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``clearances``, ``ideals``, ``springs`` and ``pivots`` are names
-    in the order of the rows of ``clearance_*``, ``ideal_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
+    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``contacts``, ``ideals``, ``springs`` and ``pivots`` are names
+    in the order of the rows of ``contact_*``, ``joint_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
     body; gears and drivers without a pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
     ``contact_joints`` names the joint of each contact.
     """
@@ -71,7 +71,7 @@ class Assembly:
     state: NDArray[np.float64]
     tables: NDArray[np.float64]
     bodies: dict[str, BodyMap]
-    clearances: tuple[str, ...]
+    contacts: tuple[str, ...]
     ideals: tuple[str, ...]
     pivots: tuple[str, ...]
     choice: StepChoice

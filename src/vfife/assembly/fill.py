@@ -19,7 +19,7 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from .assembled import BodyMap
 from .numbering import Numbering, Place
-from .prestress import Start as Prestress
+from .prestress import PrestressedState
 
 if TYPE_CHECKING:
     from .entities import Ideal, Load, Touch
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 class Filler:
     """Writes parameters and start values into S."""
 
-    def __init__(self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: Prestress | None) -> None:
+    def __init__(self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: PrestressedState | None) -> None:
         self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
         self.state = np.zeros(layout.rows)
         self.free = frozenset(numbering.free)

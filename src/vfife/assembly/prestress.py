@@ -37,7 +37,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Start:
+class PrestressedState:
     """Particles of every body in space: position and velocity (k + 1, 3), and shapes of the elastic links."""
 
     position: dict[str, Array]
@@ -210,8 +210,8 @@ def placed(mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[s
     return result
 
 
-def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
-    """Start of a mechanism with elastic links: positions, velocities and element forces that go on smoothly.
+def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> PrestressedState:
+    """PrestressedState of a mechanism with elastic links: positions, velocities and element forces that go on smoothly.
 
     Without a driver the motion before and after is not known; the velocities are then those of the rigid mechanism.
     """
@@ -225,7 +225,7 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
             name: particle_motion(motion, held.bodies[name], shapes[name])[1] if name in shapes else motion.of(name)[1][None, :]  # type: ignore[arg-type]
             for name in mechanism.bodies
         }
-        return Start(placed(mechanism, motion, held, shapes), velocity, shapes)
+        return PrestressedState(placed(mechanism, motion, held, shapes), velocity, shapes)
     h = MOMENT * turn / (2.0 * np.pi)
     extra = none
     for _ in range(2):
@@ -235,7 +235,7 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> Start:
             path.append((placed(mechanism, there, fixed, bent), there, fixed, bent))
         velocity, extra = _differences(path, h, links)
     position, _, _, shapes = path[2]
-    return Start(position, velocity, shapes)
+    return PrestressedState(position, velocity, shapes)
 
 
 def _differences(

@@ -135,12 +135,12 @@ def simulated(
 
 def prepared(mechanism: Mechanism, compare: bool, force_step: bool, start: Path | None = None) -> tuple[Result | None, Any]:
     """The ideal mechanism's result and the assembled model, which tell what cannot be run."""
-    from ..simulation import begun, expected_forces, reference_of
+    from ..simulation import assembled_at, expected_forces, reference_of
 
     ideal = reference_of(mechanism) if compare else None
     if ideal is not None and ideal.record.status == "interrupted":
         raise KeyboardInterrupt
-    return ideal, begun(mechanism, start=start, expected=expected_forces(ideal), force_step=force_step)
+    return ideal, assembled_at(mechanism, start=start, expected=expected_forces(ideal), force_step=force_step)
 
 
 def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:

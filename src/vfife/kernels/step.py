@@ -293,7 +293,7 @@ def observe(S, I, span):
         k = I[r + BODY_INDEX.row]
         i = I[r + BODY_INDEX.first]
         j = I[r + BODY_INDEX.second]
-        e = I[r + BODY_INDEX.element]
+        e = I[r + BODY_INDEX.frame]
         alpha = S[i + PARTICLE.aw]
         if i != j:
             dx = S[j + PARTICLE.x] - S[i + PARTICLE.x]

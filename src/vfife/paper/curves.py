@@ -49,7 +49,7 @@ def velocity(member: Member, body: str = BODY) -> tuple[Array, Array]:
 def penetration(member: Member, joint: str = JOINT) -> tuple[Array, Array]:
     """Crank angle (degrees) and signed penetration (m) of a clearance joint."""
     angle, order = crank_angle(member.last)
-    return angle, member.last.block("contact_penetration")[order, member.assembly.clearances.index(joint)]
+    return angle, member.last.block("contact_penetration")[order, member.assembly.contacts.index(joint)]
 
 
 def ripples(values: Array, floor: float = 0.01) -> int:
@@ -71,7 +71,7 @@ def ripples(values: Array, floor: float = 0.01) -> int:
 def path_panel(member: Member, joint: str, title: str) -> Panel:
     """The journal's path seen from its bearing over the last turn, inside and beyond the circle of the clearance (mm)."""
     record = member.last
-    k = record.assembly.clearances.index(joint)
+    k = record.assembly.contacts.index(joint)
     clearance = record.assembly.mechanism.clearances[joint].clearance
     x, y = 1e3 * forces.eccentricity(record)[:, k].T
     turn = np.linspace(0.0, 2.0 * np.pi, 181)

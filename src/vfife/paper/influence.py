@@ -74,7 +74,7 @@ def measured(case: Case, member: Member) -> Influence:
 def maxima(member: Member) -> tuple[float, float]:
     """Largest force in joint 2 (N) and acceleration of the follower (rad/s^2) in the last turn."""
     a, turns = member.assembly, member.turns
-    kind, names = ("clearance", a.clearances) if JOINT in a.clearances else ("ideal", a.ideals)
+    kind, names = ("contact", a.contacts) if JOINT in a.contacts else ("joint", a.ideals)
     squared = turns.block(f"{kind}_force_squared_max")[-1, names.index(JOINT)]
     return math.sqrt(squared), float(turns.block("body_alpha_max")[-1, a.bodies[BODY].row])
 

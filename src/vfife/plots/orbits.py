@@ -29,7 +29,7 @@ def orbits(result: View) -> Figure:
     names = journals(result)
     columns = min(len(names), MOST_COLUMNS)
     figure, axes = panels(math.ceil(len(names) / columns), columns, 3.9, 4.1, equal=True)
-    places = list(result.record.assembly.clearances)
+    places = list(result.record.assembly.contacts)
     for ax, name in zip(axes, names, strict=False):
         _panel(result, ax, places.index(name), name)
     for ax in axes[len(names) :]:

@@ -58,7 +58,7 @@ def named(assembly: Assembly, rows: Any) -> str:
 def owner(assembly: Assembly, entity: str, index: int) -> str:
     """Name of the joint or body that an entry of a block belongs to."""
     names = {
-        "contact": assembly.clearances,
+        "contact": assembly.contacts,
         "joint": assembly.ideals,
         "spring": assembly.springs,
         "driven": assembly.pivots,
@@ -90,10 +90,10 @@ def cause(record: Record) -> str:
             "links. Check lengths (vfife check tells the class of a four-bar), the course of the drivers, and the last outputs with `vfife plot`."
         )
     deepest = ""
-    if record.assembly.clearances:
+    if record.assembly.contacts:
         depths = record.block("contact_penetration_max").max(axis=0)
         worst = int(np.argmax(depths))
-        deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.clearances[worst]})"
+        deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.contacts[worst]})"
     return (
         f"The likely cause is a contact or an element that became stiffer than the step was chosen for{deepest}, "
         f"or a load that grows without limit; try half the step, --step {0.5 * choice.step:.4g}, "

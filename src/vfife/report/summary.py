@@ -107,7 +107,7 @@ def _run(result: View) -> dict[str, Any]:
 
 def _contacts(result: View, measures: dict[str, float]) -> dict[str, dict[str, float]]:
     """Counts and depths of each contact; a block in a guide has four."""
-    names = result.record.assembly.clearances
+    names = result.record.assembly.contacts
     return {name: {key: measures[f"{name}.{key}"] for key in CONTACT_KEYS if f"{name}.{key}" in measures} for name in names}
 
 
@@ -119,7 +119,7 @@ def _joints(result: View, measures: dict[str, float], reference: View | None) ->
         found[name] = {"ideal_force.max": ideal.get(f"{name}.force.max")}
         found[name] |= {key: measures[f"{name}.{key}"] for key in JOINT_KEYS if f"{name}.{key}" in measures}
     assembly = result.record.assembly
-    for contact, joint in zip(assembly.clearances, assembly.contact_joints, strict=True):
+    for contact, joint in zip(assembly.contacts, assembly.contact_joints, strict=True):
         if contact != joint and joint in found:  # the deepest of the corners
             depth = measures.get(f"{contact}.penetration.max", 0.0)
             found[joint]["penetration.max"] = max(depth, found[joint].get("penetration.max") or 0.0)
@@ -175,7 +175,7 @@ def out_of_range(result: View) -> Iterable[str]:
     from ..model.surfaces import cautions
 
     record = result.record
-    if not record.assembly.clearances:
+    if not record.assembly.contacts:
         return ()
     depths = record.block("contact_penetration_max").max(axis=0)
     speeds = record.block("contact_fastest")[-1] if record.keeps("contact_fastest") else np.zeros(len(depths))

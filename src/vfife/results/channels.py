@@ -81,7 +81,7 @@ def entities(record: Record) -> dict[str, list[str]]:
     assembly = record.assembly
     names = {
         "joint": list(forces.joint_rows(record)),
-        "clearance": list(assembly.clearances),
+        "clearance": list(assembly.contacts),
         "body": list(assembly.bodies),
         "spring": list(assembly.springs),
         "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],

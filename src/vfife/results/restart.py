@@ -22,14 +22,14 @@ Array = NDArray[np.float64]
 STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
 
 
-def former(source: View | Mapping[str, Any], time: float | None) -> Record | None:
+def restart_record(source: View | Mapping[str, Any], time: float | None) -> Record | None:
     """The record of a run that is to go on from its very end, None where a start by bodies is meant."""
     if time is not None or isinstance(source, Mapping):
         return None
     return source.record if source.record.final is not None else None
 
 
-def alike(assembly: Assembly, record: Record) -> bool:
+def same_layout(assembly: Assembly, record: Record) -> bool:
     """Whether particles, elements, joints and springs of both are the same in number and kind, so that one's state is the other's."""
     one, other = assembly.topology, record.assembly.topology
     same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing", "joint_journal",
@@ -38,7 +38,7 @@ def alike(assembly: Assembly, record: Record) -> bool:
     return all(getattr(one, name) == getattr(other, name) for name in same) and laws[0] == laws[1]
 
 
-def continued(assembly: Assembly, record: Record) -> Assembly:
+def restarted(assembly: Assembly, record: Record) -> Assembly:
     """The assembly with the last state of a run of the same cut: positions, velocities, element and contact forces; works and counts begin anew.
 
     Time begins at zero; prescribed angles and travels go on from where they are. Velocities, kept at half steps, are taken at the step.

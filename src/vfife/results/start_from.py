@@ -28,10 +28,10 @@ def start_from(source: View | States, mechanism: Mechanism, time: float | None =
     energy) that joints and drivers allow. Joints with play between bodies that are given stay as they are. Driven angles and travels count
     from here. Raises ValueError where names, numbers or the time do not fit, AssemblyError where the joints cannot close.
     """
-    return ideal_motion(mechanism, given=given(source, mechanism, time))
+    return ideal_motion(mechanism, given=initial_state(source, mechanism, time))
 
 
-def given(source: View | States, mechanism: Mechanism, time: float | None = None) -> Given:
+def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> Given:
     """Positions and velocities of the centres of mass that a run or a mapping gives."""
     said, states = ("the start", source) if isinstance(source, Mapping) else (f"the run of {source.name!r}", _states(source, time))
     if time is not None and isinstance(source, Mapping):

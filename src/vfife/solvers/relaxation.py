@@ -68,8 +68,8 @@ class Relaxation:
         state[self.layout["damping"]] = 0.0
         state[self.layout["contact_floor"]] = 1e30  # contacts press by their elastic part alone
         watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]).astype(np.uint32)
-        self.longest = FEW if assembly.clearances else LONGEST
-        self.pressed = np.zeros(len(assembly.clearances))
+        self.longest = FEW if assembly.contacts else LONGEST
+        self.pressed = np.zeros(len(assembly.contacts))
         self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched)
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0

@@ -57,7 +57,7 @@ class Seen:
 
     def contact(self, name: str, what: str) -> Array:
         """A block of one contact."""
-        return self.record.block(f"contact_{what}")[:, self.record.assembly.clearances.index(name)]
+        return self.record.block(f"contact_{what}")[:, self.record.assembly.contacts.index(name)]
 
     @property
     def ledger(self) -> Ledger:

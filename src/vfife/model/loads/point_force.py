@@ -1,4 +1,4 @@
-"""Loads: gravity is a vector of the mechanism; forces and moments act at a pin of a body, constant or over time."""
+"""A force and a moment at a pin."""
 
 from __future__ import annotations
 

@@ -1,0 +1,14 @@
+"""Constant speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .driver import Driver
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConstantSpeed(Driver):
+    """speed t; rad/s or m/s."""
+
+    speed: float

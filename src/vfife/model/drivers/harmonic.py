@@ -1,0 +1,16 @@
+"""Harmonic motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .driver import Driver
+
+
+@dataclass(frozen=True, kw_only=True)
+class Harmonic(Driver):
+    """amplitude [sin(2 pi frequency t + phase) - sin(phase)]; rad or m, Hz, rad."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0

@@ -1,0 +1,15 @@
+"""Motion through a table of values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .driver import Driver
+
+
+@dataclass(frozen=True, kw_only=True)
+class AngleTable(Driver):
+    """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
+
+    times: tuple[float, ...]
+    angles: tuple[float, ...]

@@ -1,0 +1,27 @@
+"""Joints, one file each: revolute, slider, weld and contacts, ideal or with clearance; gears. Sides are written ``body.pin``."""
+
+from __future__ import annotations
+
+from .clearance_revolute import ClearanceRevolute
+from .clearance_slider import ClearanceSlider
+from .contact import Contact, FrictionMoment
+from .external_contact import ExternalContact
+from .gear import Gear
+from .ideal_revolute import IdealRevolute
+from .joint import Joint, Point
+from .slider import Slider
+from .weld import Weld
+
+__all__ = [
+    "ClearanceRevolute",
+    "ClearanceSlider",
+    "Contact",
+    "ExternalContact",
+    "FrictionMoment",
+    "Gear",
+    "IdealRevolute",
+    "Joint",
+    "Point",
+    "Slider",
+    "Weld",
+]

@@ -1,0 +1,12 @@
+"""The ideal revolute joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .joint import Joint
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdealRevolute(Joint):
+    """Bearing and journal share one motion; the reaction follows (Eq. 16, generalised)."""

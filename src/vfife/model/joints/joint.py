@@ -1,0 +1,22 @@
+"""What all joints share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """Two pins in one place: ``bearing`` and ``journal`` are ``body.pin`` or ``ground.point``."""
+
+    name: str
+    bearing: str
+    journal: str
+
+    @property
+    def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """(body, pin) of the bearing and of the journal."""
+        bearing, journal = self.bearing.partition("."), self.journal.partition(".")
+        return (bearing[0], bearing[2]), (journal[0], journal[2])

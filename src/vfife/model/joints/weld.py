@@ -1,0 +1,12 @@
+"""The weld."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .joint import Joint
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weld(Joint):
+    """Two pins in one place, and the relative angle of their bodies kept as it is in the closed start."""

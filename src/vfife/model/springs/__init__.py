@@ -1,0 +1,12 @@
+"""Massless elements of force between two bodies, one file each: springs and dampers along a line, about an axis, stops and bushings."""
+
+from __future__ import annotations
+
+from .bushing import Bushing
+from .linear import Spring
+from .stop import Stop
+from .torsional import TorsionalSpring
+
+AnySpring = Spring | TorsionalSpring | Stop | Bushing
+
+__all__ = ["AnySpring", "Bushing", "Spring", "Stop", "TorsionalSpring"]
