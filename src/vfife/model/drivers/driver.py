@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 Point = tuple[float, float]
 
@@ -20,3 +21,12 @@ class Driver:
     point: str = ""
     direction: Point = (1.0, 0.0)
     against: str = "ground"
+
+    kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    registry: ClassVar[dict[str, type[Driver]]] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Registers a kind."""
+        super().__init_subclass__(**kwargs)
+        if cls.__dict__.get("kind"):
+            cls.registry[cls.kind] = cls

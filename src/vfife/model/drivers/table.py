@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from .driver import Driver
 
@@ -10,6 +11,8 @@ from .driver import Driver
 @dataclass(frozen=True, kw_only=True)
 class AngleTable(Driver):
     """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
+
+    kind: ClassVar[str] = "table"
 
     times: tuple[float, ...]
     angles: tuple[float, ...]

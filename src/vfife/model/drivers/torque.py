@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from .driver import Driver
 
@@ -14,6 +15,8 @@ class Torque(Driver):
     A constant, or a table over time (s), over the speed of the body (``speeds``, rad/s: a motor's curve) or over its angle from the start
     (``angles``, rad). Tables are natural cubic splines through their points and keep their end values beyond.
     """
+
+    kind: ClassVar[str] = "effort"
 
     torque: float | tuple[float, ...]
     times: tuple[float, ...] | None = None

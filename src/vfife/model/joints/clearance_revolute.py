@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ...laws import Material, Pair
 from .contact import Contact
@@ -16,6 +17,8 @@ class ClearanceRevolute(Contact):
     R_J - delta/2 and R_B + delta/2 (``mid-overlap``), R_J and R_B (``surface``), or at the particles alone (``off``, as the paper seems to do; the
     sliding velocity then leaves the turning of the surfaces out). ``landing_depth`` is c/20 unless given.
     """
+
+    kind: ClassVar[str] = "clearance"
 
     clearance: float
     bearing_radius: float

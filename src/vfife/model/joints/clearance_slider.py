@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ...laws import Material, Pair
 from .contact import Contact
@@ -19,6 +20,8 @@ class ClearanceSlider(Contact):
     along and across the guide, whose walls are ``height + 2 clearance`` apart. ``corner_radius`` (m) rounds the corners for the contact law.
     The block lies along the guide at the start; ``landing_depth`` is c/20 unless given.
     """
+
+    kind: ClassVar[str] = "clearance-slider"
 
     clearance: float
     length: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ...laws import Material, Pair
 from .contact import Contact
@@ -17,6 +18,8 @@ class ExternalContact(Contact):
     Without ``bearing_radius`` the bearing is a line through its pin along ``direction`` (in the frame of its body), its material on the right;
     the journal stays on the left. ``landing_depth`` is journal_radius/1000 unless given.
     """
+
+    kind: ClassVar[str] = "contact"
 
     journal_radius: float
     bearing_radius: float | None = None

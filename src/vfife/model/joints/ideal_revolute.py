@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from .joint import Joint
 
@@ -10,3 +11,5 @@ from .joint import Joint
 @dataclass(frozen=True, kw_only=True)
 class IdealRevolute(Joint):
     """Bearing and journal share one motion; the reaction follows (Eq. 16, generalised)."""
+
+    kind: ClassVar[str] = "ideal"

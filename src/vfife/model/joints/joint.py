@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 Point = tuple[float, float]
 
@@ -14,6 +15,15 @@ class Joint:
     name: str
     bearing: str
     journal: str
+
+    kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    registry: ClassVar[dict[str, type[Joint]]] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Registers a kind."""
+        super().__init_subclass__(**kwargs)
+        if cls.__dict__.get("kind"):
+            cls.registry[cls.kind] = cls
 
     @property
     def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from .joint import Joint, Point
 
@@ -14,6 +15,8 @@ class Slider(Joint):
     ``direction`` is that of the guide, in the frame of the bearing's body. The two bodies keep their relative angle (that of the closed start)
     unless ``turning``: then the journal is a pin in a slot.
     """
+
+    kind: ClassVar[str] = "slider"
 
     direction: Point = (1.0, 0.0)
     turning: bool = False

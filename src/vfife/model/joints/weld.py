@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from .joint import Joint
 
@@ -10,3 +11,5 @@ from .joint import Joint
 @dataclass(frozen=True, kw_only=True)
 class Weld(Joint):
     """Two pins in one place, and the relative angle of their bodies kept as it is in the closed start."""
+
+    kind: ClassVar[str] = "weld"

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from .bushing import Bushing
+from .force_element import ForceElement
 from .linear import Spring
 from .stop import Stop
 from .torsional import TorsionalSpring
 
 AnySpring = Spring | TorsionalSpring | Stop | Bushing
 
-__all__ = ["AnySpring", "Bushing", "Spring", "Stop", "TorsionalSpring"]
+__all__ = ["AnySpring", "Bushing", "ForceElement", "Spring", "Stop", "TorsionalSpring"]
