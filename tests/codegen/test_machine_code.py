@@ -9,7 +9,7 @@ import pytest
 from support import SQUARE, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.codegen import compile as compiling
-from vfife.codegen.straight_line import straight_line
+from vfife.codegen.python import straight_line
 
 SIGNATURE = "int64(float64[::1], float64[::1], int64, int64)"
 ARITHMETIC = re.compile(r"^v?(add|sub|mul|div|sqrt|min|max)(sd|pd)$")

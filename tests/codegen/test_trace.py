@@ -10,9 +10,9 @@ import pytest
 
 from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import compiled, interpreted
+from vfife.codegen.compile import compiled
+from vfife.codegen.python import straight_line
 from vfife.codegen.source import Gathered, data_driven, dispatch
-from vfife.codegen.straight_line import straight_line
 from vfife.codegen.trace import Branch
 from vfife.errors import LawError, SourceError
 from vfife.kernels.arrays import CONTACT_SLOTS
@@ -81,7 +81,7 @@ def test_a_law_of_selects_goes_into_straight_lines():
     """The generated text, interpreted here (compiling it is other tests' work), takes the step of the data-driven loop."""
     law = select_law()
     runner = lanes([assembled(law)], "interpreted")
-    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    runner.take = straight_line(runner.topology)
     assert (bits(runner.advance(100, 6)) == bits(rows(law, "interpreted"))).all()
 
 
