@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..laws import ContactLaw, LankaraniNikravesh, Pereira
 from ..laws.contact.damping import delivered
-from .contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
+from ..report.contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
 from .mechanisms import BEARING_RADIUS, JOURNAL_RADIUS, STIFFNESS, journal
 
 if TYPE_CHECKING:

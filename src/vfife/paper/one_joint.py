@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..laws import LankaraniNikravesh, Pereira
+from ..report.contents import Chart, Item, Line, Panel, Parameter, Verdict
 from . import curves
-from .contents import Chart, Item, Line, Panel, Parameter, Verdict
 from .context import settling
 from .influence import JOINT, Case, Influence, ideal
 from .mechanisms import BEARING_RADIUS, FASTEST, JOURNAL_RADIUS, LINK_WORDS, STIFFNESS, Parameters
