@@ -46,10 +46,10 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _LAZY = {
-    "compare": "comparison",
+    "compare": "study.compare",
     "gallery": "",
     "load": "modelfile",
-    "load_laws": "laws.own",
+    "load_laws": "laws.user",
     "Result": "result",
     "simulate": "simulation",
 }
