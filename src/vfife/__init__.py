@@ -53,7 +53,7 @@ from .model.bodies import Frame, Link, Member, PointMass, RigidBody, Section
 from .model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from .model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact, Gear, IdealRevolute, Slider, Weld
 from .model.loads import PointForce
-from .model.mechanism import Mechanism, Settings, Start
+from .model.mechanism import Mechanism, Settings, Start, StartSettings
 from .model.springs import Bushing, Spring, Stop, TorsionalSpring
 
 if TYPE_CHECKING:
@@ -165,6 +165,7 @@ __all__ = [
     "Slider",
     "Spring",
     "Start",
+    "StartSettings",
     "Status",
     "StepTo",
     "Stop",

@@ -123,7 +123,7 @@ def stand_in(entry: Entry) -> type[Law]:
     law = types.new_class("Recorded", (RecordedContact if contact else RecordedFriction,), {"register": False}, lambda named: named.update(space))
     if contact:
         law.force = staticmethod(lambda penetration, slowness, p: (law.row(penetration, p)[0], 0.0))  # type: ignore[attr-defined]
-    made: type[Law] = dataclasses.dataclass(frozen=True)(law)
+    made: type[Law] = dataclasses.dataclass(frozen=True, kw_only=True)(law)
     return made
 
 
