@@ -107,7 +107,7 @@ class Arguments:
         for one in known:
             if isinstance(value, str) and value == one:
                 return one
-        self.fault("loop", "there is no such loop", value, ", ".join(map(told, known)), suggestion(str(value), known, "name one of them"))
+        self.fault("loop", "there is no such loop", value, "", suggestion(str(value), known, "name another one"))
         return "auto"
 
     def one_of(self, name: str, value: Any, kinds: tuple[type, ...], limit: str) -> None:
@@ -125,10 +125,10 @@ class Arguments:
         single = isinstance(values, int | float | str) or not isinstance(values, Sequence | np.ndarray)
         given = [values] * count if single else list(values)
         if len(given) != count:
-            self.fault(name, f"{len(given)} values for {count} mechanisms", None, "", "give one for all, or one for each")
+            self.fault(name, f"{len(given)} values for {count} mechanisms", values, "", "give one for all, or one for each")
         found = [self.quantity(name if single else f"{name}[{k}]", value, "s") for k, value in enumerate(given[: 1 if single else None])]
         if None in given:
-            self.fault(name, "no step is given", None, "a time above 0 s", 'for example "1 us"')
+            self.fault(name, "no step is given", values, "a time above 0 s", 'for example "1 us"')
         return [value or math.nan for value in (found * count if single else found)]
 
 
@@ -142,5 +142,5 @@ def _of(unit: str) -> str:
 
 
 def told(value: Any) -> str:
-    """A value as it would be written, None as nothing."""
-    return "" if value is None else shown(value)
+    """A value as it would be written."""
+    return "None" if value is None else shown(value)

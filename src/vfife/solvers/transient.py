@@ -16,7 +16,7 @@ from .progress import Progress
 from .record import Record, Rows, recorded_rows
 from .status import Status
 
-CHUNK_BYTES = 2**24  # of rows between two looks, so that memory does not grow with a run that is written to a file
+CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
 SAVED = 30e-9  # seconds that straight-line code saves for each step and element or joint
 LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still written out
