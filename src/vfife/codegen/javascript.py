@@ -9,10 +9,10 @@ from collections.abc import Iterable
 from importlib.resources import files
 
 from ..kernels.arrays import Layout
-from ..kernels.topology import SPEED, TIME, Topology
+from ..kernels.topology import Topology
 from .schedule import Line, Load, Store, Test, ordered, woven
 from .straight_line import Function, functions, trace
-from .trace import Operand
+from .trace import Operand, rows_used
 
 PATTERNS = {
     "sqrt": "Math.sqrt({})", "neg": "-({})", "abs": "Math.abs({})", "and": "{} && {}", "or": "{} || {}", "select": "{} ? {} : {}",
@@ -42,14 +42,15 @@ def line(one: Line) -> str:
 
 def searched(found: list[Function], step_row: int) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
-    yield f"const dt = S[{step_row}], ahead = n === 0 ? 0 : dt;"
+    yield f"const dt = S[{step_row}], ahead = n === 0 ? 0 : dt, time = n * dt, after = (n + 1) * dt;"
     for f in found:
-        ahead = "(0.5 * ahead)" if f.argument == SPEED else "ahead"
-        ends = [f"(S[{value}] + {ahead} * S[{rate}])" for value, rate in f.ends]
-        x = f"{ends[1]} - {ends[0]}" if ends else "n * dt"
+        yield "{"
+        yield from (f"const {name} = S[{name[1:]}];" for name in rows_used(f.operations))
+        yield from map(line, f.operations)
         value, rate, acceleration, following = (f"S[{row}]" for row in f.rows)
-        yield f"[{value}, {rate}, {acceleration}] = polynomial(T, {f.table}, {x});"
-        yield f"{following} = polynomial(T, {f.table}, (n + 1) * dt)[0];" if f.argument == TIME else f"{following} = {value};"
+        yield f"[{value}, {rate}, {acceleration}] = polynomial(T, {f.table}, {operand(f.argument)});"
+        yield f"{following} = polynomial(T, {f.table}, after)[0];" if f.of_time else f"{following} = {value};"
+        yield "}"
 
 
 def definition(head: str, lines: Iterable[str]) -> str:
@@ -59,11 +60,10 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 def written(topology: Topology) -> str:
     """Text with ``advance(S, T, n0, count)`` for one simulation: S and T are Float64Arrays, the state and its tables."""
-    layout = Layout(topology)
     lean, whole = trace(topology), trace(topology, True)
     parts = [
         DRIVER.read_text(),
-        definition("functions(S, T, n)", searched(functions(topology, layout), layout.row("step"))),
+        definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
         definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
         definition("whole(S, n)", map(line, woven(whole, list(whole.operations)))),
     ]

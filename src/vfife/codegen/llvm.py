@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from importlib.resources import files
 
 from ..kernels.arrays import Layout
-from ..kernels.topology import SPEED, TIME, Topology
+from ..kernels.topology import Topology
 from .schedule import Line, Load, Store, Test, ordered, woven
 from .straight_line import Function, functions, trace
-from .trace import STEP_NUMBER, Operand, Operation, Trace
+from .trace import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
@@ -60,7 +60,7 @@ class Writer:
 
     def load(self, row: int) -> None:
         """The row as it was."""
-        self.out.append(f"  %v{row} = load {self.number}, ptr {self.row(row)}, align {8 * self.width}")
+        self.out.append(f"  {self.value(f'v{row}')} = load {self.number}, ptr {self.row(row)}, align {8 * self.width}")
 
     def store(self, row: int, value: Operand) -> None:
         """A row is given a value."""
@@ -83,7 +83,7 @@ class Writer:
             text = f"fneg {self.number} {values[0]}"
         else:
             text = f"call {self.number} @llvm.{ {'sqrt': 'sqrt', 'abs': 'fabs'}[operator] }.{self.suffix}({self.number} {values[0]})"
-        self.out.append(f"  %{name} = {text}")
+        self.out.append(f"  {self.value(name)} = {text}")
 
     def begin(self, searching: bool) -> None:
         """Functions of time at the step, where there are any, and the number of the step in all lanes."""
@@ -113,6 +113,28 @@ class Writer:
                 self.store(line.row, line.value)
             elif isinstance(line, Test):
                 self.out += [f"  br i1 {self.any(line.condition)}, label %rare, label %common", "common:"]
+
+
+class Lane(Writer):
+    """Instructions for lane ``w`` of W alone; ``mark`` keeps names of one function apart from another's."""
+
+    def __init__(self, lanes: int) -> None:
+        super().__init__(1)
+        self.lanes, self.mark = lanes, ""
+
+    def value(self, operand: Operand) -> str:
+        """An operand as it is written."""
+        own = isinstance(operand, str) and (is_row(operand) or operand[1:].isdigit())
+        return f"%{self.mark}{operand}" if own else super().value(operand)
+
+    def row(self, row: int) -> str:
+        """Address of a row in the lane."""
+        return self.fresh(f"getelementptr double, ptr %S, i64 {self.fresh(f'add i64 %w, {row * self.lanes}')}")
+
+    def polynomial(self, table: str, x: str) -> tuple[str, ...]:
+        """Value and two derivatives of a table."""
+        result = self.fresh(f"call {{ double, double, double }} @polynomial(ptr %T, i64 {table}, double {x})")
+        return tuple(self.fresh(f"extractvalue {{ double, double, double }} {result}, {k}") for k in range(3))
 
 
 def literal(x: float) -> str:
@@ -154,42 +176,26 @@ def whole(step: Trace, width: int, searching: bool) -> str:
 
 def searched(found: list[Function], width: int, step_row: int) -> str:
     """``functions(S, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them."""
-    w = Writer(1)
-
-    def row(row: int) -> str:
-        return w.fresh(f"getelementptr double, ptr %S, i64 {w.fresh(f'add i64 %w, {row * width}')}")
-
-    def load(at: int) -> str:
-        return w.fresh(f"load double, ptr {row(at)}, align 8")
-
-    def expected(ends: tuple[int, int], ahead: str) -> str:
-        value, rate = load(ends[0]), load(ends[1])
-        return w.fresh(f"fadd double {value}, {w.fresh(f'fmul double {ahead}, {rate}')}")
-
-    def evaluated(table: str, x: str) -> tuple[str, ...]:
-        result = w.fresh(f"call {{ double, double, double }} @polynomial(ptr %T, i64 {table}, double {x})")
-        return tuple(w.fresh(f"extractvalue {{ double, double, double }} {result}, {k}") for k in range(3))
-
-    dt = load(step_row)
-    time, after = w.fresh(f"fmul double %nd, {dt}"), w.fresh(f"fmul double %md, {dt}")
-    ahead = w.fresh(f"select i1 %start, double 0.0, double {dt}")
-    half = w.fresh(f"fmul double {literal(0.5)}, {ahead}")
-    for f in found:
+    w = Lane(width)
+    dt = w.fresh(f"load double, ptr {w.row(step_row)}, align 8")
+    w.out += [f"  %time = fmul double %nd, {dt}", f"  %after = fmul double %md, {dt}", f"  %ahead = select i1 %start, double 0.0, double {dt}"]
+    for number, f in enumerate(found):
+        w.mark = f"f{number}"
+        for name in rows_used(f.operations):
+            w.load(int(name[1:]))
+        for operation in f.operations:
+            w.operation(operation)
         table = w.fresh(f"add i64 %shift, {f.table}")
-        x = time
-        if f.argument != TIME:
-            first, second = (expected(ends, half if f.argument == SPEED else ahead) for ends in f.ends)
-            x = w.fresh(f"fsub double {second}, {first}")
-        values = evaluated(table, x)
-        values += (evaluated(table, after)[0] if f.argument == TIME else values[0],)
-        for at, value in zip(f.rows, values, strict=True):
-            w.out.append(f"  store double {value}, ptr {row(at)}, align 8")
+        values = w.polynomial(table, w.value(f.argument))
+        values += (w.polynomial(table, "%after")[0] if f.of_time else values[0],)
+        for row, value in zip(f.rows, values, strict=True):
+            w.out.append(f"  store double {value}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
     return f"""define internal void @functions(ptr %S, ptr %T, i64 %stride, i64 %step) noinline {{
 entry:
-  %after = add i64 %step, 1
+  %following = add i64 %step, 1
   %nd = sitofp i64 %step to double
-  %md = sitofp i64 %after to double
+  %md = sitofp i64 %following to double
   %start = icmp eq i64 %step, 0
   br label %lane
 lane:
@@ -207,12 +213,11 @@ done:
 
 def written(topology: Topology, width: int) -> str:
     """Text of a module with ``advance``, which ``driver.ll`` describes."""
-    layout, w = Layout(topology), Writer(width)
-    found = functions(topology, layout)
+    w, found = Writer(width), functions(topology)
     return "\n".join(
         [
             *(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")),
-            searched(found, width, layout.row("step")) if found else "",
+            searched(found, width, Layout(topology).row("step")) if found else "",
             lean(trace(topology), width, bool(found)),
             whole(trace(topology, True), width, bool(found)),
             DRIVER.read_text().replace("WIDTH", str(width)).replace("NUMBER", w.number),

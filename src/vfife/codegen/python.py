@@ -9,10 +9,10 @@ from typing import Any
 from ..kernels.arrays import Layout
 from ..kernels.elementary import nearest
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import SPEED, TIME, Topology
+from ..kernels.topology import Topology
 from .schedule import Line, Load, Store, Test, ordered, woven
 from .straight_line import Function, functions, trace
-from .trace import Operand
+from .trace import Operand, rows_used
 
 PATTERNS = {
     "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}", "select": "{1} if {0} else {2}", "round": "nearest({})",
@@ -52,13 +52,13 @@ def searched(found: list[Function], step_row: int) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
     yield f"dt = S[{step_row}]"
     yield "ahead = 0.0 if n == 0 else dt"
+    yield "time, after = n * dt, (n + 1) * dt"
     for f in found:
-        ahead = "0.5 * ahead" if f.argument == SPEED else "ahead"
-        ends = [f"(S[{value}] + {ahead} * S[{rate}])" for value, rate in f.ends]
-        x = f"{ends[1]} - {ends[0]}" if ends else "n * dt"
+        yield from (f"{name} = S[{name[1:]}]" for name in rows_used(f.operations))
+        yield from map(line, f.operations)
         value, rate, acceleration, following = (f"S[{row}]" for row in f.rows)
-        yield f"{value}, {rate}, {acceleration} = polynomial(T, {f.table}, {x})"
-        yield f"{following} = polynomial(T, {f.table}, (n + 1) * dt)[0]" if f.argument == TIME else f"{following} = {value}"
+        yield f"{value}, {rate}, {acceleration} = polynomial(T, {f.table}, {operand(f.argument)})"
+        yield f"{following} = polynomial(T, {f.table}, after)[0]" if f.of_time else f"{following} = {value}"
 
 
 def definition(head: str, lines: Iterable[str]) -> str:
@@ -68,10 +68,9 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 def written(topology: Topology) -> str:
     """Text with ``advance``; it wants ``sqrt``, ``nearest`` and ``polynomial``."""
-    layout = Layout(topology)
     lean, whole = trace(topology), trace(topology, True)
     parts = [
-        definition("functions(S, T, n)", searched(functions(topology, layout), layout.row("step"))),
+        definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
         definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
         definition("whole(S, n)", [*map(line, woven(whole, list(whole.operations))), "return True"]),
         ADVANCE,

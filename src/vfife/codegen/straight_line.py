@@ -12,11 +12,11 @@ from typing import Any
 
 from ..kernels import step as loop
 from ..kernels.arrays import PARTICLE, Layout
-from ..kernels.topology import REVOLUTE, SLOT, SPEED, TIME, TURNED, Topology
+from ..kernels.topology import REVOLUTE, SLOT, TIME, Topology
 from .graph import tables
 from .lock import WRITING
 from .source import dispatch, films
-from .trace import STEP_NUMBER, Rows, Seldom, Symbol, Tape, Trace, either
+from .trace import STEP_NUMBER, Operand, Operation, Rows, Seldom, Symbol, Tape, Trace, either
 from .traceable import Traceable
 
 
@@ -115,24 +115,26 @@ def _operand(value: Any) -> str | float | bool:
 class Function:
     """A function that must be there before a step: where its table starts, the rows of its value, two derivatives and value one step later.
 
-    ``argument`` is what it depends on: TIME, or the difference of two bodies' rows ``ends``, each (row, row of its rate).
+    What it depends on is the last of its ``operations``, or the operand ``argument`` where there are none. They use rows before the step,
+    ``time`` and ``ahead``, the step that leads to t_n.
     """
 
     table: int
     rows: tuple[int, int, int, int]
-    argument: int
-    ends: tuple[tuple[int, int], ...] = ()
+    of_time: bool
+    operations: tuple[Operation, ...]
+    argument: Operand
 
 
-def functions(topology: Topology, layout: Layout) -> list[Function]:
+def functions(topology: Topology) -> list[Function]:
     """Functions of a topology; they are searched in tables, which is no straight line."""
-    found = []
+    layout, found = Layout(topology), []
     for f, start in enumerate(topology.function_start):
-        rows = tuple(layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "next"))
         kind, *bodies = topology.function_argument[f] if topology.function_argument else (TIME, 0, 0)
-        ends = [tuple(layout.row(f"particle_{name}", p) for name in ARGUMENTS[kind]) for p in bodies] if kind != TIME else []
-        found.append(Function(start, rows, kind, tuple(ends)))  # type: ignore[arg-type]
+        tape = Tape()
+        rows = Rows(tape, known_rows(topology, layout), set())
+        first, second = (layout.record("particle", p) for p in bodies)
+        x = Traceable(tape)(loop.argument)(rows, kind, first, second, Symbol(tape, "time"), Symbol(tape, "ahead"))
+        value, rate, acceleration, after = (layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "next"))
+        found.append(Function(start, (value, rate, acceleration, after), kind == TIME, tape.needed([x]), _operand(x)))
     return found
-
-
-ARGUMENTS = {TURNED: ("theta", "w"), SPEED: ("w", "aw")}  # an angle at t_n is theta + dt w, a speed w + dt/2 aw

@@ -68,6 +68,11 @@ def is_row(name: Operand) -> bool:
     return isinstance(name, str) and name[0] == "v"
 
 
+def rows_used(operations: Iterable[Operation]) -> list[str]:
+    """Names of the rows that operations read."""
+    return sorted({name for operation in operations for name in operation.uses if is_row(name)})
+
+
 class Tape:
     """Operations as they are noted; equal ones are noted once."""
 

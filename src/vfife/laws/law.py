@@ -10,9 +10,11 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def quantity(
 SLOT_UNITS = {"damping_factor": "1", "exponent_beyond_1": "1", "ramp": "m/s"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Law:
     """Shared by contact and friction laws. Subclasses register themselves by ``name``.
 
@@ -117,10 +119,17 @@ class Law:
     slot_units: ClassVar[dict[str, str]] = {}
     registry: ClassVar[dict[str, type[Law]]] = {}
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __new__(cls, *numbers: Any, **values: Any) -> Self:
+        """Keywords only: two numbers in the wrong order are two wrong numbers."""
+        if numbers:
+            written = ", ".join(f"{field.name}=..." for field in dataclasses.fields(cls))
+            raise TypeError(f"the law {cls.name!r} takes its parameters by name, as in {cls.__name__}({written})")
+        return super().__new__(cls)
+
+    def __init_subclass__(cls, register: bool = True, **kwargs: Any) -> None:
         """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own may be defined again."""
         super().__init_subclass__(**kwargs)
-        if not cls.__dict__.get("name"):
+        if not register or not cls.__dict__.get("name"):
             return
         known = cls.registry.get(cls.name)
         if known is not None and built_in(known) and (cls.__module__, cls.__qualname__) != (known.__module__, known.__qualname__):
@@ -134,6 +143,11 @@ class Law:
                 near = difflib.get_close_matches(str(value), choices, 1)
                 told = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(choices)}"
                 raise ValueError(f"{field.name} {value!r} of the law {self.name!r} is unknown; {told}")
+
+    @classmethod
+    def known(cls) -> Mapping[str, type[Law]]:
+        """Laws of this kind by name: those of the registry, and in their place those that a run file which is being read tells of."""
+        return {**cls.registry, **{law.name: law for law in _STANDING_IN.get() if issubclass(law, cls)}}
 
     @classmethod
     def form(cls) -> type[Law]:
@@ -163,12 +177,26 @@ class Law:
         return {slot: self.slot_units.get(slot, fields.get(slot, SLOT_UNITS.get(slot, ""))) for slot in self.slots}
 
 
+# Laws that are known in this context only, so that threads beside it see nothing of them.
+_STANDING_IN: ContextVar[tuple[type[Law], ...]] = ContextVar("standing_in", default=())
+
+
+@contextmanager
+def known_here(laws: Sequence[type[Law]]) -> Iterator[None]:
+    """Makes laws known by their names while a text is read, in this thread only; no registry changes."""
+    token = _STANDING_IN.set((*_STANDING_IN.get(), *laws))
+    try:
+        yield
+    finally:
+        _STANDING_IN.reset(token)
+
+
 def built_in(law: type[Law]) -> bool:
     """Whether a law is one that vfife brings."""
     return law.__module__.startswith("vfife.laws.")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ContactLaw(Law):
     """Normal contact law.
 
@@ -204,7 +232,7 @@ class ContactLaw(Law):
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FrictionLaw(Law):
     """Friction law.
 

@@ -88,7 +88,7 @@ def motion_function(driver: Driver, offset: float = 0.0) -> Polynomials:
     if isinstance(driver, Harmonic):
         return _harmonic(driver, offset)
     if isinstance(driver, AngleTable):
-        return spline(driver.times, driver.angles, offset)
+        return spline(driver.times, driver.values, offset)
     raise TypeError(f"{type(driver).__name__} prescribes no motion")
 
 
@@ -110,11 +110,11 @@ def _harmonic(driver: Harmonic, offset: float) -> Polynomials:
 
 def torque_function(driver: Torque) -> Polynomials:
     """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever the driver has; else constant."""
-    if isinstance(driver.torque, int | float):
-        return constant(float(driver.torque))
+    if isinstance(driver.value, int | float):
+        return constant(float(driver.value))
     if driver.speeds is not None or driver.angles is not None:
-        return clamped(driver.speeds or driver.angles or (), driver.torque)
-    return clamped(driver.times, driver.torque) if driver.times is not None else constant(float(driver.torque[0]))
+        return clamped(driver.speeds or driver.angles or (), driver.value)
+    return clamped(driver.times, driver.value) if driver.times is not None else constant(float(driver.value[0]))
 
 
 def largest_speed(driver: Driver) -> float:

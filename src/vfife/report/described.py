@@ -47,8 +47,8 @@ def driver(noun: Any) -> str:
     else:
         what, newton = ("force", "N") if noun.point else ("torque", "N m")
         over = " over speed" if noun.speeds else " over " + ("travel" if noun.point else "angle") if noun.angles else ""
-        constant = isinstance(noun.torque, int | float)
-        said = f"{what} {noun.torque:.6g} {newton}" if constant else f"table of {len(noun.torque)} {what}s{over}"
+        constant = isinstance(noun.value, int | float)
+        said = f"{what} {noun.value:.6g} {newton}" if constant else f"table of {len(noun.value)} {what}s{over}"
     return said + against
 
 

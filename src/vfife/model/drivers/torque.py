@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..renamed import renamed
 from .driver import Driver
 
 
+@renamed(torque="value")
 @dataclass(frozen=True, kw_only=True)
 class Torque(Driver):
     """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along ``direction``.
@@ -18,7 +20,7 @@ class Torque(Driver):
 
     kind: ClassVar[str] = "effort"
 
-    torque: float | tuple[float, ...]
+    value: float | tuple[float, ...]
     times: tuple[float, ...] | None = None
     speeds: tuple[float, ...] | None = None
     angles: tuple[float, ...] | None = None
