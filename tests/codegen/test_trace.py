@@ -13,6 +13,7 @@ from vfife.assembly.assemble import assemble
 from vfife.codegen.compile import compiled
 from vfife.codegen.python import straight_line
 from vfife.codegen.source import Gathered, data_driven, dispatch
+from vfife.codegen.straight_line import trace
 from vfife.codegen.trace import Branch
 from vfife.errors import LawError, SourceError
 from vfife.kernels.arrays import CONTACT_SLOTS
@@ -108,12 +109,12 @@ def test_a_law_that_branches_compiles_beside_others():
 def test_a_law_that_branches_is_no_straight_line():
     """Generated code refuses it and says what to write instead."""
     with pytest.raises(Branch, match="conditional expression"):
-        straight_line(replace(assembled(select_law()).topology, contact_laws=(branch_law(),), contact_form=(0,)), 1)
+        trace(replace(assembled(select_law()).topology, contact_laws=(branch_law(),), contact_form=(0,)))
 
 
 def test_an_unused_law_of_the_user_does_not_stand_in_the_way():
     branch_law()
-    assert "advance" in straight_line(assemble(four_bar("C"), 2e-6, duration=1e-3).topology, 1)
+    assert trace(assemble(four_bar("C"), 2e-6, duration=1e-3).topology).operations
 
 
 def gathered_with(force, slots=("stiffness",)) -> str:
