@@ -20,7 +20,7 @@ from . import cache
 from .lock import WRITING
 from .native import Code, object_code, processor
 
-OPTIONS = {"error_model": "numpy", "no_rewrites": True, "no_cfunc_wrapper": True, "no_cpython_wrapper": True, "_nrt": False}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_rewrites": True, "no_cfunc_wrapper": True, "no_cpython_wrapper": True, "_nrt": False}
 EFFORT = 3  # of LLVM's code generator, as numba has it
 DTYPES = {"f": np.float64, "u": np.uint32}
 
