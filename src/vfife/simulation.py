@@ -11,6 +11,7 @@ from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
 from .model.drivers import ConstantSpeed, Torque
 from .model.mechanism import Mechanism
+from .model.validate import validate
 from .solvers.progress import Progress
 from .solvers.record import Record, recorded_rows
 from .solvers.transient import Loop, choose_loop, run
@@ -67,11 +68,10 @@ def simulate(
     (:func:`~vfife.results.start_from.start_from`). Raises ValueError,
     all faults at once, for a mechanism that cannot be assembled and StepError for too large a step.
     """
-    from .modelfile import examined
     from .result import Result
     from .results.provenance import provenance
 
-    examined(mechanism)
+    validate(mechanism)
     if mechanism.settings.analysis == "static":
         from .solvers.statics import equilibrium
 

@@ -121,13 +121,13 @@ def carried(old: Law, new: Law | type[Law] | None) -> Law:
 def checked(variants: Sequence[tuple[str, Mechanism]], reference: Result | None, run: dict[str, Any]) -> None:
     """Raises ValueError with every variant that cannot be run."""
     from ..assembly.assemble import assemble
-    from ..modelfile.build import unsuited
+    from ..model.validate import check_laws
     from ..simulation import expected_forces
 
     faults = []
     options = {key: run[key] for key in ("turns", "duration", "outputs", "force_step") if key in run}
     for label, variant in variants:
-        told = [str(fault) for fault in unsuited(variant)]
+        told = [str(fault) for fault in check_laws(variant)]
         if not told:
             try:
                 assemble(variant, run.get("step"), expected=expected_forces(reference), **options)
