@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,26 +13,21 @@ from ..kernels.topology import (
     BUSHING,
     GEAR,
     LINE,
-    LINEAR,
     REVOLUTE,
     ROUND,
     SLIDER,
     SLOT,
-    SPEED,
-    STOP,
-    TORSIONAL,
     TRAVEL,
-    TURNED,
     WELD,
 )
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
-from ..kinematics.forces import driven_body
+from ..kinematics.forces import actions, driven_body, kind_of_spring, unit
 from ..kinematics.initial import Motion
-from ..model.drivers import ConstantSpeed, Torque
-from ..model.functions import clamped, constant, motion_function, torque_function
+from ..model.drivers import ConstantSpeed
+from ..model.functions import motion_function
 from ..model.joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, IdealRevolute, Joint, Slider, Weld
 from ..model.mechanism import Mechanism, idealised
-from ..model.springs import Bushing, Spring, Stop
+from ..model.springs import Bushing, Spring
 from .numbering import Numbering, Place
 
 FACING = (1.0, 0.0)
@@ -121,14 +115,6 @@ def kind_of_joint(joint: Joint) -> int:
     raise TypeError(f"joint {joint.name!r}: {type(joint).__name__} is no ideal joint")
 
 
-def unit(direction: tuple[float, float]) -> tuple[float, float]:
-    """The direction with length 1."""
-    size = float(np.hypot(*direction))
-    if not size > 0.0:
-        raise ValueError(f"a direction of {direction} has no length: give two numbers that are not both zero")
-    return direction[0] / size, direction[1] / size
-
-
 def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Touch]:
     """Every place where journal and bearing can touch: one for a round joint, four for a block in a guide."""
     found = []
@@ -168,12 +154,6 @@ def corners(joint: ClearanceSlider, bearing: Place, journal: Place, motion: Moti
         wall = rise + joint.clearance
         found.append(Touch(f"{joint.name}.{number}", joint, LINE, bearing, (journal[0], at), wall - r, (wall, r), (-side * y, side * x)))
     return found
-
-
-def kind_of_spring(spring: Any) -> int:
-    """Its axes."""
-    kinds = {Spring: LINEAR, Stop: STOP, Bushing: BUSHING}
-    return kinds.get(type(spring), TORSIONAL)
 
 
 def spring_places(numbering: Numbering, spring: Any) -> tuple[Place, Place]:
@@ -230,35 +210,10 @@ def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:
     """Loads at pins, and torques or forces of drivers with their opposites."""
     found = []
-    for load in mechanism.loads.values():
-        body, _, pin = load.at.partition(".")
-        function = constant(1.0) if load.times is None or load.factors is None else clamped(load.times, load.factors)
-        found.append(Load(numbering.place((body, pin)), numbering.function(function), load.force, load.moment, load.follow))
-    for name, driver in mechanism.drivers.items():
-        if not isinstance(driver, Torque):
-            continue
-        body = driven_body(name, driver)
-        torque = torque_of(driver, body, numbering, motion)
-        if driver.point:
-            owner, _, pin = driver.point.partition(".")
-            found.append(Load(numbering.place((owner, pin)), torque, unit(driver.direction), 0.0))
-            continue
-        found.append(Load((numbering.particle(body), (0.0, 0.0)), torque, (0.0, 0.0), 1.0))
-        if driver.against != "ground":
-            found.append(Load((numbering.particle(driver.against), (0.0, 0.0)), torque, (0.0, 0.0), -1.0))
+    for action in actions(mechanism, motion.datum):
+        kind, first, second = action.argument
+        function = numbering.function(action.function, (kind, numbering.particle(first), numbering.particle(second)))
+        for body, pin, (fx, fy, moment) in action.ends:
+            place = numbering.place((body, pin)) if pin else (numbering.particle(body), (0.0, 0.0))
+            found.append(Load(place, function, (fx, fy), moment, action.follow))
     return found
-
-
-def torque_of(driver: Torque, body: str, numbering: Numbering, motion: Motion) -> int:
-    """Index of a torque's function of time, of the body's speed, or of its angle from the start."""
-    function = torque_function(driver)
-    if driver.speeds is None and driver.angles is None:
-        return numbering.function(function)
-    if driver.point:
-        raise ValueError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
-    pair = (numbering.particle(driver.against), numbering.particle(body))
-    if driver.speeds is not None:
-        return numbering.function(function, (SPEED, *pair))
-    begin = motion.datum.angle.get(body, 0.0) - motion.datum.angle.get(driver.against, 0.0)
-    shifted = dataclasses.replace(function, starts=tuple(start + begin for start in function.starts))
-    return numbering.function(shifted, (TURNED, *pair))

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import BUSHING, GEAR, LINE, LINEAR, REVOLUTE, ROUND, SLOT, STOP, TRAVEL
+from ..kernels.topology import GEAR, LINE, LINEAR, REVOLUTE, ROUND, SLOT, TRAVEL
 from ..kinematics.drives import kinematic_drivers
+from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
 from ..model.drivers import ConstantSpeed
 from ..model.mechanism import Mechanism
@@ -160,25 +161,16 @@ class Filler:
         """Stiffness, damping and free lengths; those that are not given are what the start has."""
         for index, (spring, kind, first, second) in enumerate(springs):
             self._pins("spring", index, (first, second), ("first", "second"))
-            stiffness, damping = spring.stiffness, spring.damping
-            if kind != BUSHING:
-                axis = 0 if kind == LINEAR else 2
-                stiffness, damping = (tuple(value if k == axis else 0.0 for k in range(3)) for value in (stiffness, damping))
-            for block, values in (("spring_stiffness", stiffness), ("spring_damping", damping)):
-                row = self.layout.row(block, index)
-                self.state[row : row + 3] = values
-            self.put("spring_free", self._free(spring, kind, first, second), index)
-            self.put("spring_high", spring.high if kind == STOP else 0.0, index)
+            for name, values in spring_fields(spring, self._apart(kind, first, second)).items():
+                row = self.layout.row(f"spring_{name}", index)
+                self.state[row : row + len(values)] = values
 
-    def _free(self, spring: Any, kind: int, first: Place, second: Place) -> float:
-        if kind == STOP:
-            return float(spring.low)
+    def _apart(self, kind: int, first: Place, second: Place) -> float:
+        """Distance (m) or angle (rad) between two places at the start."""
         if kind == LINEAR:
             (ax, ay), (bx, by) = self.seen(first), self.seen(second)
-            return math.hypot(bx - ax, by - ay) if spring.free_length is None else float(spring.free_length)
-        given = getattr(spring, "free_angle", None)
-        angle = float(self.state[self.layout.row("particle_theta", second[0])] - self.state[self.layout.row("particle_theta", first[0])])
-        return angle if given is None else float(given)
+            return math.hypot(bx - ax, by - ay)
+        return float(self.state[self.layout.row("particle_theta", second[0])] - self.state[self.layout.row("particle_theta", first[0])])
 
     def seat(self, touches: Sequence[Touch], seats: Mapping[str, Seat]) -> None:
         """Contact under way in joints whose journals start where the ideal reaction presses them."""

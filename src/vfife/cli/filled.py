@@ -58,6 +58,6 @@ def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
     name = given.get("law", DEFAULTS[kind].name)
     if "law" not in given:
         yield {"path": f"{path}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
-    for one in described_fields(LAWS[kind].registry[name]):
+    for one in described_fields(LAWS[kind].known()[name]):
         if one.name not in given and isinstance(one.default, str | float | int):
             yield {"path": f"{path}.{one.name}", "value": one.default, **{key: one.metadata[key] for key in ("unit", "meaning")}}

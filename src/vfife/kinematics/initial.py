@@ -131,10 +131,11 @@ def _at_rest(now: Instant) -> dict[str, float]:
     """Distance (m) or relative angle (rad) of every spring at the start."""
     found = {}
     for name, spring in now.mechanism.springs.items():
+        first, second = now.ends(spring)
         if isinstance(spring, Spring):
-            found[name] = float(np.hypot(*(now.pin(spring.second)[2] - now.pin(spring.first)[2])))
+            found[name] = float(np.hypot(*np.subtract(second.at, first.at)))
         else:
-            found[name] = now.turn(spring.first.partition(".")[0], spring.second.partition(".")[0])[0]
+            found[name] = second.angle - first.angle
     return found
 
 

@@ -22,7 +22,7 @@ class Parameters(Reading):
 
 def read_law(kind: str, holder: Raw) -> tuple[Law | None, list[tuple[Path, Refused]]]:
     """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or what was refused, by keys."""
-    registry = LAWS[kind].registry
+    registry = LAWS[kind].known()
     name = holder.get("law", DEFAULTS[kind].name)
     if not isinstance(name, str) or name not in registry:
         remedy = suggestion(str(name), registry, f"name a {kind} law, and with --laws the file of one of your own")

@@ -156,7 +156,7 @@ def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
         chosen = [what for what in tables(str(path[0])) if what.word == value]
         idle = set(known_keys((path[0], "")) or ()) - set(chosen[0].keys) if chosen else ()
     elif path[0] == "joint" and len(path) == 4 and path[3] == "law" and path[2] in LAWS:
-        law = LAWS[str(path[2])].registry.get(str(value))
+        law = LAWS[str(path[2])].known().get(str(value))
         idle = set(holder) - {"law", *law_fields(law)} if law else ()
     for key in idle:
         if not any(have[: len(path)] == (*path[:-1], key) for have in given):

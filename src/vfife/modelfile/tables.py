@@ -181,5 +181,5 @@ def keys_at(found: tuple[Table, ...], path: Path) -> tuple[str, ...] | None:
         values, rest = [value.part for value in values if isinstance(value, Many)], rest[1:]
     laws = [value for value in values if isinstance(value, Chosen)]
     if laws and not rest:
-        return ("law", *dict.fromkeys(name for law in LAWS[laws[0].word].registry.values() for name in law_fields(law)))
+        return ("law", *dict.fromkeys(name for law in LAWS[laws[0].word].known().values() for name in law_fields(law)))
     return keys_at(tuple(Table(value.noun) for value in values if isinstance(value, Inner)), rest)
