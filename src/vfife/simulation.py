@@ -14,7 +14,7 @@ from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
 from .model.drivers import ConstantSpeed, Torque
 from .model.mechanism import Mechanism
-from .modelfile import examined
+from .model.validate import validate
 from .result import Result
 from .results.provenance import keep_reference, provenance
 from .results.restart import restart_record, restarted, same_layout
@@ -120,7 +120,7 @@ def simulate(
 
 def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True, start: StartFrom | None = None) -> Prepared:
     """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`."""
-    examined(mechanism)
+    validate(mechanism)
     if mechanism.settings.analysis == "static":
         given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
