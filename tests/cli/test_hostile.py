@@ -14,7 +14,7 @@ from vfife.assembly.assemble import assemble
 from vfife.model.drivers import Ramp
 from vfife.model.joints import ClearanceRevolute
 from vfife.model.mechanism import Mechanism
-from vfife.modelfile import examined
+from vfife.model.validate import validate
 from vfife.simulation import assembled_at
 
 CRANK = """name = "slider-crank"
@@ -131,7 +131,7 @@ def test_broken_mechanisms_are_told(command: Callable, case: str) -> None:
         assert word in done.stderr
     assert spent < 5.0  # 2 s on a machine that does nothing else
     with pytest.raises(ValueError, match=".{20}"):
-        vfife.simulate(vfife.load("model.toml"))
+        vfife.simulate(vfife.load_model("model.toml"))
 
 
 def test_what_falls_freely_is_told_by_its_degrees_of_freedom(command: Callable) -> None:
@@ -183,7 +183,7 @@ NOUNS = {
 def test_python_hears_the_sentences_of_files(case: str) -> None:
     change, words = NOUNS[case]
     m = pendulum()
-    examined(m)
+    validate(m)
     change(m)
     with pytest.raises(ValueError) as told:
         vfife.simulate(m, duration=0.01)

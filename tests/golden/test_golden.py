@@ -29,7 +29,7 @@ CASES = {
 
 def digest(name: str, loop: str) -> str:
     """Hash of the recorded rows of a run of so many seconds."""
-    assembly = assemble(vfife.load(ROOT / "examples" / f"{name}.toml"), duration=CASES[name])
+    assembly = assemble(vfife.load_model(ROOT / "examples" / f"{name}.toml"), duration=CASES[name])
     state = assembly.state.astype(np.float32).astype(float)
     record = run(dataclasses.replace(assembly, state=state), loop=loop)  # type: ignore[arg-type]
     assert record.status == "complete"

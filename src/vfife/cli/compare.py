@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..results.folder import numbered, refuse_foreign
+from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .progress import ProgressLine
 from .run import Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
@@ -99,16 +101,8 @@ def named(text: str | None, kind: str) -> list[Any]:
 def folder_for(asked: Path | None, model: Path) -> Path:
     """The folder to write into. Raises ValueError for one that holds something else."""
     if asked is None:
-        first = path = Path("runs") / f"{model.stem}-compare"
-        number = 1
-        while path.exists():
-            number += 1
-            path = first.with_name(f"{first.name}-{number}")
-        return path
-    if asked.exists() and not asked.is_dir():
-        raise ValueError(f"-o {asked}: this is a file; name a folder")
-    if asked.exists() and any(asked.iterdir()) and not (asked / SUMMARY).is_file():
-        raise ValueError(f"-o {asked}: the folder holds files that are no comparison of vfife; name another one, or one that is empty")
+        return next(path for path in numbered(Path("runs") / f"{model.stem}-compare") if not path.exists())
+    refuse_foreign(asked, SUMMARY, "comparison")
     return asked
 
 
@@ -137,10 +131,10 @@ def show(found: Comparison, place: Path) -> None:
 def end(found: Comparison) -> None:
     """Says which runs did not come to their end, and ends with the exit code of that."""
     for one in found.rows:
-        if one["status"] != "complete":
-            tell("diverged", f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step for it", "bold red")
+        if one["status"] != Status.COMPLETE:
+            tell(Status.DIVERGED, f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step for it", "bold red")
     if len(found.rows) < found.planned:
-        tell("interrupted", f"{len(found.rows)} of {found.planned} runs are complete and kept.")
+        tell(Status.INTERRUPTED, f"{len(found.rows)} of {found.planned} runs are complete and kept.")
         raise typer.Exit(INTERRUPTED)
-    if any(one["status"] != "complete" for one in found.rows):
+    if any(one["status"] != Status.COMPLETE for one in found.rows):
         raise typer.Exit(DIVERGED)

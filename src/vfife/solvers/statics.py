@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +20,9 @@ from ..model.mechanism import Settings
 from .fictitious_mass import extent
 from .loading import Loading
 from .progress import Progress
-from .record import Record, recorded_rows
+from .record import Record, Writer, recorded_rows
 from .relaxation import Relaxation
-
-if TYPE_CHECKING:
-    from ..results.runfile import RunFile
+from .status import Status
 
 Array = NDArray[np.float64]
 
@@ -45,7 +42,7 @@ MEANINGLESS = (
 
 
 def equilibrium(
-    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None
+    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: Writer | None = None
 ) -> Record:
     """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that under factor k.
 
@@ -76,12 +73,12 @@ def equilibrium(
                 file.checkpoint(k, relaxation.state)
             old = factor
     except KeyboardInterrupt:
-        record.status, record.message = "interrupted", f"Stopped at load factor {factors[len(rows)]:g}."
+        record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."
     if not rows:  # the start itself, so that there is something to look at
         rows = [assembly.state[kept]]
-    record.rows, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
+    record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall = time.perf_counter() - began
-    record.final = relaxation.state.copy() if record.status == "complete" else None
+    record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
@@ -119,7 +116,7 @@ class Stage:
         """Iterations so far."""
         return self.relaxation.iterations - self.first
 
-    def run(self, settings: Settings) -> tuple[str, str] | None:
+    def run(self, settings: Settings) -> tuple[Status, str] | None:
         """Status and message where there is no equilibrium to be found, else None."""
         relaxation, loading = self.relaxation, self.loading
         count = self._count()
@@ -153,15 +150,15 @@ class Stage:
         turn, travel = self.loading.motion(self.old, self.new)
         return max(FEWEST, int(np.ceil(turn / TURN / PARTS)), int(np.ceil(travel / (TRAVEL * shortest) / PARTS)))
 
-    def _look(self, pushes: Array, settings: Settings) -> tuple[str, str] | None:
+    def _look(self, pushes: Array, settings: Settings) -> tuple[Status, str] | None:
         relaxation = self.relaxation
         self.ratio = relaxation.balance(pushes[-1]).ratio
         self.tell()
         moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(relaxation.turning, 2.0 * np.pi, relaxation.size)
         if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY:
-            return "diverged", self._runaway()
+            return Status.DIVERGED, self._runaway()
         if self.done > settings.iterations:
-            return "not converged", self._unfinished(settings)
+            return Status.NOT_CONVERGED, self._unfinished(settings)
         return None
 
     def tell(self, everything: bool = False) -> None:

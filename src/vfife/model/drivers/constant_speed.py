@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from .driver import Driver
 
 
@@ -14,4 +15,6 @@ class ConstantSpeed(Driver):
 
     kind: ClassVar[str] = "constant-speed"
 
-    speed: float
+    lead: ClassVar[str] = "speed"
+
+    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))

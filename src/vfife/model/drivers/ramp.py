@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from .driver import Driver
 
 
@@ -14,5 +15,7 @@ class Ramp(Driver):
 
     kind: ClassVar[str] = "ramp"
 
-    speed: float
-    duration: float
+    lead: ClassVar[str] = "speed"
+
+    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
+    duration: float = quantity("s", "time of a smooth ramp from rest to the speed", above=0.0, key="ramp")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Many, Measure, described
 from ..renamed import renamed
 from .driver import Driver
 
@@ -16,5 +17,12 @@ class AngleTable(Driver):
 
     kind: ClassVar[str] = "table"
 
-    times: tuple[float, ...]
-    values: tuple[float, ...]
+    lead: ClassVar[str] = "values"
+
+    times: tuple[float, ...] = described(Many(Measure("s")), "times of the values of a table, ascending")
+    values: tuple[float, ...] = described(
+        Many(Measure("rad")),
+        "angles from the start angle: at the times, or of the torques",
+        key="angles",
+        along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
+    )

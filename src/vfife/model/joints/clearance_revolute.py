@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from ...laws import Material, Pair
 from .contact import Contact
 
@@ -20,8 +21,8 @@ class ClearanceRevolute(Contact):
 
     kind: ClassVar[str] = "clearance"
 
-    clearance: float
-    bearing_radius: float
+    clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
+    bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
 
     @property
     def landing(self) -> float:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
 from .contact import Contact
 from .joint import Point
@@ -23,11 +24,11 @@ class ClearanceSlider(Contact):
 
     kind: ClassVar[str] = "clearance-slider"
 
-    clearance: float
-    length: float
-    height: float
-    direction: Point = (1.0, 0.0)
-    corner_radius: float = 1e-3
+    clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
+    length: float = quantity("m", "length of the block, along the guide", above=0.0)
+    height: float = quantity("m", "height of the block, across the guide", above=0.0)
+    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
+    corner_radius: float = quantity("m", "radius of the block's corners", 1e-3, above=0.0)
 
     @property
     def landing(self) -> float:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
 from .contact import Contact
 from .joint import Point
@@ -21,9 +22,9 @@ class ExternalContact(Contact):
 
     kind: ClassVar[str] = "contact"
 
-    journal_radius: float
-    bearing_radius: float | None = None
-    direction: Point = (1.0, 0.0)
+    journal_radius: float = quantity("m", "radius of the round at the journal", above=0.0)
+    bearing_radius: float | None = quantity("m", "radius of the round at the bearing; a straight line if left out", None, above=0.0)
+    direction: Point = described(Direction(), "direction of the line in the frame of the bearing's body; the journal is on its left", (1.0, 0.0))
 
     @property
     def landing(self) -> float:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...fields import Text, described, quantity
+
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
@@ -13,6 +15,6 @@ class Gear:
     """
 
     name: str
-    first: str
-    second: str
-    ratio: float
+    first: str = described(Text("body"), "a body")
+    second: str = described(Text("body"), "another body, which turns by ratio times the angle of the first")
+    ratio: float = quantity("1", "negative for external gears (- teeth of the first / teeth of the second), positive for belts")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...fields import Text, described
+
 Point = tuple[float, float]
 
 
@@ -13,8 +15,8 @@ class Joint:
     """Two pins in one place: ``bearing`` and ``journal`` are ``body.pin`` or ``ground.point``."""
 
     name: str
-    bearing: str
-    journal: str
+    bearing: str = described(Text("pin"), 'the bearing side, "body.pin" or "ground.point"')
+    journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
     registry: ClassVar[dict[str, type[Joint]]] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Direction, Switch, described
 from .joint import Joint, Point
 
 
@@ -18,5 +19,5 @@ class Slider(Joint):
 
     kind: ClassVar[str] = "slider"
 
-    direction: Point = (1.0, 0.0)
-    turning: bool = False
+    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
+    turning: bool = described(Switch(), "true: a pin in a slot, free to turn; false: the bodies keep their relative angle", False)

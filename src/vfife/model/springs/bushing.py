@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Each, Measure, described
 from .force_element import ForceElement
 
 
@@ -17,5 +18,11 @@ class Bushing(ForceElement):
 
     kind: ClassVar[str] = "bushing"
 
-    stiffness: tuple[float, float, float]
-    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stiffness: tuple[float, float, float] = described(
+        Each((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))), "stiffness in x, in y, about the axis"
+    )
+    damping: tuple[float, float, float] = described(
+        Each((Measure("N s/m", low=0.0), Measure("N s/m", low=0.0), Measure("N m s/rad", low=0.0))),
+        "damping in x, in y, about the axis",
+        (0.0, 0.0, 0.0),
+    )

@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...fields import Text, described
+
 
 @dataclass(frozen=True, kw_only=True)
 class ForceElement:
     """A massless element between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or bodies where it acts about the axis."""
 
     name: str
-    first: str
-    second: str
+    first: str = described(Text("pin"), 'one end, "body.pin" or "ground.point"')
+    second: str = described(Text("pin"), 'the other end, "body.pin" or "ground.point"')
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
     registry: ClassVar[dict[str, type[ForceElement]]] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Text, described, quantity
 from .force_element import ForceElement
 
 
@@ -17,7 +18,9 @@ class Stop(ForceElement):
 
     kind: ClassVar[str] = "stop"
 
-    low: float
-    high: float
-    stiffness: float
-    damping: float = 0.0
+    first: str = described(Text("body"), "a body, or ground")
+    second: str = described(Text("body"), "another body, or ground")
+    low: float = quantity("rad", "least angle of the second body less that of the first")
+    high: float = quantity("rad", "largest angle of the second body less that of the first")
+    stiffness: float = quantity("N m/rad", "stiffness beyond the limits", above=0.0)
+    damping: float = quantity("N m s/rad", "damping beyond the limits", 0.0, low=0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Text, described, quantity
 from .force_element import ForceElement
 
 
@@ -18,6 +19,8 @@ class TorsionalSpring(ForceElement):
 
     kind: ClassVar[str] = "torsional"
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    free_angle: float | None = None
+    first: str = described(Text("body"), "a body, or ground")
+    second: str = described(Text("body"), "another body, or ground")
+    stiffness: float = quantity("N m/rad", "stiffness", 0.0, low=0.0)
+    damping: float = quantity("N m s/rad", "damping", 0.0, low=0.0)
+    free_angle: float | None = quantity("rad", "angle of the second less that of the first without moment; that of the start if left out", None)
