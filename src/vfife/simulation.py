@@ -12,6 +12,7 @@ import numpy as np
 
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
+from .errors import Fault, ModelError
 from .model.drivers import ConstantSpeed, Torque
 from .model.mechanism import Mechanism
 from .model.validate import validate
@@ -122,6 +123,9 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`."""
     validate(mechanism)
     if mechanism.settings.analysis == "static":
+        if start is not None:
+            fault = Fault("start", "a static analysis begins at the mechanism's own start, without loads", remedy="leave it out")
+            raise ModelError([fault], "simulate()")
         given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
         return Prepared(assemble(still), None, asked.loop, lambda _: assemble(still))
