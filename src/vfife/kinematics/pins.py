@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..model.bodies import Body, Point
-from ..model.joints import ClearanceRevolute, ExternalContact, IdealRevolute, Joint, Weld
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 
@@ -52,7 +51,7 @@ def first_guess(mechanism: Mechanism) -> Array:
         if body.position is not None:
             _place(guess, names.index(name), body, (0.0, 0.0), body.position)
             placed.add(name)
-    waiting = sorted(mechanism.joints.values(), key=_rank)
+    waiting = sorted(mechanism.joints.values(), key=lambda joint: joint.rank)
     while True:
         reachable = next(
             (
@@ -72,10 +71,6 @@ def first_guess(mechanism: Mechanism) -> Array:
         if name not in placed:
             _place(guess, names.index(name), body, (0.0, 0.0), (0.0, 0.0))
     return guess
-
-
-def _rank(joint: Joint) -> int:
-    return 0 if isinstance(joint, IdealRevolute | ClearanceRevolute | Weld) else 2 if isinstance(joint, ExternalContact) else 1
 
 
 def _place(guess: Array, row: int, body: Body, local: Point, target: Point) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ..polynomials import Polynomials
+
 Point = tuple[float, float]
 
 
@@ -23,6 +25,8 @@ class Driver:
     against: str = "ground"
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    prescribes: ClassVar[bool] = True  # a motion; else a torque or a force
+    revolves: ClassVar[bool] = False  # may turn a body round and round
     registry: ClassVar[dict[str, type[Driver]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -30,3 +34,27 @@ class Driver:
         super().__init_subclass__(**kwargs)
         if cls.__dict__.get("kind"):
             cls.registry[cls.kind] = cls
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added. TypeError where it prescribes no motion."""
+        raise TypeError(f"{type(self).__name__} prescribes no motion")
+
+    @property
+    def largest_speed(self) -> float:
+        """Largest speed (rad/s or m/s) that it asks for."""
+        return 0.0
+
+    @property
+    def steady_speed(self) -> float | None:
+        """Its speed (rad/s or m/s) if that never changes, else None."""
+        return None
+
+    @property
+    def unit(self) -> str:
+        """Unit of what it prescribes."""
+        return "m" if self.slider or self.point else "rad"
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return self.kind

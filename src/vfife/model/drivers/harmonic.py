@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..polynomials import Polynomials, sine
 from .driver import Driver
 
 
@@ -17,3 +19,17 @@ class Harmonic(Driver):
     amplitude: float
     frequency: float
     phase: float = 0.0
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added."""
+        return sine(self.amplitude, self.frequency, self.phase, offset)
+
+    @property
+    def largest_speed(self) -> float:
+        """Speed in the middle of its swing (rad/s or m/s)."""
+        return 2.0 * math.pi * self.frequency * abs(self.amplitude)
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"harmonic, {self.amplitude:.6g} {self.unit} at {self.frequency:.6g} Hz"

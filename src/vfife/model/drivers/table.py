@@ -5,7 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
+from ..polynomials import Polynomials, spline
 from .driver import Driver
+
+LOOKS = 1000  # times at which a table is asked for its speed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,6 +18,22 @@ class AngleTable(Driver):
     """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
 
     kind: ClassVar[str] = "table"
+    revolves: ClassVar[bool] = True
 
     times: tuple[float, ...]
     angles: tuple[float, ...]
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added."""
+        return spline(self.times, self.angles, offset)
+
+    @property
+    def largest_speed(self) -> float:
+        """Largest speed (rad/s or m/s) on its way, looked for at 1000 times."""
+        function = self.motion()
+        return max(abs(function(time)[1]) for time in np.linspace(self.times[0], self.times[-1], LOOKS))
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"table of {len(self.times)} {'travels' if self.unit == 'm' else 'angles'} up to {self.times[-1]:.6g} s"

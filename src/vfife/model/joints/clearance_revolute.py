@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...laws import Material, Pair
+from ..touching import Touching
 from .contact import Contact
+from .ideal_revolute import IdealRevolute
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,6 +21,7 @@ class ClearanceRevolute(Contact):
     """
 
     kind: ClassVar[str] = "clearance"
+    sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
 
     clearance: float
     bearing_radius: float
@@ -31,3 +34,21 @@ class ClearanceRevolute(Contact):
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
         return Pair(self.bearing_radius, self.clearance, self.axial_length, self.bearing_material or bearing, self.journal_material or journal)
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """A journal in its bearing."""
+        return (Touching("bearing", self.clearance, (self.bearing_radius, self.bearing_radius - self.clearance)),)
+
+    def ideal(self) -> IdealRevolute:
+        """The joint without play."""
+        return IdealRevolute(name=self.name, bearing=self.bearing, journal=self.journal)
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        return self.bearing_radius
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Half the bearing's radius."""
+        return 0.5 * self.bearing_radius, f"half the bearing's radius of {self.bearing_radius:g} m"

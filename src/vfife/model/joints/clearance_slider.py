@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...laws import Material, Pair
+from ..rows import Across
+from ..touching import Touching
 from .contact import Contact
 from .joint import Point
+from .slider import Slider
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +25,7 @@ class ClearanceSlider(Contact):
     """
 
     kind: ClassVar[str] = "clearance-slider"
+    sizes: ClassVar[tuple[str, ...]] = ("clearance", "length", "height", "corner_radius")
 
     clearance: float
     length: float
@@ -38,3 +42,35 @@ class ClearanceSlider(Contact):
         """A rounded corner on a straight wall."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)
         return Pair(math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.corner_radius)
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """The four corners of the block, rear and front, at the wall to the left of the guide's direction and at that to its right."""
+        x, y = Across(self.direction).unit()
+        c, s = math.cos(turned), math.sin(turned)
+        ax, ay = c * x - s * y, s * x + c * y  # the guide in the frame of the block's body
+        r, rise = self.corner_radius, 0.5 * self.height
+        half, wall, found = 0.5 * self.length - r, rise + self.clearance, []
+        for along, side in ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)):
+            p, q = along * half, side * (rise - r)
+            at = (p * ax - q * ay, p * ay + q * ax)
+            found.append(Touching("line", wall - r, (wall, r), at, (-side * y, side * x)))
+        return tuple(found)
+
+    def ideal(self) -> Slider:
+        """The joint without play."""
+        return Slider(name=self.name, bearing=self.bearing, journal=self.journal, direction=self.direction)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a word or two."""
+        return "clearance slider"
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        return self.height
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Half the block's height."""
+        return 0.5 * self.height, f"half the block's height of {self.height:g} m"

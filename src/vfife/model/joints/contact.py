@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import ClassVar, Literal
 
 from ...laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
+from ..touching import Touching
 from .joint import Joint
 
 FrictionMoment = Literal["mid-overlap", "surface", "off"]
@@ -29,6 +30,8 @@ class Contact(Joint):
     bearing_material: Material | None = None
     journal_material: Material | None = None
 
+    sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
+
     @property
     def landing(self) -> float:
         """Depth (m) at which a first contact may land."""
@@ -36,4 +39,18 @@ class Contact(Joint):
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
+        raise NotImplementedError
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """Where the surfaces can touch; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
+        raise NotImplementedError
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        raise NotImplementedError
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Depth (m) at the start beyond which no contact law has a meaning, and what it is."""
         raise NotImplementedError

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...laws import Material, Pair
+from ..rows import Across
+from ..touching import Touching
 from .contact import Contact
 from .joint import Point
 
@@ -20,6 +22,7 @@ class ExternalContact(Contact):
     """
 
     kind: ClassVar[str] = "contact"
+    sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
 
     journal_radius: float
     bearing_radius: float | None = None
@@ -35,3 +38,31 @@ class ExternalContact(Contact):
         materials = (self.bearing_material or bearing, self.journal_material or journal)
         radius = math.inf if self.bearing_radius is None else self.bearing_radius
         return Pair(radius, 0.0, self.axial_length, *materials, opposite_radius=self.journal_radius)
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """A round on a line, or beside another round."""
+        r = self.journal_radius
+        if self.bearing_radius is not None:
+            return (Touching("round", self.bearing_radius + r, (-self.bearing_radius, r)),)
+        x, y = Across(self.direction).unit()
+        return (Touching("line", -r, (0.0, r), normal=(y, -x)),)
+
+    def ideal(self) -> None:
+        """Nothing: what may part is no joint."""
+        return None
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return "contact with a line" if self.bearing_radius is None else "contact of rounds"
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        return self.journal_radius
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Half the smaller radius."""
+        radius = self.journal_radius if self.bearing_radius is None else min(self.journal_radius, self.bearing_radius)
+        return 0.5 * radius, f"half the radius of {radius:g} m"

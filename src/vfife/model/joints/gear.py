@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..rows import Row, Turn
+
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
@@ -16,3 +18,12 @@ class Gear:
     first: str
     second: str
     ratio: float
+
+    def rows(self) -> tuple[Row, ...]:
+        """One turn coupled to another."""
+        return (Turn(self.ratio),)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"gear, ratio {self.ratio:.6g}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..rows import Coincide, Row
 from .joint import Joint
 
 
@@ -13,3 +14,7 @@ class IdealRevolute(Joint):
     """Bearing and journal share one motion; the reaction follows (Eq. 16, generalised)."""
 
     kind: ClassVar[str] = "ideal"
+
+    def rows(self) -> tuple[Row, ...]:
+        """Two pins in one place."""
+        return (Coincide(),)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ..rows import Coincide, Row, place_row
+
 Point = tuple[float, float]
 
 
@@ -30,3 +32,28 @@ class Joint:
         """(body, pin) of the bearing and of the journal."""
         bearing, journal = self.bearing.partition("."), self.journal.partition(".")
         return (bearing[0], bearing[2]), (journal[0], journal[2])
+
+    def rows(self) -> tuple[Row, ...]:
+        """What the joint holds; with play: what it would hold without."""
+        without = self.ideal()
+        return () if without is None or without is self else without.rows()
+
+    def ideal(self) -> Joint | None:
+        """The joint without play, itself where it has none; None where nothing is left of it then."""
+        return self
+
+    @property
+    def revolves(self) -> bool:
+        """Whether two bodies turn freely about its pin."""
+        return self.rows() == (Coincide(),)
+
+    @property
+    def rank(self) -> int:
+        """Which joints hang a body first when a mechanism is put together: pins (0) before guides (1) before what only touches (2)."""
+        held = place_row(self.rows())
+        return 2 if held is None else 0 if isinstance(held, Coincide) else 1
+
+    @property
+    def words(self) -> str:
+        """What it is, in a word or two."""
+        return self.kind

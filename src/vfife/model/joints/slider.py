@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..rows import Across, Row, Turn
 from .joint import Joint, Point
 
 
@@ -20,3 +21,12 @@ class Slider(Joint):
 
     direction: Point = (1.0, 0.0)
     turning: bool = False
+
+    def rows(self) -> tuple[Row, ...]:
+        """A pin on a line, and no turning unless it is a pin in a slot."""
+        return (Across(self.direction),) if self.turning else (Across(self.direction), Turn())
+
+    @property
+    def words(self) -> str:
+        """What it is, in a word or two."""
+        return "pin in a slot" if self.turning else "slider"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..rows import Coincide, Row, Turn
 from .joint import Joint
 
 
@@ -13,3 +14,7 @@ class Weld(Joint):
     """Two pins in one place, and the relative angle of their bodies kept as it is in the closed start."""
 
     kind: ClassVar[str] = "weld"
+
+    def rows(self) -> tuple[Row, ...]:
+        """Two pins in one place and no turning."""
+        return Coincide(), Turn()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..polynomials import Polynomials, clamped, constant
+
 
 @dataclass(frozen=True, kw_only=True)
 class PointForce:
@@ -20,3 +22,7 @@ class PointForce:
     follow: bool = False
     times: tuple[float, ...] | None = None
     factors: tuple[float, ...] | None = None
+
+    def factor(self) -> Polynomials:
+        """What force and moment are multiplied by over time (s)."""
+        return constant(1.0) if self.times is None or self.factors is None else clamped(self.times, self.factors)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from .force_element import ForceElement
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,6 +16,22 @@ class Bushing(ForceElement):
     """
 
     kind: ClassVar[str] = "bushing"
+    axes: ClassVar[Axes] = "bushing"
 
     stiffness: tuple[float, float, float]
     damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads; it is free of moment at the angle ``start`` (rad)."""
+        return SpringNumbers(self.stiffness, self.damping, start)
+
+    @property
+    def turns(self) -> bool:
+        """Whether it acts on the angles of its bodies."""
+        return bool(self.stiffness[2] or self.damping[2])
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        x, y, turning = self.stiffness
+        return f"bushing, {x:.6g} and {y:.6g} N/m, {turning:.6g} N m/rad"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from .force_element import ForceElement
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +17,18 @@ class Spring(ForceElement):
     """
 
     kind: ClassVar[str] = "linear"
+    axes: ClassVar[Axes] = "linear"
 
     stiffness: float = 0.0
     damping: float = 0.0
     free_length: float | None = None
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads; the free length is ``start`` (m) unless given."""
+        free = start if self.free_length is None else self.free_length
+        return SpringNumbers((self.stiffness, 0.0, 0.0), (self.damping, 0.0, 0.0), free)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"spring, {self.stiffness:.6g} N/m, {self.damping:.6g} N s/m"

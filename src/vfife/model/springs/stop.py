@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from .force_element import ForceElement
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,8 +16,18 @@ class Stop(ForceElement):
     """
 
     kind: ClassVar[str] = "stop"
+    axes: ClassVar[Axes] = "stop"
 
     low: float
     high: float
     stiffness: float
     damping: float = 0.0
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads."""
+        return SpringNumbers((0.0, 0.0, self.stiffness), (0.0, 0.0, self.damping), self.low, self.high)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"stop between {self.low:.6g} and {self.high:.6g} rad, {self.stiffness:.6g} N m/rad"

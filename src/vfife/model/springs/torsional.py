@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from .force_element import ForceElement
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +17,18 @@ class TorsionalSpring(ForceElement):
     """
 
     kind: ClassVar[str] = "torsional"
+    axes: ClassVar[Axes] = "torsional"
 
     stiffness: float = 0.0
     damping: float = 0.0
     free_angle: float | None = None
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads; the free angle is ``start`` (rad) unless given."""
+        free = start if self.free_angle is None else self.free_angle
+        return SpringNumbers((0.0, 0.0, self.stiffness), (0.0, 0.0, self.damping), free)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"torsional spring, {self.stiffness:.6g} N m/rad, {self.damping:.6g} N m s/rad"
