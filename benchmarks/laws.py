@@ -16,7 +16,7 @@ from vfife.codegen.runner import Runner
 from vfife.codegen.source import Gathered
 from vfife.kernels.elementary import log, power
 from vfife.laws import ContactLaw, Frictionless
-from vfife.model.mechanism import Mechanism, Start
+from vfife.model.mechanism import Mechanism, StartSettings
 from vfife.solvers.record import recorded_rows
 
 REFERENCE = "lankarani-nikravesh"
@@ -33,7 +33,7 @@ def law_of(law: type[ContactLaw]) -> ContactLaw:
 
 def journal(law: ContactLaw) -> Mechanism:
     """A journal that lies in its bearing: in contact at every step, and nothing else to compute."""
-    m = Mechanism("journal in bearing", gravity=(0.0, -9.81), start=Start(journals="seated"))
+    m = Mechanism("journal in bearing", gravity=(0.0, -9.81), start=StartSettings(journals="seated"))
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=1.0)
     m.clearance("J", "ground.O", "journal.center", clearance=2e-4, bearing_radius=0.01, contact=law, friction=Frictionless())

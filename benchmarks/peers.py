@@ -40,8 +40,8 @@ class Case:
         record = advance(assembly, loop=loop)  # type: ignore[arg-type]
         late = record.steps * assembly.choice.step > TURN * (1 + 1e-9)
         alpha = record.block("body_alpha_max")[late, assembly.bodies["follower"].row].max()
-        joint = "clearance" if "C" in assembly.contacts else "ideal"
-        column = (assembly.contacts if joint == "clearance" else assembly.ideals).index("C")
+        joint = "contact" if "C" in assembly.contacts else "joint"
+        column = (assembly.contacts if joint == "contact" else assembly.ideals).index("C")
         force = np.sqrt(record.block(f"{joint}_force_squared_max")[late, column].max())
         wanted = REFERENCE[self.case]
         return {

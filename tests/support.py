@@ -57,7 +57,7 @@ def four_bar(
         "clearance": clearance,
         "bearing_radius": 0.01,
         "contact": contact or LankaraniNikravesh(restitution=0.9, stiffness=6.6e10),
-        "friction": friction or Ambrosio(0.1, 1e-4, 1e-2),
+        "friction": friction or Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2),
     } | (joint or {})
     for name, *ends in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
         sides = ends[::-1] if exchanged else ends
@@ -206,9 +206,9 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
             "position": b.position and flip(b.position),
         }
         if isinstance(b, RigidBody):
-            changes |= {"center": flip(b.center), "points": {name: flip(at) for name, at in b.points.items()}}
+            changes |= {"center": flip(b.center), "pins": {name: flip(at) for name, at in b.pins.items()}}
         if isinstance(b, Link):
-            changes |= {"extra_points": {name: flip(at) for name, at in b.extra_points.items()}}
+            changes |= {"pins": {name: flip(at) for name, at in b.pins.items()}}
         return dataclasses.replace(b, **changes)
 
     def driver(d: Any) -> Any:

@@ -33,7 +33,7 @@ from .model.bodies import Link, PointMass, RigidBody, Section
 from .model.drivers import AngleTable, ConstantSpeed, Ramp, Torque
 from .model.joints import ClearanceRevolute, IdealRevolute
 from .model.loads import PointForce
-from .model.mechanism import Mechanism, Settings, Start
+from .model.mechanism import Mechanism, Settings, Start, StartSettings
 
 if TYPE_CHECKING:
     from . import gallery
@@ -46,10 +46,10 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _LAZY = {
-    "compare": "comparison",
+    "compare": "study.compare",
     "gallery": "",
     "load": "modelfile",
-    "load_laws": "laws.own",
+    "load_laws": "laws.user",
     "Result": "result",
     "simulate": "simulation",
 }
@@ -103,6 +103,7 @@ __all__ = [
     "Section",
     "Settings",
     "Start",
+    "StartSettings",
     "Stribeck",
     "Threlfall",
     "Torque",

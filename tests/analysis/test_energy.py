@@ -86,8 +86,8 @@ def test_moment_that_changes_in_time() -> None:
 
 def test_contact_stores_what_the_journal_had() -> None:
     """At its greatest depth a journal of 1 kg and 1 m/s has given all of its energy to the contact and the losses."""
-    law = LankaraniNikravesh(0.9, 6.6e10)
-    record = go(journal_in_bearing(contact=law, friction=Ambrosio(0.0)), 1e-7, duration=7e-4, outputs=7000)
+    law = LankaraniNikravesh(restitution=0.9, stiffness=6.6e10)
+    record = go(journal_in_bearing(contact=law, friction=Ambrosio(coefficient=0.0)), 1e-7, duration=7e-4, outputs=7000)
     book = ledger(record)
     assert book.terms["kinetic"][0] == pytest.approx(0.5)
     deepest = int(np.argmax(record.block("contact_penetration")[:, 0]))

@@ -66,7 +66,7 @@ def test_a_law_of_ones_own_that_sticks_delivers_nothing():
 
 
 def test_steady_sliding_through_a_law_without_memory():
-    law, speeds = Ambrosio(0.2, 1e-3, 1e-2), np.array([-1.0, -5.5e-3, 0.0, 5e-4, 5.5e-3, 1.0])
+    law, speeds = Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2), np.array([-1.0, -5.5e-3, 0.0, 5e-4, 5.5e-3, 1.0])
     assert steady_sliding(law, PAIR, 80.0, speeds) == pytest.approx([16.0, 8.0, 0.0, 0.0, -8.0, -16.0], rel=1e-6)
     assert not remembers(law, PAIR, 80.0)
 

@@ -172,7 +172,7 @@ NOUNS = {
     "negative damping": (lambda m: m.spring("s", "rod.end", "ground.O", damping=-5.0), "this is negative"),
     "stop the wrong way round": (lambda m: m.stop("s", "rod", "ground", low=1.0, high=0.0, stiffness=1.0), "no room between the limits"),
     "ramp of no time": (lambda m: m.drivers.update(rod=vfife.Ramp(body="rod", speed=1.0, duration=0.0)), "ramp = 0"),
-    "uneven table": (lambda m: m.drivers.update(rod=vfife.AngleTable(body="rod", times=(0.0, 1.0), angles=(0.0,))), "1 for 2 times"),
+    "uneven table": (lambda m: m.drivers.update(rod=vfife.AngleTable(body="rod", times=(0.0, 1.0), values=(0.0,))), "1 for 2 times"),
     "load on nothing": (lambda m: m.loads.update(f=vfife.PointForce(name="f", at="x.y")), "there is no body 'x'"),
     "unknown model": (lambda m: m.link("b", length=1.0, mass=1.0, model="elstic"), 'Did you mean "elastic"'),
     "no number": (lambda m: m.link("b", length=1.0, mass=math.nan), "not a finite number"),

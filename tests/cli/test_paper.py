@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from vfife.cli.paper import NAMES, chosen
-from vfife.paper.contents import Chart, Item, Line, Panel, Parameter, Table, Verdict
 from vfife.paper.page import Folder, page
+from vfife.report.contents import Chart, Item, Line, Panel, Parameter, Table, Verdict
 
 
 class Outline(HTMLParser):

@@ -21,7 +21,7 @@ from vfife.model.drivers import Torque
 from vfife.model.mechanism import Mechanism
 
 LAWS = sorted(FrictionLaw.registry.values(), key=lambda law: law.name)
-CONTACT = LankaraniNikravesh(0.6, 1e9)
+CONTACT = LankaraniNikravesh(restitution=0.6, stiffness=1e9)
 STEP, EVERY, OUTPUTS, INTERPRETED, LANES = 4e-6, 50, 40, 12, 4
 
 
@@ -39,7 +39,7 @@ def model(lane: int, share: int | None = None) -> Mechanism:
         arm = 0.02 if n % 2 else 0.0
         m.point(f"O{n}", 0.1 * n, 0.0)
         m.rigid_body(
-            f"d{n}", mass=1.0, inertia=5e-5 + arm**2, center=(arm, 0.0), points={"eye": (0.0, 0.0)}, angle=-1.2, velocity=(0.4, -0.3, 9.0 - lane)
+            f"d{n}", mass=1.0, inertia=5e-5 + arm**2, center=(arm, 0.0), pins={"eye": (0.0, 0.0)}, angle=-1.2, velocity=(0.4, -0.3, 9.0 - lane)
         )
         m.clearance(f"J{n}", f"ground.O{n}", f"d{n}.eye", clearance=1e-4, bearing_radius=0.01, contact=CONTACT, friction=law(**changes))
     m.point("A", 0.0, 0.5)
@@ -48,9 +48,17 @@ def model(lane: int, share: int | None = None) -> Mechanism:
     m.link("lower", length=0.15, mass=0.5, angle=-0.9)
     m.revolute("A", "ground.A", "crank.start")
     m.revolute("P", "crank.end", "upper.start")
-    m.clearance("Q", "upper.end", "lower.start", clearance=1e-4, bearing_radius=0.02, contact=CONTACT, friction=Stribeck(0.2, 0.4, viscous=0.1))
+    m.clearance(
+        "Q",
+        "upper.end",
+        "lower.start",
+        clearance=1e-4,
+        bearing_radius=0.02,
+        contact=CONTACT,
+        friction=Stribeck(coefficient=0.2, static_coefficient=0.4, viscous=0.1),
+    )
     m.drive("crank", speed=30.0 + lane)
-    m.drivers["lower"] = Torque(body="lower", torque=0.5)
+    m.drivers["lower"] = Torque(body="lower", value=0.5)
     return with_settings(m, damping=2.0)
 
 

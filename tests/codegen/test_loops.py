@@ -27,15 +27,15 @@ def rigid_bars(lane: int) -> Mechanism:
 
 def two_particle_bars(lane: int) -> Mechanism:
     """The paper's links: a frame element each, joints with particles of their own and other laws each, one with a power of the depth."""
-    m = four_bar("BCD", "two-particle", clearance=1e-4 * (1 + lane), friction=Ambrosio(0.1, 0.01, 0.1), section=SQUARE)
-    m.joints["C"] = dataclasses.replace(m.joints["C"], contact=Pereira(0.5))
+    m = four_bar("BCD", "two-particle", clearance=1e-4 * (1 + lane), friction=Ambrosio(coefficient=0.1, v0=0.01, v1=0.1), section=SQUARE)
+    m.joints["C"] = dataclasses.replace(m.joints["C"], contact=Pereira(restitution=0.5))
     m.joints["D"] = dataclasses.replace(m.joints["D"], friction=Frictionless())
     return m
 
 
 def one_clearance(lane: int) -> Mechanism:
     """Case b: a clearance joint between bodies that hang in ideal joints."""
-    return four_bar("C", clearance=2e-4 * (1 + 0.4 * lane), contact=LankaraniNikravesh(0.9 - 0.2 * lane, 6.6e10))
+    return four_bar("C", clearance=2e-4 * (1 + 0.4 * lane), contact=LankaraniNikravesh(restitution=0.9 - 0.2 * lane, stiffness=6.6e10))
 
 
 def elastic_bars(lane: int) -> Mechanism:
@@ -49,7 +49,7 @@ def swing(lane: int) -> Mechanism:
     m.point("O", 0.1, 0.2)
     m.link("arm", length=0.2, mass=1.0, angle=0.4)
     m.link("upper", length=0.3, mass=0.8, angle=-1.2)
-    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), points={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
+    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), pins={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
     m.revolute("O", "ground.O", "arm.start")
     m.revolute("P", "arm.end", "upper.start")
     m.clearance(
@@ -58,11 +58,11 @@ def swing(lane: int) -> Mechanism:
         "lower.eye",
         clearance=3e-4,
         bearing_radius=0.01,
-        contact=LankaraniNikravesh(0.8, 1e9),
-        friction=Ambrosio(0.2, 1e-3, 1e-2),
+        contact=LankaraniNikravesh(restitution=0.8, stiffness=1e9),
+        friction=Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2),
     )
     m.drivers["arm"] = Ramp(body="arm", speed=40.0 + lane, duration=0.004)
-    m.drivers["lower"] = Torque(body="lower", torque=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
+    m.drivers["lower"] = Torque(body="lower", value=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
     m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
     return with_settings(m, damping=2.0)
 
@@ -77,7 +77,7 @@ def journals(lane: int) -> Mechanism:
     for form, laws in forms.items():
         for k in range(-(-len(laws) // LANES)):
             name, law = f"{form.__name__}{k}", laws[(LANES * k + lane) % len(laws)]
-            m.rigid_body(name, mass=0.5, inertia=2e-5, points={"eye": (0.0, 0.0)}, velocity=(0.6, 0.2 + 0.1 * lane, 30.0))
+            m.rigid_body(name, mass=0.5, inertia=2e-5, pins={"eye": (0.0, 0.0)}, velocity=(0.6, 0.2 + 0.1 * lane, 30.0))
             chosen = contact_law(law, restitution=0.8 + 0.04 * lane)
             m.clearance(name, "ground.O", f"{name}.eye", clearance=2e-4, bearing_radius=0.01, contact=chosen)
     return m

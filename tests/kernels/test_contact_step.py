@@ -17,9 +17,9 @@ def two_bodies(arms: bool, friction) -> Mechanism:
     """Two free bodies in one clearance joint: with their pins at their centres, or far from them."""
     m = Mechanism("two bodies")
     far = 0.15 if arms else 0.0
-    m.rigid_body("a", mass=2.0, inertia=8e-3, points={"eye": (far, 0.3 * far)}, angle=0.4, velocity=(1.0, 0.3, -6.0), position=(0.0, 0.0))
-    m.rigid_body("b", mass=0.7, inertia=3e-3, points={"eye": (-0.6 * far, 0.5 * far)}, angle=-1.0, velocity=(-1.0, 1.4, 9.0))
-    contact = LankaraniNikravesh(RESTITUTION, STIFFNESS)
+    m.rigid_body("a", mass=2.0, inertia=8e-3, pins={"eye": (far, 0.3 * far)}, angle=0.4, velocity=(1.0, 0.3, -6.0), position=(0.0, 0.0))
+    m.rigid_body("b", mass=0.7, inertia=3e-3, pins={"eye": (-0.6 * far, 0.5 * far)}, angle=-1.0, velocity=(-1.0, 1.4, 9.0))
+    contact = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS)
     m.clearance("J", "a.eye", "b.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=contact, friction=friction)
     return m
 
@@ -59,7 +59,7 @@ class Contact:
 @pytest.mark.parametrize("arms", [False, True], ids=["at the centres", "far from the centres"])
 def test_friction_law_holds_at_the_step(arms):
     """Ambrosio's ramp at the slip that normal and friction force leave: the coupling of the two through the arms is in it."""
-    c = Contact(arms, Ambrosio(COEFFICIENT, V0, V1))
+    c = Contact(arms, Ambrosio(coefficient=COEFFICIENT, v0=V0, v1=V1))
     assert onsets(c.record)[0] >= 1 and len(c.inside) > 100
     on_ramp = (np.abs(c.slip) > V0) & (np.abs(c.slip) < V1)
     assert on_ramp.sum() > 50 and np.abs(c.friction).max() > 500
@@ -69,7 +69,7 @@ def test_friction_law_holds_at_the_step(arms):
 @pytest.mark.parametrize(("arms", "rubs"), [(False, False), (False, True), (True, False)])
 def test_contact_law_holds_at_the_step(arms, rubs):
     """Hysteresis damping at the rate that the normal force itself leaves, to rounding, where friction does not feed back on it."""
-    c = Contact(arms, Ambrosio(COEFFICIENT, V0, V1) if rubs else Frictionless())
+    c = Contact(arms, Ambrosio(coefficient=COEFFICIENT, v0=V0, v1=V1) if rubs else Frictionless())
     pushed = c.normal > 0
     assert pushed.sum() > 100 and c.normal.max() > 2e3
     assert c.normal[pushed] == pytest.approx(c.expected[pushed], rel=0, abs=1e-11 * c.normal.max())
@@ -77,6 +77,6 @@ def test_contact_law_holds_at_the_step(arms, rubs):
 
 def test_friction_feeds_back_on_the_normal_force_from_the_last_step():
     """Honestly: with arms the normal force is solved before friction, whose push on the rate is that of the step before; 2e-6 here."""
-    c = Contact(True, Ambrosio(COEFFICIENT, V0, V1))
+    c = Contact(True, Ambrosio(coefficient=COEFFICIENT, v0=V0, v1=V1))
     left_out = np.abs(c.normal - c.expected).max() / c.normal.max()
     assert 1e-9 < left_out < 1e-5

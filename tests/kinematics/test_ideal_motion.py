@@ -83,7 +83,7 @@ def test_slider_crank_in_closed_form(angle):
 
 def test_a_load_off_the_block_is_carried_by_the_guide():
     m = slider_crank(angle=0.7, speed=0.0)
-    m.bodies["slider"] = dataclasses.replace(m.bodies["slider"], points={"ear": (0.03, 0.01)})
+    m.bodies["slider"] = dataclasses.replace(m.bodies["slider"], pins={"ear": (0.03, 0.01)})
     m.loads["p"] = PointForce(name="p", at="slider.ear", force=(0.0, -80.0), moment=0.5)
     motion = ideal_motion(m)
     assert motion.reaction["guide"][2] == pytest.approx(80.0 * 0.03 - 0.5, rel=1e-12)
@@ -110,7 +110,7 @@ def test_the_mirror_image_starts_from_the_same_bits():
         Harmonic(slider="guide", amplitude=0.01, frequency=20.0, phase=0.4),
         StepTo(slider="guide", travel=-0.03, duration=0.05, begin=0.01),
         Ramp(point="slider.center", direction=(2.0, 0.0), speed=-1.0, duration=0.02),
-        AngleTable(slider="guide", times=(0.0, 0.01, 0.02), angles=(0.0, 0.004, -0.002)),
+        AngleTable(slider="guide", times=(0.0, 0.01, 0.02), values=(0.0, 0.004, -0.002)),
         ConstantSpeed(point="rod.end", speed=0.8),
     ],
 )
@@ -200,10 +200,10 @@ def test_spring_and_damper_at_the_start():
         (lambda m: m.stop("t", "ground", "rod", low=0.5, high=0.9, stiffness=20.0, damping=1.0), 0.0),  # it would pull back
         (lambda m: m.stop("t", "ground", "rod", low=-1.0, high=1.0, stiffness=100.0, damping=1.0), 0.0),
         (lambda m: m.bushing("t", "ground.O", "rod.start", stiffness=(1e3, 1e3, 50.0), damping=(9.0, 9.0, 4.0)), -12.0),
-        (lambda m: m.drivers.update(t=Torque(body="rod", torque=(1.0, 5.0), speeds=(0.0, 4.0))), 4.0),
-        (lambda m: m.drivers.update(t=Torque(body="rod", torque=(1.0, 5.0), speeds=(0.0, 2.0))), 5.0),
-        (lambda m: m.drivers.update(t=Torque(body="rod", torque=(1.0, 5.0), angles=(-1.0, 1.0))), 3.0),
-        (lambda m: m.drivers.update(t=Torque(body="", point="rod.end", direction=(0.0, 3.0), torque=2.0)), 2.0 * 0.6 * math.cos(0.4)),
+        (lambda m: m.drivers.update(t=Torque(body="rod", value=(1.0, 5.0), speeds=(0.0, 4.0))), 4.0),
+        (lambda m: m.drivers.update(t=Torque(body="rod", value=(1.0, 5.0), speeds=(0.0, 2.0))), 5.0),
+        (lambda m: m.drivers.update(t=Torque(body="rod", value=(1.0, 5.0), angles=(-1.0, 1.0))), 3.0),
+        (lambda m: m.drivers.update(t=Torque(body="", point="rod.end", direction=(0.0, 3.0), value=2.0)), 2.0 * 0.6 * math.cos(0.4)),
         (lambda m: m.loads.update(t=PointForce(name="t", at="rod.end", force=(1.0, 7.0), follow=True)), 0.6 * 7.0),
     ],
 )
@@ -226,8 +226,8 @@ def test_a_stop_lets_go_of_what_leaves_it_fast(damping, moment):
 def test_a_bushing_carries_a_displaced_body():
     """Two free bodies, pins apart: forces -K d in the first body's axes, equal and opposite, moments about the second pin's place."""
     m = Mechanism("bushing")
-    m.rigid_body("a", mass=1.0, inertia=0.1, angle=0.5, points={"p": (0.2, 0.0)}, position=(0.0, 0.0))
-    m.rigid_body("b", mass=2.0, inertia=0.3, angle=1.5, points={"q": (-0.1, 0.1)}, position=(0.5, 0.4))
+    m.rigid_body("a", mass=1.0, inertia=0.1, angle=0.5, pins={"p": (0.2, 0.0)}, position=(0.0, 0.0))
+    m.rigid_body("b", mass=2.0, inertia=0.3, angle=1.5, pins={"q": (-0.1, 0.1)}, position=(0.5, 0.4))
     m.bushing("e", "a.p", "b.q", stiffness=(1000.0, 300.0, 9.0))
     motion = ideal_motion(m)
     ca, cb = np.exp(0.5j), np.exp(1.5j)
@@ -247,7 +247,7 @@ def test_gears_between_links_share_a_torque():
     m.link("wheel", length=0.3, mass=1.0, angle=2.0)
     m.revolute("B", "ground.P", "wheel.start")
     m.gear("teeth", "rod", "wheel", ratio=-2.0)
-    m.drivers["rod"] = Torque(body="rod", torque=6.0)
+    m.drivers["rod"] = Torque(body="rod", value=6.0)
     motion = ideal_motion(m)
     other = 1.0 * 0.3**2 / 3.0
     alpha = 6.0 / (INERTIA + 4.0 * other)
@@ -260,7 +260,7 @@ def test_a_torque_against_another_body_acts_on_both():
     m = Mechanism("pair")
     m.rigid_body("a", mass=1.0, inertia=0.1)
     m.rigid_body("b", mass=1.0, inertia=0.4)
-    m.drivers["motor"] = Torque(body="b", against="a", torque=2.0)
+    m.drivers["motor"] = Torque(body="b", against="a", value=2.0)
     motion = ideal_motion(m)
     assert (motion.of("a")[2][2], motion.of("b")[2][2]) == pytest.approx((-20.0, 5.0), rel=1e-13)
 

@@ -198,7 +198,7 @@ def test_delivers_the_restitution_of_the_oracle(law, restitution):
 @pytest.mark.parametrize("restitution", [0.3, 0.9])
 def test_the_oracle_bites(restitution):
     """A damping factor that is off by a part in ten thousand is seen."""
-    p = LankaraniNikravesh(restitution).parameters(PAIRS[1])
+    p = LankaraniNikravesh(restitution=restitution).parameters(PAIRS[1])
     rebound, _ = free_impact(LankaraniNikravesh, (p[0], 1.0001 * p[1]), 1.0, 1.0)
     assert abs(rebound - oracle(p[1])) > 3e-6
 

@@ -18,7 +18,7 @@ def test_common_laws_are_in_every_loop_and_no_others():
 
 def test_laws_that_differ_in_numbers_only_share_a_compilation():
     assert forms(ContactLaw, [Flores(), LankaraniNikravesh()]) == COMMON
-    assert forms(ContactLaw, [Johnson()]) == forms(ContactLaw, [Radzimovsky(0.5), Johnson(0.9)]) != COMMON
+    assert forms(ContactLaw, [Johnson()]) == forms(ContactLaw, [Radzimovsky(restitution=0.5), Johnson(restitution=0.9)]) != COMMON
 
 
 def test_the_order_of_the_joints_does_not_matter():
@@ -44,6 +44,6 @@ def test_a_subclass_with_a_force_of_its_own_is_a_form_of_its_own():
 
 
 def test_the_reference_shares_the_loop_of_its_run():
-    m = four_bar("C", contact=Johnson(0.9))
+    m = four_bar("C", contact=Johnson(restitution=0.9))
     reference = reference_of(m, duration=1e-3)
     assert reference.record.assembly.topology.contact_laws == assemble(m, 1e-7, duration=1e-3, force_step=True).topology.contact_laws

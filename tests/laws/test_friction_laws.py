@@ -250,7 +250,7 @@ def ambrosio(velocity: float, normal: float, coefficient: float, v0: float, v1: 
 )  # fmt: skip
 def test_ambrosio_solves_its_own_relation(coefficient, v0, ramp, normal, free, mobility):
     """The force put back: at the velocity it causes, the printed law gives the same force."""
-    law = Ambrosio(coefficient, v0, v0 + ramp)
+    law = Ambrosio(coefficient=coefficient, v0=v0, v1=v0 + ramp)
     p = law.parameters(PAIR)
     force, _ = law.force(normal, free, mobility, 0.0, DT, p)
     sliding = free + mobility * force
@@ -263,13 +263,13 @@ def test_ambrosio_solves_its_own_relation(coefficient, v0, ramp, normal, free, m
 def test_ambrosio_at_marked_speeds(speed, share):
     """No force below v_0, half of it in the middle of the ramp, all of it from v_1: nothing is moved (mobility 0)."""
     for sign in (1.0, -1.0):
-        force, _ = Ambrosio.force(2000.0, sign * speed, 0.0, 0.0, DT, Ambrosio(0.1, 1e-4, 1e-2).parameters(PAIR))
+        force, _ = Ambrosio.force(2000.0, sign * speed, 0.0, 0.0, DT, Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2).parameters(PAIR))
         assert force == pytest.approx(-sign * 200.0 * share, rel=1e-12)
 
 
 def test_ambrosio_slows_down_to_the_ramp_and_not_below():
     """A very mobile contact: the force takes away all sliding but v_0, and never pushes back."""
-    law = Ambrosio(0.1, 1e-4, 1e-2)
+    law = Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2)
     force, _ = law.force(1e6, 0.5, 1.0, 0.0, DT, law.parameters(PAIR))
     assert 0.5 + force == pytest.approx(1e-4, rel=2e-2) and force < 0.0
 

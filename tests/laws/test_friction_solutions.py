@@ -40,7 +40,7 @@ def test_coulomb_sticks_or_slides(mu, normal, free, mobility):
 @settings(deadline=None, max_examples=500)
 @given(normal=positive, free=st.floats(-0.1, 0.1), mobility=st.floats(1e-9, 1e-3), band=st.floats(0.0, 1e-2))
 def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility, band):
-    law = Karnopp(0.2, 0.3, band)
+    law = Karnopp(coefficient=0.2, static_coefficient=0.3, band=band)
     force, _ = law.force(normal, free, mobility, 0.0, 1e-6, law.parameters(PAIR))
     left = free + mobility * force
     if abs(force) == pytest.approx(0.2 * normal, rel=1e-15) and abs(left) > band * (1 - 1e-12):
@@ -57,7 +57,7 @@ def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility
 )  # fmt: skip
 def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shape, viscous):
     """Static and kinetic part at the extrapolated speed, sign and viscous part at the speed that is left."""
-    law = Stribeck(0.1, 0.2, 2e-3, shape, viscous)
+    law = Stribeck(coefficient=0.1, static_coefficient=0.2, stribeck_speed=2e-3, shape=shape, viscous=viscous)
     force, (left, kept) = law.force(normal, free, mobility, (last, before), 1e-6, law.parameters(PAIR))
     limit = 0.1 + 0.1 * math.exp(-((abs(1.5 * last - 0.5 * before) / 2e-3) ** shape))
     rest = force / normal + viscous * 0.5 * (last + left)
@@ -82,7 +82,11 @@ def block(law, steps, dt, speed, push, normal=9.81, sliding=False):
     return np.array(speeds)
 
 
-@pytest.mark.parametrize("law", [Coulomb(0.3), Karnopp(0.2, 0.3, 1e-4), Stribeck(0.2, 0.3)], ids=lambda law: law.name)
+@pytest.mark.parametrize(
+    "law",
+    [Coulomb(coefficient=0.3), Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-4), Stribeck(coefficient=0.2, static_coefficient=0.3)],
+    ids=lambda law: law.name,
+)
 def test_block_on_an_incline_stays_to_rounding(law):
     """Below the friction angle: 2e5 steps later it has moved by less than an atom's nucleus."""
     angle = math.atan(0.299)
@@ -93,11 +97,11 @@ def test_block_on_an_incline_stays_to_rounding(law):
 
 def test_block_on_an_incline_slides_above_the_friction_angle():
     angle, dt, steps = math.atan(0.301), 1e-5, 20_000
-    speeds = block(Coulomb(0.3), steps, dt, 0.0, 9.81 * math.sin(angle), 9.81 * math.cos(angle))
+    speeds = block(Coulomb(coefficient=0.3), steps, dt, 0.0, 9.81 * math.sin(angle), 9.81 * math.cos(angle))
     assert speeds[-1] == pytest.approx((steps - 0.5) * dt * 9.81 * (math.sin(angle) - 0.3 * math.cos(angle)), rel=1e-11)
 
 
-@pytest.mark.parametrize("law", [Coulomb(0.3), Karnopp(0.3, 0.3, 0.0)], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [Coulomb(coefficient=0.3), Karnopp(coefficient=0.3, static_coefficient=0.3, band=0.0)], ids=lambda law: law.name)
 def test_a_block_that_slides_stops_and_rests(law):
     """After v^2/(2 mu g), to half a step's path, and then at exactly no speed."""
     dt = 1e-6
@@ -109,7 +113,7 @@ def test_a_block_that_slides_stops_and_rests(law):
 
 def test_stribeck_curve_converges_to_its_differential_equation():
     """A block slowed down through the Stribeck curve: second order, while an implicit half-step value would have the first."""
-    law = Stribeck(0.1, 0.3, 0.02, 2.0, 0.5)
+    law = Stribeck(coefficient=0.1, static_coefficient=0.3, stribeck_speed=0.02, shape=2.0, viscous=0.5)
 
     def rate(t, v):
         return -9.81 * (0.1 + 0.2 * np.exp(-((v / 0.02) ** 2)) + 0.5 * v)
@@ -142,9 +146,9 @@ def brown_mcphee(law, v):
 
 
 CURVES = [
-    (Threlfall(0.3, 0.05), threlfall),
-    (BengisuAkay(0.2, 0.3, 0.02, 40.0), bengisu_akay),
-    (BrownMcPhee(0.2, 0.3, 0.02), brown_mcphee),
+    (Threlfall(coefficient=0.3, v1=0.05), threlfall),
+    (BengisuAkay(coefficient=0.2, static_coefficient=0.3, v0=0.02, decay=40.0), bengisu_akay),
+    (BrownMcPhee(coefficient=0.2, static_coefficient=0.3, transition_speed=0.02), brown_mcphee),
 ]
 each_curve = pytest.mark.parametrize(("law", "curve"), CURVES, ids=[type(law).name for law, _ in CURVES])
 any_state = {
@@ -214,7 +218,7 @@ def test_a_curve_converges_to_its_differential_equation(law, curve, start):
 
 
 def test_threlfall_is_whole_without_a_jump():
-    law = Threlfall(0.3, 0.05)
+    law = Threlfall(coefficient=0.3, v1=0.05)
     forces = [law.force(100.0, v, 0.0, (0.0, 0.0), 1e-6, law.parameters(PAIR))[0] for v in (0.05 * (1 - 1e-12), 0.05 * (1 + 1e-12), 3.0)]
     assert forces == pytest.approx([-30.0] * 3, rel=1e-11)
 
@@ -230,7 +234,7 @@ def test_threlfall_is_whole_without_a_jump():
 def test_bristles_solve_their_relation(normal, mobility, free, last, before, bent, dt):
     """The step of the deflection as told, the velocity that the force leaves, and the force at both."""
     mu, s0, s1, s2 = 0.15, 2e4, 20.0, 0.1
-    law = LuGre(mu, mu, 1e-3, s0, s1, s2)
+    law = LuGre(coefficient=mu, static_coefficient=mu, stribeck_speed=1e-3, bristle_stiffness=s0, bristle_damping=s1, viscous=s2)
     z = bent * mu / s0
     force, (after, v, kept) = law.force(normal, free, mobility, (z, last, before), dt, law.parameters(PAIR))
     y = abs(1.5 * last - 0.5 * before) * dt * s0 / mu
@@ -264,7 +268,9 @@ def test_bristles_bend_as_they_should_at_constant_velocity(v):
         assert memory[0] == pytest.approx(g / 1e4, rel=1e-12)
 
 
-@pytest.mark.parametrize("law", [Dahl(0.2, 3e4), LuGre(bristle_stiffness=3e4, bristle_damping=0.0)], ids=lambda law: law.name)
+@pytest.mark.parametrize(
+    "law", [Dahl(coefficient=0.2, bristle_stiffness=3e4), LuGre(bristle_stiffness=3e4, bristle_damping=0.0)], ids=lambda law: law.name
+)
 def test_presliding_is_a_spring(law):
     """Slow and short: force over displacement is the bristles' stiffness times the normal force, and it gives back what it took."""
     dt, memory, way, work = 1e-4, tuple(0.0 for _ in law.memory), 0.0, 0.0
@@ -287,7 +293,15 @@ def oscillation(law, dt, end=0.2):
     return np.array(found)
 
 
-@pytest.mark.parametrize("law", [Dahl(), LuGre(), LuGre(0.1, 0.3, 0.004, 5e3, 10.0, 0.2)], ids=["dahl", "lugre", "lugre steep"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        Dahl(),
+        LuGre(),
+        LuGre(coefficient=0.1, static_coefficient=0.3, stribeck_speed=0.004, bristle_stiffness=5e3, bristle_damping=10.0, viscous=0.2),
+    ],
+    ids=["dahl", "lugre", "lugre steep"],
+)
 def test_bristles_follow_their_differential_equation(law):
     """SciPy's solution of dz/dt = v - sigma_0 |v| z/g: the deflection converges with the second order."""
     p = [getattr(law, name, 0.0) for name in ("coefficient", "static_coefficient", "stribeck_speed", "bristle_stiffness")]
@@ -322,7 +336,12 @@ def pulled(law, dt, end):
 
 def test_lugre_stick_slip_is_that_of_scipy():
     """The example of the 1995 paper (mass, spring, speed and parameters are its own): four slips in 40 s, stiff for SciPy, not for us."""
-    law, end = LuGre(0.1, 0.15, 1e-3, 1e4, math.sqrt(1e5) / 10, 0.04), 40.0
+    law, end = (
+        LuGre(
+            coefficient=0.1, static_coefficient=0.15, stribeck_speed=1e-3, bristle_stiffness=1e4, bristle_damping=math.sqrt(1e5) / 10, viscous=0.04
+        ),
+        40.0,
+    )
 
     def rate(t, y):
         x, v, z = y
@@ -348,7 +367,7 @@ def test_lugre_stick_slip_is_that_of_scipy():
 @pytest.mark.parametrize(("share", "coefficient"), [(0.0, 0.0), (0.99, 0.3), (1.01, 0.2), (50.0, 0.2)])
 def test_karnopp_band_ends_at_its_speed(share, coefficient):
     """Nothing moves (mobility 0): static friction inside, kinetic friction outside."""
-    law = Karnopp(0.2, 0.3, 1e-3)
+    law = Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-3)
     for sign in (1.0, -1.0):
         force, _ = law.force(500.0, sign * share * 1e-3, 0.0, 0.0, 1e-6, law.parameters(PAIR))
         assert force == pytest.approx(-sign * coefficient * 500.0, rel=1e-15)
@@ -356,8 +375,12 @@ def test_karnopp_band_ends_at_its_speed(share, coefficient):
 
 # ---------------------------------------------------------------------------------------------------------------- Gonthier
 
-DWELLING = GonthierFriction(0.1, 0.25, 0.004, 5e3, 10.0, 0.2, 0.02)
-STIFF = GonthierFriction(0.1, 0.25, 0.004, 5e5, 100.0, 0.2, 0.02)
+DWELLING = GonthierFriction(
+    coefficient=0.1, static_coefficient=0.25, stribeck_speed=0.004, bristle_stiffness=5e3, bristle_damping=10.0, viscous=0.2, dwell_time=0.02
+)
+STIFF = GonthierFriction(
+    coefficient=0.1, static_coefficient=0.25, stribeck_speed=0.004, bristle_stiffness=5e5, bristle_damping=100.0, viscous=0.2, dwell_time=0.02
+)
 
 
 def gonthier(v, z, dwelt):

@@ -47,7 +47,7 @@ def closed_form(ratio: float) -> float:
 @pytest.mark.parametrize("restitution", [0.1, 0.3, 0.5, 0.7, 0.9, 0.999])
 def test_anagnostopoulos_delivers_its_restitution_where_it_may_pull(restitution):
     """As the source has it; cut at zero it gives back what the closed form says."""
-    stiffness, damping = Anagnostopoulos(2e9, restitution).parameters(PAIR)
+    stiffness, damping = Anagnostopoulos(stiffness=2e9, restitution=restitution).parameters(PAIR)
     ratio = damping / (2 * math.sqrt(stiffness * MASS))
     assert ratio == pytest.approx(-math.log(restitution) / math.hypot(math.pi, math.log(restitution)), rel=1e-14)
 
@@ -60,20 +60,20 @@ def test_anagnostopoulos_delivers_its_restitution_where_it_may_pull(restitution)
 
 @pytest.mark.parametrize("restitution", [0.5, 0.9])
 def test_anagnostopoulos_in_a_run(restitution):
-    law = Anagnostopoulos(2e9, restitution)
+    law = Anagnostopoulos(stiffness=2e9, restitution=restitution)
     stiffness, damping = law.parameters(PAIR)
     assert rebound_in_a_run(law) == pytest.approx(closed_form(damping / (2 * math.sqrt(stiffness * MASS))), abs=2e-4)
 
 
 def test_anagnostopoulos_takes_the_mass_of_the_bodies_or_its_own():
-    own = Anagnostopoulos(2e9, 0.5, effective_mass=8.0).parameters(PAIR)[1]
-    assert own == pytest.approx(2 * Anagnostopoulos(2e9, 0.5).parameters(PAIR)[1], rel=1e-14)
+    own = Anagnostopoulos(stiffness=2e9, restitution=0.5, effective_mass=8.0).parameters(PAIR)[1]
+    assert own == pytest.approx(2 * Anagnostopoulos(stiffness=2e9, restitution=0.5).parameters(PAIR)[1], rel=1e-14)
     with pytest.raises(ValueError, match="effective mass"):
-        Anagnostopoulos(2e9).parameters(Pair(0.01, 2e-4, 0.02))
+        Anagnostopoulos(stiffness=2e9).parameters(Pair(0.01, 2e-4, 0.02))
 
 
 def test_kelvin_voigt_in_a_run():
-    law = KelvinVoigt(2e9, 4e4)
+    law = KelvinVoigt(stiffness=2e9, damping_coefficient=4e4)
     assert law.force(1e-5, 3.0, law.parameters(PAIR)) == (2e4, 4e4)
     assert rebound_in_a_run(law) == pytest.approx(closed_form(4e4 / (2 * math.sqrt(2e9 * MASS))), abs=2e-4)
 
@@ -86,7 +86,11 @@ def adams(depth: float, rate: float, k: float, e: float, c: float, d: float) -> 
     return max(0.0, k * depth**e - step * -rate)
 
 
-IMPACTS = [Impact(2e9, 1.4, 2e4, 3e-5), Impact(1e13, 2.2, 1e4, 1e-4), Impact(5e8, 1.0, 3e4, 1e-6)]
+IMPACTS = [
+    Impact(stiffness=2e9, exponent=1.4, damping_coefficient=2e4, full_damping_depth=3e-5),
+    Impact(stiffness=1e13, exponent=2.2, damping_coefficient=1e4, full_damping_depth=1e-4),
+    Impact(stiffness=5e8, exponent=1.0, damping_coefficient=3e4, full_damping_depth=1e-6),
+]
 
 
 @pytest.mark.parametrize("law", IMPACTS, ids=lambda law: f"{law.exponent:g}")

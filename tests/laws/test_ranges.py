@@ -103,24 +103,24 @@ def test_hertz_says_where_impacts_are_too_fast():
 
 
 def test_a_damping_factor_says_what_it_delivers():
-    (said,) = LeeWang(0.5).cautions(PAIR)
+    (said,) = LeeWang(restitution=0.5).cautions(PAIR)
     e = delivered(0.375)
     assert 0.375 * (1 + e) == pytest.approx(math.log(1.375 / (1 - 0.375 * e)), rel=1e-12)
     assert '"lee-wang"' in said and f"0.5 and delivers {e:.4g}" in said and 'the law "hertz" with damping = "gonthier-exact"' in said
-    assert "hertz" not in Liu(0.5, "lee-wang").cautions(PAIR)[0]
+    assert "hertz" not in Liu(restitution=0.5, damping="lee-wang").cautions(PAIR)[0]
     assert DAMPING["gonthier-exact"](1e-3) <= 1000.0 and delivered(1000.0) <= 1e-3
-    assert Flores(0.9).cautions(PAIR) == () and Hertz().cautions(PAIR) == ()
+    assert Flores(restitution=0.9).cautions(PAIR) == () and Hertz().cautions(PAIR) == ()
 
 
 def test_assembly_and_result_say_it_once_for_joints_that_are_alike():
-    joints = {"clearance": 4e-6, "contact": Pereira(0.9)}
+    joints = {"clearance": 4e-6, "contact": Pereira(restitution=0.9)}
     (note,) = assemble(four_bar("BCD", **joints), 1e-7, duration=1e-3, force_step=True).notes
     assert note.startswith("Joints B, C, D: pereira, the clearance of 0.004 mm")
     assert assemble(four_bar("BCD"), 1e-6, duration=1e-3, force_step=True).notes == ()
 
 
 def test_a_run_tells_its_fastest_impact():
-    record = go(journal_in_bearing(0.7, friction=Frictionless(), contact=LankaraniNikravesh(0.8)), 1e-6, duration=4e-3, outputs=10)
+    record = go(journal_in_bearing(0.7, friction=Frictionless(), contact=LankaraniNikravesh(restitution=0.8)), 1e-6, duration=4e-3, outputs=10)
     assert record.block("contact_fastest")[-1] == pytest.approx(0.7, rel=1e-6)
     assert record.block("contact_onsets")[-1] > 1
     said = Result(record).summary["warnings"]
@@ -128,6 +128,6 @@ def test_a_run_tells_its_fastest_impact():
 
 
 def test_a_slow_run_is_silent():
-    record = go(journal_in_bearing(0.04, friction=Frictionless(), contact=LankaraniNikravesh(0.8)), 1e-6, duration=3e-2, outputs=10)
+    record = go(journal_in_bearing(0.04, friction=Frictionless(), contact=LankaraniNikravesh(restitution=0.8)), 1e-6, duration=3e-2, outputs=10)
     assert record.block("contact_onsets")[-1] >= 1
     assert not [one for one in Result(record).summary["warnings"] if "lankarani" in one]

@@ -46,7 +46,7 @@ def test_a_step_is_the_fifth_order_polynomial_and_rests_else():
 
 def test_a_torque_keeps_its_end_values():
     speeds, values = (-3.0, 0.0, 2.0, 5.0), (9.0, 7.0, 4.0, -1.0)
-    function = torque_function(Torque(body="b", torque=values, speeds=speeds))
+    function = torque_function(Torque(body="b", value=values, speeds=speeds))
     fit = CubicSpline(speeds, values, bc_type="natural")
     for x in np.linspace(-9.0, 9.0, 181):
         assert function(x)[0] == pytest.approx(float(fit(min(max(x, -3.0), 5.0))), abs=1e-12)
@@ -81,6 +81,6 @@ def test_only_turning_drivers_make_turns():
     assert turning_speed(ConstantSpeed(slider="s", speed=-3.0)) == 0.0
     assert turning_speed(Harmonic(body="b", amplitude=1.0, frequency=1.0)) == 0.0
     assert largest_speed(Harmonic(body="b", amplitude=0.5, frequency=2.0)) == pytest.approx(2.0 * math.pi)
-    assert largest_speed(AngleTable(body="b", times=(0.0, 2.0), angles=(0.0, 5.0))) == 2.5
+    assert largest_speed(AngleTable(body="b", times=(0.0, 2.0), values=(0.0, 5.0))) == 2.5
     with pytest.raises(TypeError, match="Torque prescribes no motion"):
-        motion_function(Torque(body="b", torque=1.0))
+        motion_function(Torque(body="b", value=1.0))

@@ -18,7 +18,7 @@ from model_texts import DEMO, EXAMPLES, FILES, FOUR_BAR, faults, only, with_line
 from support import CONTACT_LAWS, contact_law
 from vfife.laws import Ambrosio, ContactLaw, Frictionless, LankaraniNikravesh, Material, Pereira, quantity
 from vfife.model import bodies, drivers, joints, loads, mechanism, springs
-from vfife.model.mechanism import Settings, Start
+from vfife.model.mechanism import Settings, StartSettings
 from vfife.modelfile import dump, load
 from vfife.modelfile import loads as read
 from vfife.modelfile.build import JOINTS, SPRINGS
@@ -69,7 +69,7 @@ def test_a_file_means_what_it_says() -> None:
     )
     assert model.drivers == {"crank": drivers.ConstantSpeed(body="crank", speed=50 * math.pi)}
     assert model.settings == Settings(turns=2.0)
-    assert model.start == Start()
+    assert model.start == StartSettings()
 
 
 @pytest.mark.parametrize(
@@ -79,12 +79,12 @@ def test_a_file_means_what_it_says() -> None:
         ('speed = 10\nramp = "20 ms"', drivers.Ramp(body="crank", speed=10.0, duration=0.02)),
         (
             'times = [0, "10 ms", 0.03]\nangles = [0, "90 deg", 2]',
-            drivers.AngleTable(body="crank", times=(0.0, 0.01, 0.03), angles=(0.0, math.pi / 2, 2.0)),
+            drivers.AngleTable(body="crank", times=(0.0, 0.01, 0.03), values=(0.0, math.pi / 2, 2.0)),
         ),
-        ('torque = "-5 N m"', drivers.Torque(body="crank", torque=-5.0)),
+        ('torque = "-5 N m"', drivers.Torque(body="crank", value=-5.0)),
         (
             'torque = [0, "1 kN m"]\ntimes = [0, 1]',
-            drivers.Torque(body="crank", torque=(0.0, 1000.0), times=(0.0, 1.0)),
+            drivers.Torque(body="crank", value=(0.0, 1000.0), times=(0.0, 1.0)),
         ),
     ],
 )
@@ -157,9 +157,9 @@ def test_other_bodies_materials_and_loads() -> None:
     bronze = Material("bronze", 105e9, 0.34, 8800.0)
     assert model.gravity == (0.0, -9.81)
     assert model.settings == Settings(duration=0.5, step=1e-6)
-    assert model.start == Start("rough", "seated")
+    assert model.start == StartSettings("rough", "seated")
     assert model.bodies["plate"] == bodies.RigidBody(
-        name="plate", mass=2.0, inertia=0.01, center=(1e-3, 0.0), velocity=(1.0, 0.0, 2.0), points={"P": (0.1, 0.02)}
+        name="plate", mass=2.0, inertia=0.01, center=(1e-3, 0.0), velocity=(1.0, 0.0, 2.0), pins={"P": (0.1, 0.02)}
     )
     assert model.bodies["weight"] == bodies.PointMass(name="weight", mass=1.0, position=(0.0, 1.0), material=bronze)
     joint = model.clearances["O"]
@@ -274,7 +274,7 @@ def test_numbers_and_texts_are_set_by_path() -> None:
         ],
     )
     joint = model.clearances["C"]
-    assert (joint.clearance, joint.contact, joint.axial_length) == (5e-4, Pereira(0.8), 6e-3)
+    assert (joint.clearance, joint.contact, joint.axial_length) == (5e-4, Pereira(restitution=0.8), 6e-3)
     assert model.bodies["crank"].mass == 2.0  # type: ignore[attr-defined]
     assert model.points["D"] == (0.16, 0.0)
     assert model.gravity == (0.0, -9.81)
@@ -298,7 +298,7 @@ def test_the_ground_is_a_body_in_such_a_name() -> None:
 def test_what_is_set_stays_as_it_was() -> None:
     contact = {"law": "pereira"}
     model = read(FOUR_BAR, [("joint.C.contact", contact), ("joint.C.contact.restitution", 0.7)])
-    assert model.clearances["C"].contact == Pereira(0.7)
+    assert model.clearances["C"].contact == Pereira(restitution=0.7)
     assert contact == {"law": "pereira"}
 
 
@@ -420,7 +420,7 @@ def test_surfaces_that_a_law_is_not_for_are_told_in_its_words() -> None:
 
 def test_every_number_of_the_nouns_has_its_key() -> None:
     """A field added to a noun must not get lost between file and mechanism."""
-    renamed = {"link_model": "model", "extra_points": "pins", "points": "pins", "name": None}
+    renamed = {"name": None}
     target = {"body": None, "slider": None, "point": None, "direction": None, "against": None}
     pairs = [
         (bodies.Link, LinkTable, {}),
@@ -435,13 +435,17 @@ def test_every_number_of_the_nouns_has_its_key() -> None:
         (drivers.Driver, TurningTable, {"slider": None, "point": None, "direction": None}),
         (drivers.Driver, PointDriverTable, {"slider": None, "body": None, "against": None}),
         *(
-            (noun, table, target | {"duration": "ramp" if noun is drivers.Ramp else "duration", "angles": places, "torque": effort})
+            (
+                noun,
+                table,
+                target | {"duration": "ramp" if noun is drivers.Ramp else "duration", "angles": places, "values": places, "value": effort},
+            )
             for table, places, effort in ((TurningTable, "angles", "torque"), (PointDriverTable, "travels", "force"))
             for noun in (drivers.ConstantSpeed, drivers.Ramp, drivers.StepTo, drivers.Harmonic, drivers.AngleTable, drivers.Torque)
         ),
         (loads.PointForce, LoadTable, {}),
         (Material, MaterialTable, {}),
-        (mechanism.Start, StartTable, {}),
+        (mechanism.StartSettings, StartTable, {}),
         (mechanism.Settings, RunTable, {}),
     ]
     for noun, table, exceptions in pairs:
@@ -466,7 +470,7 @@ def test_every_number_of_the_nouns_has_its_key() -> None:
         (springs.Stop(name="", first="", second="", low=0.0, high=1.0, stiffness=1.0), StopTable),
         (springs.Bushing(name="", first="", second="", stiffness=(1.0, 1.0, 1.0)), BushingTable),
         (Settings(), RunTable),
-        (Start(), StartTable),
+        (StartSettings(), StartTable),
         (loads.PointForce(name="", at=""), LoadTable),
     ],
     ids=lambda value: type(value).__name__,

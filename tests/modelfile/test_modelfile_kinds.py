@@ -28,7 +28,7 @@ def test_every_table_means_what_it_says() -> None:
         bodies.Member("B", "C", section=bodies.Section.square(1e-4), mass=2.0),
         bodies.Member("C", "A"),
     )
-    assert (frame.masses, frame.pins) == ({"C": 1.0}, {"A": (0.0, 0.0), "B": (1.0, 0.0), "C": (0.0, 1.0)})
+    assert (frame.masses, frame.points) == ({"C": 1.0}, {"A": (0.0, 0.0), "B": (1.0, 0.0), "C": (0.0, 1.0)})
     assert beam.via == ((0.5, 0.2),)
     assert beam.section is not None
     assert beam.section.area == pytest.approx(math.pi * (0.01**2 - 0.008**2), rel=1e-14)
@@ -50,7 +50,7 @@ def test_every_table_means_what_it_says() -> None:
     assert model.drivers == {
         "lift": drivers.StepTo(slider="guide", travel=0.02, duration=0.1),
         "shake": drivers.Harmonic(point="truss.C", direction=(0.0, 1.0), amplitude=1e-3, frequency=50.0, phase=math.pi / 2),
-        "motor": drivers.Torque(body="arm", torque=(3.0, 0.0), speeds=(0.0, 100 * math.pi)),
+        "motor": drivers.Torque(body="arm", value=(3.0, 0.0), speeds=(0.0, 100 * math.pi)),
     }
     assert model.loads["wind"].follow
     assert read(dump(model)) == model
@@ -77,15 +77,15 @@ def test_units_of_a_driver_are_those_of_what_it_drives(case: str) -> None:
     assert driver(f'speed = {written[:-1]}/s{written[-1]}\nramp = "20 ms"') == drivers.Ramp(**target, speed=size, duration=0.02)
     assert driver(f"travel = {written}\nduration = 2\nbegin = 1") == drivers.StepTo(**target, travel=size, duration=2.0, begin=1.0)
     assert driver(f'amplitude = {written}\nfrequency = "50 Hz"') == drivers.Harmonic(**target, amplitude=size, frequency=50.0)
-    assert driver(f"times = [0, 1]\n{places} = [0, {written}]") == drivers.AngleTable(**target, times=(0.0, 1.0), angles=(0.0, size))
+    assert driver(f"times = [0, 1]\n{places} = [0, {written}]") == drivers.AngleTable(**target, times=(0.0, 1.0), values=(0.0, size))
     if case == "slider":
         return
     effort = "force" if case == "point" else "torque"
-    assert driver(f"{effort} = 3") == drivers.Torque(**target, torque=3.0)
+    assert driver(f"{effort} = 3") == drivers.Torque(**target, value=3.0)
     for over, more, noun in (("times", "2", "times"), (places, written, "angles"), ("speeds", f"{written[:-1]}/s{written[-1]}", "speeds")):
         last = 2.0 if over == "times" else size
         made = driver(f"{effort} = [0, 3]\n{over} = [0, {more}]")
-        assert made == drivers.Torque(**target, torque=(0.0, 3.0), **{noun: (0.0, last)})  # type: ignore[arg-type]
+        assert made == drivers.Torque(**target, value=(0.0, 3.0), **{noun: (0.0, last)})  # type: ignore[arg-type]
 
 
 def test_a_static_analysis_has_its_keys() -> None:

@@ -19,7 +19,7 @@ from model_texts import DEMO, FILES, FOUR_BAR, PLAYGROUND, TEMPLATES
 from vfife.errors import ModelError
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Material, Pereira
 from vfife.model import bodies, drivers, joints, loads, springs
-from vfife.model.mechanism import Mechanism, Settings, Start
+from vfife.model.mechanism import Mechanism, Settings, StartSettings
 from vfife.modelfile import dump, load
 from vfife.modelfile import loads as read
 
@@ -54,7 +54,7 @@ links = {
         "inertia": st.none() | positive,
         "center_at": st.none() | number,
         "section": st.none() | section,
-        "extra_points": st.dictionaries(name.filter(lambda s: s not in ("start", "end", "center")), point, max_size=2),
+        "pins": st.dictionaries(name.filter(lambda s: s not in ("start", "end", "center")), point, max_size=2),
     },
     "elastic": {"mass": st.none() | positive, "section": section, "elements": st.integers(1, 100)},
     "two-particle": {"mass": st.none() | positive, "section": section},
@@ -93,7 +93,7 @@ def a_body(draw: st.DrawFn, called: str) -> bodies.Body:
         return bodies.PointMass(name=called, mass=draw(positive), inertia=draw(st.just(0.0) | positive), **values)
     if kind == "plate":
         points = draw(st.dictionaries(name.filter(lambda s: s != "center"), point, max_size=3))
-        return bodies.RigidBody(name=called, mass=draw(positive), inertia=draw(positive), center=draw(point), points=points, **values)
+        return bodies.RigidBody(name=called, mass=draw(positive), inertia=draw(positive), center=draw(point), pins=points, **values)
     values |= {key: draw(strategy) for key, strategy in links[kind].items()}
     if kind != "rigid":
         values["release"] = draw(st.sampled_from(["none", "end"]))
@@ -104,7 +104,7 @@ def a_body(draw: st.DrawFn, called: str) -> bodies.Body:
         values["elements"] = draw(st.integers(3, 100)) if kind == "elastic" else 4
     ends = ("start_mass", "end_mass", "start_inertia", "end_inertia")
     masses = {key: draw(st.just(0.0) | positive) for key in ends}
-    return bodies.Link(name=called, length=length, link_model=kind, **values, **masses)  # type: ignore[arg-type]
+    return bodies.Link(name=called, length=length, model=kind, **values, **masses)  # type: ignore[arg-type]
 
 
 @st.composite
@@ -117,14 +117,14 @@ def a_joint(draw: st.DrawFn, called: str, bearing: str, journal: str) -> joints.
         return joints.Weld(**sides)
     if kind == "slider":
         return joints.Slider(**sides, direction=draw(direction), turning=draw(st.booleans()))
-    contact = st.builds(LankaraniNikravesh, st.floats(0.01, 1.0), st.none() | positive)
+    contact = st.builds(LankaraniNikravesh, restitution=st.floats(0.01, 1.0), stiffness=st.none() | positive)
     friction = st.just(Frictionless()) | st.builds(
-        lambda f, v, more: Ambrosio(f, v, v + more), st.floats(0, 1), st.floats(0, 1), st.floats(1e-3, 1)
+        lambda f, v, more: Ambrosio(coefficient=f, v0=v, v1=v + more), st.floats(0, 1), st.floats(0, 1), st.floats(1e-3, 1)
     )
     values: dict[str, Any] = {
         **sides,
         "axial_length": draw(positive),
-        "contact": draw(contact | st.builds(Pereira, st.floats(0.01, 1.0))),
+        "contact": draw(contact | st.builds(Pereira, restitution=st.floats(0.01, 1.0))),
         "friction": draw(friction),
         "friction_moment": draw(st.sampled_from(["mid-overlap", "surface", "off"])),
         "impact_speed_floor": draw(positive),
@@ -149,13 +149,13 @@ def a_driver(draw: st.DrawFn, target: dict[str, Any], *, motion: bool = True, st
     moving: list[drivers.Driver] = [
         drivers.StepTo(**target, travel=draw(number), duration=draw(positive), begin=draw(st.just(0.0) | number)),
         drivers.Harmonic(**target, amplitude=draw(number), frequency=draw(positive), phase=draw(st.just(0.0) | number)),
-        drivers.AngleTable(**target, times=over, angles=values),
+        drivers.AngleTable(**target, times=over, values=values),
     ]
     if not static:
         moving += [drivers.ConstantSpeed(**target, speed=draw(number)), drivers.Ramp(**target, speed=draw(number), duration=draw(positive))]
     pushing: list[drivers.Driver] = [
-        drivers.Torque(**target, torque=draw(number)),
-        *(drivers.Torque(**target, torque=values, **{axis: over}) for axis in ("times", "angles", *([] if static else ["speeds"]))),
+        drivers.Torque(**target, value=draw(number)),
+        *(drivers.Torque(**target, value=values, **{axis: over}) for axis in ("times", "angles", *([] if static else ["speeds"]))),
     ]
     choice = (moving if motion else []) + ([] if "slider" in target else pushing)
     return draw(st.sampled_from(choice))
@@ -188,7 +188,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
     static = draw(st.booleans())
     base = before = f"ground.{next(iter(model.points))}"
     for k, body in enumerate(names):
-        pins = list(model.bodies[body].pins)
+        pins = list(model.bodies[body].points)
         model.joints[f"J{k}"] = draw(a_joint(f"J{k}", before, f"{body}.{pins[0]}"))
         before = f"{body}.{pins[-1]}"
     first = model.joints["J0"]
@@ -210,7 +210,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
         table = {"times": (0.0, 1.0), "factors": draw(point)} if draw(st.booleans()) else {}
         force = loads.PointForce(name="F", at=before, force=draw(point), moment=draw(number), follow=draw(st.booleans()), **table)
         model.loads["F"] = force
-    model.start = Start(draw(st.sampled_from(["consistent", "rough"])), draw(st.sampled_from(["centred", "seated"])))
+    model.start = StartSettings(draw(st.sampled_from(["consistent", "rough"])), draw(st.sampled_from(["centred", "seated"])))
     length = None if static else draw(st.none() | positive)
     equilibrium: dict[str, Any] = {
         "analysis": "static",

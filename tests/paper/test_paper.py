@@ -214,7 +214,7 @@ def test_impact_of_the_text(context):
 
 def test_elastic_impact_gives_everything_back():
     """Hertz: depth (5 m v^2/4 K)^(2/5), whole kinetic energy back."""
-    hit = first_impact(LankaraniNikravesh(1.0, 6.6e10), 0.02)
+    hit = first_impact(LankaraniNikravesh(restitution=1.0, stiffness=6.6e10), 0.02)
     assert hit["depth"].max() == pytest.approx((1.25 / 6.6e10) ** 0.4, rel=1e-5)
     assert delivered(0.0) == 1.0
 
@@ -225,7 +225,7 @@ def test_enhanced_law_penetrates_less_where_the_bearing_is_long_enough(context):
     sphere = data["depths"]["lankarani-nikravesh"]
     assert data["depths"]["enhanced, 20 mm"] < 0.6 * sphere
     for factor, sign in ((0.9, 1.0), (1.0, 0.0), (1.1, -1.0)):
-        depth = first_impact(Pereira(0.9), factor * data["equal_length"])["depth"].max()
+        depth = first_impact(Pereira(restitution=0.9), factor * data["equal_length"])["depth"].max()
         assert (depth - sphere) / sphere == pytest.approx(sign * 0.05, abs=0.03 if sign else 5e-3)
 
 

@@ -36,7 +36,8 @@ def ideal() -> tuple[float, float]:
 def sixth_turn(which: int, clearance: float, step: float = 1e-6, below: bool = True, mirrored: bool = False):
     length, v0, v1, *_ = SETS[which]
     m = four_bar(
-        "BCD", "two-particle", contact=Pereira(0.5), friction=Ambrosio(0.1, v0, v1), clearance=clearance, below=below, mirrored=mirrored,
+        "BCD", "two-particle", contact=Pereira(restitution=0.5), friction=Ambrosio(coefficient=0.1, v0=v0, v1=v1),
+        clearance=clearance, below=below, mirrored=mirrored,
         joint={"axial_length": length, "friction_moment": "off"}, **LINK,
     )  # fmt: skip
     record = go(m, step, turns=6)

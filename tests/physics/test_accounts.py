@@ -55,10 +55,10 @@ def test_damped_stop_loses_what_it_stored_when_it_lets_go(damping: float) -> Non
 def test_friction_outside_a_bearing_keeps_angular_momentum(kind: str, moment: str) -> None:
     """Of two bodies that nothing else holds: to rounding in mid-overlap, else but for a couple of the depth of contact."""
     m = Mechanism("pair")
-    laws = {"friction": Coulomb(0.3), "contact": LankaraniNikravesh(0.8, 1e8), "friction_moment": moment}
-    m.rigid_body("a", mass=1.0, inertia=0.01, points={"c": (0.02, 0.05)}, velocity=(0.0, 0.5, 1.0), position=(0.0, 0.0))
+    laws = {"friction": Coulomb(coefficient=0.3), "contact": LankaraniNikravesh(restitution=0.8, stiffness=1e8), "friction_moment": moment}
+    m.rigid_body("a", mass=1.0, inertia=0.01, pins={"c": (0.02, 0.05)}, velocity=(0.0, 0.5, 1.0), position=(0.0, 0.0))
     at = {"line": (0.03, 0.13), "round": (0.03, 0.22), "guide": (0.03, 0.02)}[kind]
-    m.rigid_body("b", mass=0.5, inertia=0.005, points={"c": (-0.01, 0.03)}, velocity=(1.0, -0.5, 5.0), position=at)
+    m.rigid_body("b", mass=0.5, inertia=0.005, pins={"c": (-0.01, 0.03)}, velocity=(1.0, -0.5, 5.0), position=at)
     if kind == "guide":
         m.clearance_slider("C", "a.c", "b.c", clearance=1e-3, length=0.05, height=0.02, **laws)
     else:
@@ -98,7 +98,7 @@ def test_what_would_turn_a_particle_without_inertia_is_refused(what: str) -> Non
     elif what == "stop":
         m.stop("X", "rod", "bob", low=-1.0, high=1.0, stiffness=1.0)
     elif what == "torque":
-        m.drivers["X"] = Torque(body="bob", torque=3.0)
+        m.drivers["X"] = Torque(body="bob", value=3.0)
     else:
         m.loads["X"] = PointForce(name="X", at="bob.center", moment=2.0)
     with pytest.raises(ValueError, match=r"'X' acts on the angle of 'bob', a particle without inertia.*give it an inertia"):

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from support import SQUARE, four_bar, go, observed, order, particle, with_settings
 from vfife.laws import Material
 from vfife.model.bodies import Section
-from vfife.model.mechanism import Mechanism, Start
+from vfife.model.mechanism import Mechanism, StartSettings
 
 
 def pendulum(angle: float = math.pi) -> Mechanism:
@@ -50,7 +50,7 @@ def test_period_of_the_pendulum():
 
 def spring(stretch_stiffness: float, *, path_unit: int = 1, gravity: float = 9.81, angle: float = 0.3) -> Mechanism:
     """A bar as a spring, 1 m long, 1 kg at its free end, hung at its other end, unstressed at rest."""
-    m = Mechanism("spring", gravity=(0.0, -gravity), start=Start(mode="rough"))
+    m = Mechanism("spring", gravity=(0.0, -gravity), start=StartSettings(mode="rough"))
     m.point("O", 0.0, 0.0)
     rubber = Material("rubber", stretch_stiffness / 1e-4, 0.3, 1000.0)
     m.link("bar", length=1.0, mass=2.0, angle=angle, model="two-particle", section=Section.square(1e-4), material=rubber, release="both")

@@ -10,7 +10,7 @@ from scipy.signal import savgol_filter
 import vfife
 from support import CRANK_SPEED, SQUARE, TURN, four_bar, go, joint_gap, largest_alpha, largest_force, particle, pin, with_settings, within
 from vfife.model.loads import PointForce
-from vfife.model.mechanism import Mechanism, Start
+from vfife.model.mechanism import Mechanism, StartSettings
 
 # Maxima with ideal joints at constant crank speed: method.md, section 2. Speed/pi, follower (rad/s^2), joints B, C, D (N) of uniform rods
 # and of one two-particle element per link.
@@ -113,7 +113,7 @@ def test_reaction_between_two_particles(damping):
 
 def test_reaction_between_two_elastic_links():
     """The same with internal forces, read from the elements: two bars on one pin, one of them pushed at the pin."""
-    m = Mechanism("bars", start=Start(mode="rough"))
+    m = Mechanism("bars", start=StartSettings(mode="rough"))
     bars = {"model": "two-particle", "section": SQUARE, "release": "both"}
     m.link("a", length=0.4, mass=3.0, angle=0.3, velocity=(0.0, 0.0, 50.0), **bars)
     m.link("b", length=0.3, mass=2.0, angle=1.9, velocity=(0.0, 0.0, -80.0), start_mass=0.5, **bars)
@@ -174,7 +174,7 @@ def test_three_links_on_one_pin(joints):
 def test_a_pin_with_four_links_falls_as_one():
     """Ground apart, any number of bodies on one pin: their common centre falls freely while they swing against each other."""
     m = star((("a", "b"), ("a", "c")))
-    m.rigid_body("d", mass=1.0, inertia=0.01, points={"eye": (-0.1, 0.05)}, angle=0.5)
+    m.rigid_body("d", mass=1.0, inertia=0.01, pins={"eye": (-0.1, 0.05)}, angle=0.5)
     m.revolute("d", "c.start", "d.eye")
     m = dataclasses.replace(m, gravity=(0.0, -9.81))
     record = go(m, 1e-4, duration=0.2, outputs=50)
@@ -219,7 +219,7 @@ def test_a_consistent_start_does_not_ring(elements, blocks, least, step):
 def test_a_rough_start_rings():
     """What the consistent one is for: unstressed links at full speed."""
     m = four_bar("", "elastic", elements=2, section=SQUARE)
-    assert ringing(dataclasses.replace(m, start=Start(mode="rough")), 1e-6) > 0.2
+    assert ringing(dataclasses.replace(m, start=StartSettings(mode="rough")), 1e-6) > 0.2
 
 
 @pytest.mark.parametrize("inertia", [2e-6, 1e-7])
@@ -228,7 +228,7 @@ def test_a_small_inertia_on_a_long_arm_sets_the_step(inertia):
     m = Mechanism("arm", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
     m.link("crank", length=0.3, mass=1.0)
-    m.rigid_body("far", mass=1.0, inertia=inertia, position=(1.3, 0.0), points={"pin": (-1.0, 0.0)})
+    m.rigid_body("far", mass=1.0, inertia=inertia, position=(1.3, 0.0), pins={"pin": (-1.0, 0.0)})
     m.revolute("A", "ground.O", "crank.start")
     m.revolute("B", "crank.end", "far.pin")
     m.drive("crank", speed=5.0)

@@ -21,7 +21,7 @@ SPEED, SPIN, INERTIA, V0, V1 = 1.0, 50.0, 4e-5, 0.05, 0.5  # of the slanting imp
 
 @cache
 def run(step: float):
-    m = journal_in_bearing(contact=LankaraniNikravesh(RESTITUTION, STIFFNESS), friction=Frictionless(), clearance=CLEARANCE)
+    m = journal_in_bearing(contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS), friction=Frictionless(), clearance=CLEARANCE)
     duration = CLEARANCE + 2.2e-4
     return go(m, step, duration=duration, outputs=round(duration / step))
 
@@ -85,7 +85,7 @@ def test_the_impact_speed_is_located_inside_the_step():
 
 def test_an_onset_slower_than_the_floor_is_counted_and_held_at_it():
     """0.2 mm/s against a floor of 1 mm/s: damping is that of an impact at the floor, weaker than at the true speed."""
-    m = journal_in_bearing(2e-4, contact=LankaraniNikravesh(RESTITUTION, STIFFNESS), friction=Frictionless(), clearance=1e-6)
+    m = journal_in_bearing(2e-4, contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS), friction=Frictionless(), clearance=1e-6)
     record = go(m, 5e-7, duration=7e-3, outputs=700)
     assert onsets(record) == [1] and record.block("contact_grazing")[-1].tolist() == [1.0]
     slowness = record.block("contact_slowness")[:, 0]
@@ -99,7 +99,12 @@ def test_an_onset_slower_than_the_floor_is_counted_and_held_at_it():
 @pytest.mark.parametrize(("landing", "counted"), [(6e-6, 1.0), (2e-5, 0.0)])
 def test_a_first_landing_deeper_than_allowed_is_counted(landing, counted):
     """1 m/s in steps of 13 us: the first step in contact lies 7 um deep, whatever the depth allowed."""
-    m = journal_in_bearing(contact=LankaraniNikravesh(RESTITUTION, STIFFNESS), friction=Frictionless(), clearance=CLEARANCE, landing_depth=landing)
+    m = journal_in_bearing(
+        contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS),
+        friction=Frictionless(),
+        clearance=CLEARANCE,
+        landing_depth=landing,
+    )
     record = go(m, 1.3e-5, duration=39 * 1.3e-5, outputs=39)
     assert onsets(record) == [1]
     assert record.block("contact_deep")[-1, 0] == counted
@@ -172,7 +177,7 @@ def slanting(moment: str) -> np.ndarray:
 @pytest.mark.parametrize("moment", ["mid-overlap", "surface", "off"])
 def test_friction_pushes_and_turns(moment):
     """The journal rolls off sideways: its friction passes from sliding into the ramp, with and without moments at the surfaces."""
-    contact, friction = LankaraniNikravesh(RESTITUTION, STIFFNESS), Ambrosio(0.3, V0, V1)
+    contact, friction = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS), Ambrosio(coefficient=0.3, v0=V0, v1=V1)
     m = journal_in_bearing(contact=contact, friction=friction, clearance=CLEARANCE, friction_moment=moment)
     m.bodies["journal"] = replace(m.bodies["journal"], inertia=INERTIA, velocity=(SPEED, 0.0, SPIN))
     record = go(m, 5e-8, duration=CLEARANCE + 1.7e-4, outputs=100)

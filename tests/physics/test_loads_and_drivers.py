@@ -16,7 +16,7 @@ from vfife.model.mechanism import Mechanism
 def free_body(**motion) -> Mechanism:
     """A rigid body without joints, its centre of mass and its pin off the origin of its frame."""
     m = Mechanism("body")
-    m.rigid_body("b", mass=2.0, inertia=0.03, center=(0.1, -0.05), points={"eye": (0.3, 0.2)}, angle=0.6, **motion)
+    m.rigid_body("b", mass=2.0, inertia=0.03, center=(0.1, -0.05), pins={"eye": (0.3, 0.2)}, angle=0.6, **motion)
     return m
 
 
@@ -105,7 +105,7 @@ def test_a_point_force_at_a_pin():
 def test_a_constant_torque():
     """theta = T t^2/(2 I): gravity-free link on a pivot; the reaction of the pivot is the rod's centripetal and tangential force."""
     m = turning_link()
-    m.drivers["rod"] = Torque(body="rod", torque=1.5)
+    m.drivers["rod"] = Torque(body="rod", value=1.5)
     record = go(m, 1e-4, duration=0.5, outputs=50)
     t, alpha = times(record), 1.5 / INERTIA
     assert particle(record, "rod")["theta"] == pytest.approx(alpha * t**2 / 2, abs=1e-6)
@@ -118,7 +118,7 @@ def test_a_constant_torque():
 def test_a_torque_over_time():
     """Rising evenly, T = 40 t: theta = 40 t^3/(6 I)."""
     m = turning_link()
-    m.drivers["rod"] = Torque(body="rod", torque=(0.0, 8.0), times=(0.0, 0.2))
+    m.drivers["rod"] = Torque(body="rod", value=(0.0, 8.0), times=(0.0, 0.2))
     record = go(m, 5e-5, duration=0.2, outputs=20)
     t = times(record)
     assert particle(record, "rod")["theta"] == pytest.approx(40 * t**3 / (6 * INERTIA), abs=1e-7)
@@ -129,7 +129,7 @@ def test_a_torque_against_gravity():
     holds = 2.0 * 9.81 * 0.3 * math.cos(0.7)
     for factor in (1.0, 1.1):
         m = turning_link(angle=0.7, gravity=(0.0, -9.81))
-        m.drivers["rod"] = Torque(body="rod", torque=factor * holds)
+        m.drivers["rod"] = Torque(body="rod", value=factor * holds)
         record = go(m, 1e-4, duration=0.1, outputs=10)
         moved = np.ptp(particle(record, "rod")["theta"])
         assert (moved < 1e-10) == (factor == 1.0)
@@ -175,7 +175,7 @@ def test_angle_table():
     """A natural cubic spline through the angles, counted from the start angle; torque from its second derivative."""
     knots, angles = (0.0, 0.1, 0.2, 0.35), (0.0, 0.4, -0.3, 1.0)
     m = turning_link(angle=0.25)
-    m.drivers["rod"] = AngleTable(body="rod", times=knots, angles=angles)
+    m.drivers["rod"] = AngleTable(body="rod", times=knots, values=angles)
     record = go(m, 1e-4, duration=0.35, outputs=35)
     spline = CubicSpline(knots, angles, bc_type="natural")
     t, p = times(record), particle(record, "rod")

@@ -35,19 +35,23 @@ def guides(lane: int = 0) -> Mechanism:
     for k, at in enumerate(((0.0, 0.0), (1.0, 0.2), (2.0, 0.1), (3.0, 0.0), (4.0, 0.3))):
         m.point(f"O{k}", *at)
     # A turning arm with a block along it, whose travel is prescribed, and one with play.
-    m.rigid_body("arm", mass=1.0, inertia=0.1, points={"far": (0.3, 0.02)}, angle=0.2)
+    m.rigid_body("arm", mass=1.0, inertia=0.1, pins={"far": (0.3, 0.02)}, angle=0.2)
     m.revolute("O0", "ground.O0", "arm.center")
-    m.rigid_body("block", mass=0.4, inertia=2e-3, points={"pin": (0.01, 0.03)}, position=(0.2, 0.05), angle=0.5)
+    m.rigid_body("block", mass=0.4, inertia=2e-3, pins={"pin": (0.01, 0.03)}, position=(0.2, 0.05), angle=0.5)
     m.slider("along", "arm.far", "block.center", direction=(1.0, 0.2))
     m.drivers["push"] = Harmonic(slider="along", amplitude=0.03 * f, frequency=9.0)
     m.drivers["arm"] = StepTo(body="arm", travel=0.8, duration=0.03)
     m.rigid_body("loose", mass=0.3, inertia=1e-3, position=(0.3, 0.1), angle=0.2)
-    options = {"contact": LankaraniNikravesh(0.7, 1e8), "friction": Ambrosio(0.2, 1e-3, 1e-2), "corner_radius": 2e-3}
+    options = {
+        "contact": LankaraniNikravesh(restitution=0.7, stiffness=1e8),
+        "friction": Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2),
+        "corner_radius": 2e-3,
+    }
     m.clearance_slider("play", "arm.far", "loose.center", clearance=3e-4, length=0.05, height=0.03, **options)
     # Geared wheels, the second with a pin in a slot of a swinging arm.
-    m.rigid_body("wheel", mass=1.0, inertia=0.02, position=(1.0, 0.2), points={"eye": (0.02, 0.0)}, velocity=(0.0, 0.0, 9.0 * f))
-    m.rigid_body("pinion", mass=0.5, inertia=0.004, position=(2.0, 0.1), points={"pin": (0.05, 0.01)})
-    m.rigid_body("swing", mass=0.8, inertia=0.02, position=(3.0, 0.0), points={"end": (-0.2, 0.1)}, angle=0.1)
+    m.rigid_body("wheel", mass=1.0, inertia=0.02, position=(1.0, 0.2), pins={"eye": (0.02, 0.0)}, velocity=(0.0, 0.0, 9.0 * f))
+    m.rigid_body("pinion", mass=0.5, inertia=0.004, position=(2.0, 0.1), pins={"pin": (0.05, 0.01)})
+    m.rigid_body("swing", mass=0.8, inertia=0.02, position=(3.0, 0.0), pins={"end": (-0.2, 0.1)}, angle=0.1)
     m.revolute("O1", "ground.O1", "wheel.center")
     m.revolute("O2", "ground.O2", "pinion.center")
     m.revolute("O3", "ground.O3", "swing.center")
@@ -56,11 +60,11 @@ def guides(lane: int = 0) -> Mechanism:
     # A clamped elastic beam, a rigid arm welded to it, a link driven against that, a particle on a line, a frame with a bead in a guide it carries.
     m.link("beam", length=0.4, model="elastic", elements=2, section=Section.round(0.02), material=RUBBER, position=(4.0, 0.3))
     m.weld("clamp", "ground.O4", "beam.start")
-    m.rigid_body("stub", mass=0.2, inertia=1e-3, points={"root": (-0.05, 0.0), "tip": (0.05, 0.01)}, position=(4.45, 0.3))
+    m.rigid_body("stub", mass=0.2, inertia=1e-3, pins={"root": (-0.05, 0.0), "tip": (0.05, 0.01)}, position=(4.45, 0.3))
     m.weld("weld", "beam.end", "stub.root")
     m.link("finger", length=0.1, mass=0.05, position=(4.5, 0.31), angle=-0.4)
     m.revolute("knuckle", "stub.tip", "finger.start")
-    m.drivers["motor"] = AngleTable(body="finger", against="stub", times=(0.0, 0.02, 0.05), angles=(0.0, 0.3 * f, -0.2))
+    m.drivers["motor"] = AngleTable(body="finger", against="stub", times=(0.0, 0.02, 0.05), values=(0.0, 0.3 * f, -0.2))
     m.point_mass("bead", mass=0.1, position=(5.0, 1.0), velocity=(0.0, 0.3, 0.0))
     m.drivers["line"] = ConstantSpeed(point="bead.center", direction=(1.0, 0.5), speed=0.7 * f)
     nodes = {"a": (0.0, 0.0), "b": (0.2, 0.0), "c": (0.2, 0.2)}
@@ -80,16 +84,16 @@ def springs(lane: int = 0) -> Mechanism:
     m.point("W", 2.0, -0.1)
     m.link("rod", length=0.3, mass=1.0 * f, angle=-0.3)
     m.revolute("O", "ground.O", "rod.start")
-    m.rigid_body("disc", mass=0.7, inertia=0.01, position=(0.7, 0.2), points={"rim": (0.06, 0.02)}, velocity=(0.3, 0.5, 20.0 * f))
+    m.rigid_body("disc", mass=0.7, inertia=0.01, position=(0.7, 0.2), pins={"rim": (0.06, 0.02)}, velocity=(0.3, 0.5, 20.0 * f))
     m.spring("s", "rod.end", "disc.rim", stiffness=900.0, damping=4.0, free_length=0.3)
     m.torsional_spring("t", "ground", "rod", stiffness=5.0, damping=0.02, free_angle=0.2)
     m.bushing("b", "disc.rim", "ground.P", stiffness=(500.0, 900.0, 3.0), damping=(2.0, 1.0, 0.01))
     m.stop("st", "rod", "disc", low=-0.2, high=0.33, stiffness=80.0, damping=0.05)
-    m.drivers["rod"] = Torque(body="rod", torque=(3.0 * f, 0.0, -1.0), speeds=(-5.0, 0.0, 30.0))
-    m.drivers["twist"] = Torque(body="disc", against="rod", torque=(0.4, -0.6, 0.1), angles=(-1.0, 0.5, 2.0))
+    m.drivers["rod"] = Torque(body="rod", value=(3.0 * f, 0.0, -1.0), speeds=(-5.0, 0.0, 30.0))
+    m.drivers["twist"] = Torque(body="disc", against="rod", value=(0.4, -0.6, 0.1), angles=(-1.0, 0.5, 2.0))
     m.loads["follow"] = PointForce(name="follow", at="disc.rim", force=(3.0, 1.0), moment=0.1, follow=True)
     m.loads["fixed"] = PointForce(name="fixed", at="rod.end", force=(1.0, 2.0), times=(0.0, 0.02, 0.04), factors=(0.0, 1.0, -0.5))
-    law, rough = HuntCrossley(0.6, 1e8), Ambrosio(0.3, 1e-3, 1e-2)
+    law, rough = HuntCrossley(restitution=0.6, stiffness=1e8), Ambrosio(coefficient=0.3, v0=1e-3, v1=1e-2)
     m.rigid_body("ball", mass=0.5, inertia=2e-4, position=(1.9, -0.0497), velocity=(1.0 * f, -0.4, -5.0))
     m.rigid_body("other", mass=0.3, inertia=1e-4, position=(2.01, -0.05), velocity=(-1.0, 0.0, 9.0))
     for name in ("ball", "other"):
@@ -213,9 +217,9 @@ def test_the_mirror_image_moves_as_the_mirror_image(model):
 def floating(**change) -> Mechanism:
     """Bodies in space that springs, a bushing, a slider, a slot, a weld, a motor and a stop hold together, and an elastic link."""
     m = Mechanism("floating")
-    m.rigid_body("a", mass=1.0, inertia=0.02, points={"p": (0.1, 0.05), "q": (-0.1, 0.0)}, position=(0.0, 0.0), velocity=(0.3, 0.1, 6.0))
-    m.rigid_body("b", mass=0.6, inertia=0.01, points={"p": (0.05, 0.0)}, position=(0.3, 0.1), angle=0.2, velocity=(0.0, -0.2, -3.0))
-    m.rigid_body("c", mass=0.5, inertia=0.01, points={"p": (-0.1, 0.0)}, position=(0.2, 0.05))
+    m.rigid_body("a", mass=1.0, inertia=0.02, pins={"p": (0.1, 0.05), "q": (-0.1, 0.0)}, position=(0.0, 0.0), velocity=(0.3, 0.1, 6.0))
+    m.rigid_body("b", mass=0.6, inertia=0.01, pins={"p": (0.05, 0.0)}, position=(0.3, 0.1), angle=0.2, velocity=(0.0, -0.2, -3.0))
+    m.rigid_body("c", mass=0.5, inertia=0.01, pins={"p": (-0.1, 0.0)}, position=(0.2, 0.05))
     m.slider("rail", "a.p", "b.p", direction=(1.0, 0.3))
     m.revolute("pin", "a.q", "c.p")
     m.link("beam", length=0.3, model="elastic", elements=3, section=Section.round(0.02), material=STIFF, position=(0.35, 0.1), angle=0.2)
@@ -227,7 +231,7 @@ def floating(**change) -> Mechanism:
     m.bushing("bush", "a.center", "d.center", stiffness=(3e3, 5e3, 20.0), damping=(4.0, 2.0, 0.05))
     m.torsional_spring("t", "c", "d", stiffness=3.0, damping=0.01)
     m.stop("stop", "a", "d", low=-0.02, high=0.02, stiffness=30.0, damping=0.02)
-    m.drivers["motor"] = Torque(body="d", against="a", torque=(0.5, -0.2), times=(0.0, 0.1))
+    m.drivers["motor"] = Torque(body="d", against="a", value=(0.5, -0.2), times=(0.0, 0.1))
     return dataclasses.replace(m, **change)
 
 
@@ -267,9 +271,9 @@ def single(kind: str) -> Mechanism:
     """One element or joint of a kind in a mechanism of its own."""
     m = Mechanism(kind, gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
-    m.rigid_body("a", mass=1.0, inertia=0.05, points={"p": (0.3, 0.1)}, angle=0.3, velocity=(0.0, 0.0, 4.0))
+    m.rigid_body("a", mass=1.0, inertia=0.05, pins={"p": (0.3, 0.1)}, angle=0.3, velocity=(0.0, 0.0, 4.0))
     m.revolute("O", "ground.O", "a.center")
-    m.rigid_body("b", mass=0.5, inertia=0.02, points={"q": (0.05, 0.0)}, position=(0.3, 0.2), velocity=(0.5, 0.2, -2.0))
+    m.rigid_body("b", mass=0.5, inertia=0.02, pins={"q": (0.05, 0.0)}, position=(0.3, 0.2), velocity=(0.5, 0.2, -2.0))
     if kind in ("slider", "slot"):
         m.slider("j", "a.p", "b.center", direction=(1.0, 0.5), turning=kind == "slot")
     elif kind == "weld":
@@ -290,9 +294,9 @@ def single(kind: str) -> Mechanism:
     elif kind == "point":
         m.drivers["d"] = Harmonic(point="b.q", direction=(1.0, 2.0), amplitude=0.1, frequency=4.0)
     elif kind == "speed":
-        m.drivers["d"] = Torque(body="a", torque=(2.0, 0.0), speeds=(0.0, 20.0))
+        m.drivers["d"] = Torque(body="a", value=(2.0, 0.0), speeds=(0.0, 20.0))
     elif kind == "angle":
-        m.drivers["d"] = Torque(body="a", torque=(2.0, -1.0, 3.0), angles=(0.0, 1.0, 2.0))
+        m.drivers["d"] = Torque(body="a", value=(2.0, -1.0, 3.0), angles=(0.0, 1.0, 2.0))
     elif kind == "follow":
         m.loads["f"] = PointForce(name="f", at="b.q", force=(2.0, -1.0), moment=0.1, follow=True)
     return m

@@ -66,7 +66,7 @@ class Builder:
             return f"ground.{name}"
         noun = self.m.bodies[body]
         assert isinstance(noun, RigidBody)
-        noun.points[name] = (float(x), float(y))
+        noun.pins[name] = (float(x), float(y))
         return f"{body}.{name}"
 
     def body(self, **more: Any) -> str:
@@ -95,11 +95,11 @@ class Builder:
         elif kind in ("slider", "slot"):
             self.m.slider(name, bearing, journal, direction=(math.cos(way), math.sin(way)), turning=kind == "slot")
         elif kind == "clearance":
-            law = self.draw(st.sampled_from([Frictionless(), Coulomb(0.2), Ambrosio(0.1, 1e-3, 1e-2)]))
+            law = self.draw(st.sampled_from([Frictionless(), Coulomb(coefficient=0.2), Ambrosio(coefficient=0.1, v0=1e-3, v1=1e-2)]))
             self.m.clearance(name, bearing, journal, clearance=self.draw(st.floats(1e-4, 1e-2)), bearing_radius=0.05, contact=SOFT, friction=law)
         elif kind == "guide":
             self.m.clearance_slider(
-                name, bearing, journal, clearance=1e-3, length=0.2, height=0.1, contact=SOFT, friction=Coulomb(0.1),
+                name, bearing, journal, clearance=1e-3, length=0.2, height=0.1, contact=SOFT, friction=Coulomb(coefficient=0.1),
                 direction=(math.cos(way), math.sin(way)),
             )  # fmt: skip
         return kind
@@ -128,7 +128,7 @@ def motion(draw: st.DrawFn, **target: Any) -> Any:
                 Ramp(**target, speed=-4.0, duration=0.01),
                 StepTo(**target, travel=0.3, duration=0.02),
                 Harmonic(**target, amplitude=0.1, frequency=20.0, phase=0.4),
-                AngleTable(**target, times=(0.0, 0.01, 0.02), angles=(0.0, 0.05, -0.02)),
+                AngleTable(**target, times=(0.0, 0.01, 0.02), values=(0.0, 0.05, -0.02)),
             ]
         )
     )
@@ -168,7 +168,7 @@ def mechanisms(draw: st.DrawFn, kinds: tuple[str, ...] = IDEAL, *, loops: bool =
     sliders = [j.name for j in m.joints.values() if type(j).__name__ == "Slider"]
     what = draw(st.sampled_from(["none", "torque", "angle", "travel"]))
     if what == "torque":
-        m.drivers["motor"] = Torque(body=names[0], torque=(3.0, 0.0), speeds=(0.0, 20.0))
+        m.drivers["motor"] = Torque(body=names[0], value=(3.0, 0.0), speeds=(0.0, 20.0))
     elif what == "angle" and pivots and pivots.count(pivots[0]) == 1:
         m.drivers["motor"] = motion(draw, body=pivots[0])
     elif what == "travel" and sliders:
@@ -201,7 +201,7 @@ def gaps(record: Record) -> float:
 
     def point(side: tuple[str, str]) -> np.ndarray:
         x, y, turn = pose(side[0])
-        at = np.array(m.points[side[1]] if side[0] == "ground" else m.bodies[side[0]].pins[side[1]])
+        at = np.array(m.points[side[1]] if side[0] == "ground" else m.bodies[side[0]].points[side[1]])
         at = at - (np.zeros(2) if side[0] == "ground" else np.array(where[side[0]].reference))
         return np.array([x + np.cos(turn) * at[0] - np.sin(turn) * at[1], y + np.sin(turn) * at[0] + np.cos(turn) * at[1]])
 

@@ -17,8 +17,12 @@ from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 
 G, CLEARANCE, RADIUS, STIFFNESS, STEP, BITE = 9.81, 3e-4, 0.01, 1e9, 5e-6, 1e-5
-CONTACT = LankaraniNikravesh(0.5, STIFFNESS)
-STICKING = [Coulomb(0.3), Karnopp(0.2, 0.3, 1e-4), Stribeck(0.2, 0.3)]
+CONTACT = LankaraniNikravesh(restitution=0.5, stiffness=STIFFNESS)
+STICKING = [
+    Coulomb(coefficient=0.3),
+    Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-4),
+    Stribeck(coefficient=0.2, static_coefficient=0.3),
+]
 each_law = pytest.mark.parametrize("law", STICKING, ids=lambda law: law.name)
 
 
@@ -49,10 +53,10 @@ def disc_on_a_slope(law: FrictionLaw, tangent: float, steps: int, damping: float
     depth = depth_under(normal)
     m = Mechanism("disc on a slope", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
-    m.rigid_body("disc", mass=1.0, inertia=5e-5, points={"eye": (0.0, 0.0)}, position=(0.0, 0.0))
+    m.rigid_body("disc", mass=1.0, inertia=5e-5, pins={"eye": (0.0, 0.0)}, position=(0.0, 0.0))
     m.clearance("J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law)
     torque = -G * math.sin(angle) * (RADIUS - CLEARANCE - depth / 2)
-    m.drivers["disc"] = Torque(body="disc", torque=torque)
+    m.drivers["disc"] = Torque(body="disc", value=torque)
     away = CLEARANCE + depth
     at = (away * math.sin(angle), -away * math.cos(angle), 0.0)
     return placed(with_settings(m, damping=damping), {"disc": at}, steps)
@@ -73,13 +77,13 @@ def hanging(law: FrictionLaw, share: float, steps: int, lower: bool, turn: float
     m = Mechanism("hanging", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
     points = {"eye": (0.0, 0.0), "end": tuple(end * down)}
-    m.rigid_body("rod", mass=mass, inertia=2e-3, center=tuple(length * down), points=points, angle=lean + turn)
+    m.rigid_body("rod", mass=mass, inertia=2e-3, center=tuple(length * down), pins=points, angle=lean + turn)
     m.clearance("J", "ground.O", "rod.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law)
     eye = np.array([away * math.sin(angle), -away * math.cos(angle)])
     along = np.array([math.sin(lean), -math.cos(lean)])
     places = {"rod": (*(eye + length * along), lean + turn)}
     if lower:
-        m.rigid_body("low", mass=second, inertia=1e-3, center=tuple(0.04 * down), points={"eye": (0.0, 0.0)}, angle=turn)
+        m.rigid_body("low", mass=second, inertia=1e-3, center=tuple(0.04 * down), pins={"eye": (0.0, 0.0)}, angle=turn)
         m.revolute("P", "rod.end", "low.eye")
         places["low"] = (*(eye + end * along + (0.0, -0.04)), turn)
     return placed(m, places, steps)
@@ -128,20 +132,20 @@ def test_pendulum_stops_askew_with_a_link_hung_from_it(law):
 @pytest.mark.soak
 def test_what_creeps_is_the_last_digit_of_the_angle():
     """The same two bodies in frames that make their angles small do not drift in 3e6 steps: they wander."""
-    way, speed = moved(went(hanging(Coulomb(0.3), 0.9, 3_000_000, True, turn=0.0), "generated"), "rod", "low")
+    way, speed = moved(went(hanging(Coulomb(coefficient=0.3), 0.9, 3_000_000, True, turn=0.0), "generated"), "rod", "low")
     assert way < 2e-11 and speed < 2e-10
 
 
 def test_pendulum_falls_outside_the_friction_cone():
     """The same balance beyond the cone does not hold."""
-    way, _ = moved(went(hanging(Coulomb(0.3), 1.1, 20_000, False)), "rod")
+    way, _ = moved(went(hanging(Coulomb(coefficient=0.3), 1.1, 20_000, False)), "rod")
     assert way > 1e-5
 
 
 def test_disc_slides_above_the_friction_angle():
     """The disc spins up in its bearing: its motion and the wall's normal force from SciPy, with friction mu N throughout."""
     tangent, mu, steps = 0.5, 0.3, 4000
-    record = went(disc_on_a_slope(Coulomb(mu), tangent, steps))
+    record = went(disc_on_a_slope(Coulomb(coefficient=mu), tangent, steps))
     p, angle = particle(record, "disc"), math.atan(tangent)
     torque = -G * math.sin(angle) * (RADIUS - CLEARANCE - depth_under(G * math.cos(angle)) / 2)
     chi = 0.75 * (1 - 0.5**2)
@@ -166,11 +170,11 @@ def brake(law: FrictionLaw, spin: float, torque: float, steps: int, damping: flo
     """A disc on an ideal axle off the middle of its bearing: a constant normal force (N), hence a brake; with it the arm (m)."""
     m = Mechanism("brake")
     m.point("O", 0.0, 0.0)
-    m.rigid_body("disc", mass=1.0, inertia=2e-4, points={"eye": (0.0, 0.0)}, velocity=(0.0, 0.0, spin))
+    m.rigid_body("disc", mass=1.0, inertia=2e-4, pins={"eye": (0.0, 0.0)}, velocity=(0.0, 0.0, spin))
     m.revolute("axle", "ground.O", "disc.eye")
     m.clearance("J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law)
     if torque:
-        m.drivers["disc"] = Torque(body="disc", torque=torque)
+        m.drivers["disc"] = Torque(body="disc", value=torque)
     a = pressed(with_settings(m, damping=damping), steps)
     return a, STIFFNESS * BITE**1.5, RADIUS - CLEARANCE - BITE / 2
 
@@ -182,7 +186,7 @@ def pressed(m: Mechanism, steps: int, outputs: int = 20, step: float = STEP) -> 
     return a
 
 
-@pytest.mark.parametrize("law", [Coulomb(0.3), Karnopp(0.3, 0.3, 0.0)], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [Coulomb(coefficient=0.3), Karnopp(coefficient=0.3, static_coefficient=0.3, band=0.0)], ids=lambda law: law.name)
 def test_brake_stops_where_it_must_and_rests(law):
     """Half of I w^2 over the friction moment is the angle of stopping; then the disc stands still, exactly; all energy is friction's."""
     assembly, normal, arm = brake(law, 20.0, 0.0, 20_000)
@@ -210,11 +214,11 @@ def test_friction_of_a_run_that_stops_and_slides_is_in_the_ledger():
     """A torque to and fro, now below and now above the limit: the ledger closes to second order and friction never gives energy back."""
     errors = []
     for step in (1e-5, 5e-6):
-        assembly, normal, arm = brake(Coulomb(0.3), 0.0, 0.0, 10)
+        assembly, normal, arm = brake(Coulomb(coefficient=0.3), 0.0, 0.0, 10)
         m = assembly.mechanism
         limit = 0.3 * normal * arm
         torque = tuple(1.5 * limit * math.sin(2 * math.pi * k / 20) for k in range(41))
-        m.drivers["disc"] = Torque(body="disc", torque=torque, times=tuple(0.01 * k for k in range(41)))
+        m.drivers["disc"] = Torque(body="disc", value=torque, times=tuple(0.01 * k for k in range(41)))
         record = went(pressed(m, round(0.4 / step), 400, step))
         work = record.block("contact_friction_work")[:, 0]
         assert work[-1] > 1e-3 and np.diff(work).min() > -1e-9 * work[-1]
@@ -236,7 +240,7 @@ def block_on_a_line(law: FrictionLaw, tangent: float, steps: int) -> tuple[Assem
     feet = {"left": (-0.05, foot - depth / 2), "right": (0.05, foot - depth / 2)}
     up, along = np.array([-math.sin(angle), math.cos(angle)]), (math.cos(angle), math.sin(angle))
     at = np.array([0.2, 0.1]) - depth / 2 * up
-    m.rigid_body("block", mass=1.0, inertia=2e-3, points=feet, position=tuple(at), angle=angle)
+    m.rigid_body("block", mass=1.0, inertia=2e-3, pins=feet, position=tuple(at), angle=angle)
     for name in feet:
         m.external_contact(name, "ground.P", f"block.{name}", journal_radius=foot, direction=along, contact=CONTACT, friction=law)
     return placed(m, {"block": (*at, angle)}, steps), angle
@@ -254,7 +258,7 @@ def test_block_stays_on_an_incline(law):
 
 def test_block_slides_down_an_incline():
     """Above the friction angle: g (sin a - mu cos a) down the line, and not off it."""
-    assembly, angle = block_on_a_line(Coulomb(0.3), 0.5, 20_000)
+    assembly, angle = block_on_a_line(Coulomb(coefficient=0.3), 0.5, 20_000)
     record = went(assembly)
     p, time = particle(record, "block"), times(record)
     down = -(p["u"] * math.cos(angle) + p["v"] * math.sin(angle))

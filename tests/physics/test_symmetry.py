@@ -47,13 +47,13 @@ def free_chain(
     m = Mechanism("chain")
     m.link("a", length=0.3, mass=2.0, angle=0.2 + turn, velocity=way(3.0, 1.0, 4.0), position=shift, **links)
     m.link("b", length=0.25, mass=1.5, angle=1.0 + turn, velocity=way(2.0, -1.0, -60.0), **links)
-    m.rigid_body("c", mass=0.8, inertia=4e-3, center=(0.1, 0.02), points={"eye": (0.0, 0.0)}, angle=-0.4 + turn, velocity=way(2.0, -3.0, 60.0))
+    m.rigid_body("c", mass=0.8, inertia=4e-3, center=(0.1, 0.02), pins={"eye": (0.0, 0.0)}, angle=-0.4 + turn, velocity=way(2.0, -3.0, 60.0))
     ends = [("a.end", "b.start"), ("b.end", "c.eye")]
     ideal, clear = (pair[::-1] if exchanged else pair for pair in ends)
     m.revolute("P", *ideal)
     m.clearance(
-        "Q", *clear, clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(0.7, 6.6e9),
-        friction=friction or Ambrosio(0.2, 1e-3, 1e-2), friction_moment=moment,
+        "Q", *clear, clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(restitution=0.7, stiffness=6.6e9),
+        friction=friction or Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2), friction_moment=moment,
     )  # fmt: skip
     return m
 
@@ -109,7 +109,7 @@ def test_nothing_depends_on_where_the_origin_is_or_where_x_points():
 # ------------------------------------------------------------------------------------------------------- bearing and journal
 
 
-@pytest.mark.parametrize("friction", [Frictionless(), Ambrosio(0.2, 1e-3, 1e-2)], ids=["frictionless", "friction at the centres"])
+@pytest.mark.parametrize("friction", [Frictionless(), Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2)], ids=["frictionless", "friction at the centres"])
 @pytest.mark.parametrize("model", ["rigid", "elastic"])
 def test_bearing_and_journal_exchanged_in_a_free_chain(model, friction):
     """The same motion to rounding. (With friction moments the two differ in truth: the surfaces meet at another place.)"""
@@ -148,12 +148,20 @@ def swinging() -> Mechanism:
     m.point("O", 0.1, 0.2)
     m.link("arm", length=0.2, mass=1.0, angle=0.4)
     m.link("upper", length=0.3, mass=0.8, angle=-1.2)
-    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), points={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
+    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), pins={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
     m.revolute("O", "ground.O", "arm.start")
     m.revolute("P", "arm.end", "upper.start")
-    m.clearance("Q", "upper.end", "lower.eye", clearance=3e-4, bearing_radius=0.01, contact=Pereira(0.8), friction=Ambrosio(0.2, 1e-3, 1e-2))
+    m.clearance(
+        "Q",
+        "upper.end",
+        "lower.eye",
+        clearance=3e-4,
+        bearing_radius=0.01,
+        contact=Pereira(restitution=0.8),
+        friction=Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2),
+    )
     m.drivers["arm"] = Ramp(body="arm", speed=40.0, duration=0.004)
-    m.drivers["lower"] = Torque(body="lower", torque=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
+    m.drivers["lower"] = Torque(body="lower", value=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
     m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
     return with_settings(m, damping=2.0)
 
@@ -161,7 +169,7 @@ def swinging() -> Mechanism:
 MODELS = {
     "case c": (four_bar("BCD"), 2e-6),
     "case b": (four_bar("C"), 2e-6),
-    "two-particle": (four_bar("BCD", "two-particle", contact=Pereira(0.5), section=SQUARE), 2e-6),
+    "two-particle": (four_bar("BCD", "two-particle", contact=Pereira(restitution=0.5), section=SQUARE), 2e-6),
     "elastic": (four_bar("", "elastic", elements=2, section=SQUARE), 1e-6),
     "chain": (free_chain(), 2e-6),
     "swing": (swinging(), 4e-6),

@@ -14,9 +14,9 @@ from vfife.model.bodies import Section
 from vfife.model.drivers import Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
+from vfife.model.strokes import tangent, zigzag
 from vfife.plots import figures
 from vfife.plots.outlines import outline
-from vfife.plots.springsigns import tangent, zigzag
 from vfife.report.summary import show
 from vfife.result import Result
 
@@ -39,7 +39,7 @@ def everything() -> Mechanism:
     m.torsional_spring("spiral", "ground", "two", stiffness=2.0, damping=0.01)
     m.link("beam", length=0.5, model="elastic", elements=3, section=Section.round(0.004))
     m.weld("clamp", "ground.C", "beam.start")
-    m.rigid_body("tip", mass=0.2, inertia=1e-3, position=(2.5, 0.0), points={"q": (0.05, 0.02)})
+    m.rigid_body("tip", mass=0.2, inertia=1e-3, position=(2.5, 0.0), pins={"q": (0.05, 0.02)})
     m.bushing("rubber", "beam.end", "tip.center", stiffness=(2e4, 2e4, 5.0), damping=(3.0, 3.0, 0.01))
     m.rigid_body("ball", mass=0.5, inertia=2e-4, position=(0.1, -0.44), velocity=(0.5, 0.0, 0.0))
     m.rigid_body("other", mass=0.5, inertia=2e-4, position=(0.5, -0.44), velocity=(-0.5, 0.0, 0.0))
@@ -50,7 +50,7 @@ def everything() -> Mechanism:
     m.clearance_slider("guide", "ground.G", "block.center", clearance=1e-3, length=0.1, height=0.06)
     m.stop("cheeks", "ground", "one", low=-0.5, high=-0.2, stiffness=50.0, damping=0.1)
     m.loads["f"] = PointForce(name="f", at="tip.q", force=(0.0, 3.0), moment=0.1)
-    m.drivers["one"] = Torque(body="one", torque=(1.0, 0.0), speeds=(0.0, 50.0))
+    m.drivers["one"] = Torque(body="one", value=(1.0, 0.0), speeds=(0.0, 50.0))
     return m
 
 

@@ -19,7 +19,7 @@ TURNS, OUTPUTS = 4, 40
 def bars(clearance: float = 2e-4, **joint):
     """The paper's links with three loose joints, which settle within three or four turns."""
     options = {"axial_length": 5e-3, "friction_moment": "off"} | joint
-    laws = {"contact": Pereira(0.5), "friction": Ambrosio(0.1, 0.01, 0.1)}
+    laws = {"contact": Pereira(restitution=0.5), "friction": Ambrosio(coefficient=0.1, v0=0.01, v1=0.1)}
     return four_bar("BCD", "two-particle", clearance=clearance, below=True, joint=options, **laws, **BARS)
 
 

@@ -61,7 +61,7 @@ def test_a_torque_over_the_angle_is_multiplied():
     m.link("arm", length=1.0, mass=1.0)
     m.revolute("J", "ground.O", "arm.start")
     m.torsional_spring("k", "ground", "arm", stiffness=4.0)
-    m.drivers["arm"] = Torque(body="arm", torque=(1.0, 0.0), angles=(0.0, 0.5))
+    m.drivers["arm"] = Torque(body="arm", value=(1.0, 0.0), angles=(0.0, 0.5))
     angle = equilibrium(assemble(m)).block("particle_theta")[1:, 1]
     assert angle == pytest.approx([0.5 / (4.0 + 1.0), 1.0 / (4.0 + 2.0)], rel=1e-6)
 
@@ -151,5 +151,5 @@ def test_a_table_of_angles_starts_where_it_says():
     m.point("O", 0.0, 0.0)
     m.link("crank", length=1.0, mass=1.0)
     m.revolute("A", "ground.O", "crank.start")
-    m.drivers["crank"] = AngleTable(body="crank", times=(0.0, 1.0), angles=(0.1, 0.4))
+    m.drivers["crank"] = AngleTable(body="crank", times=(0.0, 1.0), values=(0.1, 0.4))
     assert equilibrium(assemble(m)).block("particle_theta")[:, 1] == pytest.approx([0.1, 0.4])

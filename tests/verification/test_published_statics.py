@@ -316,7 +316,7 @@ def test_rigid_body_on_springs():
     m = Mechanism("table", gravity=(0.0, -9.81), settings=static(0.5, 1.0))
     anchors, pins = ((-1.0, 0.0), (0.2, -0.3), (1.3, 0.1)), ((-0.6, 0.8), (0.1, 0.8), (0.7, 0.9))
     stiffness, free = (900.0, 700.0, 1100.0), (0.9, 1.1, 1.0)
-    m.rigid_body("t", mass=20.0, inertia=1.0, center=(0.1, 1.0), points={f"p{k}": pin for k, pin in enumerate(pins)})
+    m.rigid_body("t", mass=20.0, inertia=1.0, center=(0.1, 1.0), pins={f"p{k}": pin for k, pin in enumerate(pins)})
     for k, anchor in enumerate(anchors):
         m.point(f"g{k}", *anchor)
         m.spring(f"s{k}", f"ground.g{k}", f"t.p{k}", stiffness=stiffness[k], free_length=free[k])
@@ -384,7 +384,7 @@ def test_a_driven_crank_holds_a_weight():
     m.point("O", 0.0, 0.0)
     m.link("crank", length=0.5, mass=2.0)
     m.revolute("A", "ground.O", "crank.start")
-    m.drivers["crank"] = AngleTable(body="crank", times=(0.0, 1.0, 2.0, 3.0), angles=(0.0, 0.3, 0.6, 0.9))
+    m.drivers["crank"] = AngleTable(body="crank", times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.3, 0.6, 0.9))
     record = settled(m)
     expected = [factor * 2.0 * 9.81 * 0.25 * math.cos(0.3 * factor) for factor in (1.0, 2.0, 3.0)]
     assert record.block("driven_torque")[1:, 0] == pytest.approx(expected, rel=1e-6)

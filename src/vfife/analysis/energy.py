@@ -57,7 +57,7 @@ def ledger(record: Record) -> Ledger:
             "contact": contact(record),
             "spring": record.block("spring_energy").sum(axis=1),
             "contact_loss": _work(record, "contact_damping"),
-            "friction_loss": _work(record, "friction_form"),
+            "friction_loss": _work(record, "contact_friction"),
             "damping_loss": _work(record, "damping"),
             "spring_loss": _work(record, "spring_damping"),
             "external": _work(record, "external") + constant_loads(record),

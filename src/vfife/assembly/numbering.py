@@ -36,7 +36,7 @@ class Numbering:
         body = self.mechanism.bodies[name]
         mass, center, inertia = rigid_properties(body)
         pivot = next((side for side in self.pivots[name].sides if side[0] == name), None) if driven else None
-        nodes = dict.fromkeys(body.pins, 0)
+        nodes = dict.fromkeys(body.points, 0)
         count = 1
         if is_elastic(body):
             self.meshes[name] = mesh(body)
@@ -56,7 +56,7 @@ class Numbering:
         reference = center if pivot is None else local_point(self.mechanism, pivot)
         self.bodies[name] = BodyMap(
             name, body.model, particles, tuple(range(first, len(self.elements))), row,
-            len(self.driven) - 1 if driven else None, reference, mass, inertia, center, dict(body.pins),
+            len(self.driven) - 1 if driven else None, reference, mass, inertia, center, dict(body.points),
             {pin: particles[k] for pin, k in nodes.items()},
         )  # fmt: skip
 

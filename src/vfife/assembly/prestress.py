@@ -66,7 +66,7 @@ def as_rigid(link: Link, shape: Shape) -> RigidBody:
     pins = {"start": (float(shape.local[0, 0]), float(shape.local[0, 1])), "end": (float(shape.local[-1, 0]), float(shape.local[-1, 1]))}
     return RigidBody(
         name=link.name, angle=link.angle, position=link.position, material=link.material, velocity=link.velocity,
-        mass=mass, inertia=inertia, center=(float(center[0]), float(center[1])), points=pins,
+        mass=mass, inertia=inertia, center=(float(center[0]), float(center[1])), pins=pins,
     )  # fmt: skip
 
 
@@ -195,7 +195,8 @@ def settle(
 def _inertial(held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]) -> dict[str, tuple[Array, Array, Array]]:
     """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and accelerations of each link."""
     return {
-        name: (mesh(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].pins["center"]), extra[name]) for name, link in links.items()
+        name: (mesh(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].points["center"]), extra[name])
+        for name, link in links.items()
     }
 
 

@@ -244,7 +244,7 @@ def _divisor(per_turn: int, outputs: int) -> int:
 
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
     """A period (s) to be resolved where no crank gives one: size over the largest speed, or the root of size over gravity."""
-    size = max([math.hypot(*pin) for body in mechanism.bodies.values() for pin in body.pins.values()] + [1e-3])
+    size = max([math.hypot(*pin) for body in mechanism.bodies.values() for pin in body.points.values()] + [1e-3])
     gravity = math.hypot(*mechanism.gravity)
     speed = float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max())
     spin = float(np.abs(state[layout["particle_w"]]).max())

@@ -13,7 +13,7 @@ from .run import Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
 from .terminal import DIVERGED, INTERRUPTED, grid, json_text, output, print_json, row, sentences, tell
 
 if TYPE_CHECKING:
-    from ..study.compare import Comparison
+    from ..results.comparison import Comparison
 
 SUMMARY, TABLE, MODEL = "compare.json", "compare.csv", "model.toml"
 Folder = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="runs/MODEL-compare")]

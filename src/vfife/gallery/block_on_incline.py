@@ -19,8 +19,10 @@ def block_on_incline(
     m.point("incline", 0.0, 0.0)
     m.rigid_body(
         "block", mass=mass, inertia=mass * 0.004, angle=slope, position=(-s * rise, c * rise),
-        points={"lower": (-foot, -height), "upper": (foot, -height)},
+        pins={"lower": (-foot, -height), "upper": (foot, -height)},
     )  # fmt: skip
     for name in ("lower", "upper"):
-        m.external_contact(name, "ground.incline", f"block.{name}", journal_radius=radius, direction=(c, s), friction=law or Coulomb(friction))
+        m.external_contact(
+            name, "ground.incline", f"block.{name}", journal_radius=radius, direction=(c, s), friction=law or Coulomb(coefficient=friction)
+        )
     return m

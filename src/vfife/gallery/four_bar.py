@@ -18,7 +18,12 @@ def four_bar(*, clearance: float = 0.2e-3, loose: str = "BCD", speed: float = SP
 
     Joint C lies below the line of the ground's pivots. ``clearance`` in m, ``speed`` of the crank in rad/s.
     """
-    joint = {"contact": Pereira(restitution=0.5), "friction": Ambrosio(0.1, 0.01, 0.1), "axial_length": 0.005, "friction_moment": "off"}
+    joint = {
+        "contact": Pereira(restitution=0.5),
+        "friction": Ambrosio(coefficient=0.1, v0=0.01, v1=0.1),
+        "axial_length": 0.005,
+        "friction_moment": "off",
+    }
     bar = {"model": "two-particle", "section": Section.square(1e-3), "stiffness_factor": 1000.0, "release": "both"}
     return _linkage("four-bar, three clearance joints", loose, -1.0, speed, turns, {"clearance": clearance} | joint, bar)
 
@@ -39,7 +44,7 @@ def four_bar_case_c(*, clearance: float = 0.2e-3, speed: float = SPEED, turns: f
 
 
 def _reference_laws() -> dict[str, Any]:
-    return {"contact": LankaraniNikravesh(restitution=0.9, stiffness=6.6e10), "friction": Ambrosio(0.1, 1e-4, 1e-2)}
+    return {"contact": LankaraniNikravesh(restitution=0.9, stiffness=6.6e10), "friction": Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2)}
 
 
 def _linkage(name: str, loose: str, side: float, speed: float, turns: float, play: dict[str, Any], bar: dict[str, Any]) -> Mechanism:

@@ -46,7 +46,7 @@ def williams_toggle(*, elements: int = 20, drops: tuple[float, ...] | None = Non
     )
     m.weld("left", "ground.left", "toggle.left")
     m.weld("right", "ground.right", "toggle.right")
-    m.drivers["push"] = AngleTable(point="toggle.apex", direction=(0.0, -1.0), times=(0.0, 1.0), angles=(0.0, INCH))
+    m.drivers["push"] = AngleTable(point="toggle.apex", direction=(0.0, -1.0), times=(0.0, 1.0), values=(0.0, INCH))
     return m
 
 
@@ -73,5 +73,5 @@ def lee_frame(*, elements: int = 10, drops: tuple[float, ...] = (0.1, 0.2, 0.3, 
     )
     m.revolute("foot", "ground.foot", "frame.foot")
     m.revolute("head", "ground.head", "frame.head")
-    m.drivers["push"] = AngleTable(point="frame.load", direction=(0.0, -1.0), times=(0.0, 1.0), angles=(0.0, 1.0))
+    m.drivers["push"] = AngleTable(point="frame.load", direction=(0.0, -1.0), times=(0.0, 1.0), values=(0.0, 1.0))
     return m

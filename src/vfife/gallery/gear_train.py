@@ -25,5 +25,5 @@ def gear_train(
         m.revolute(name, f"ground.{name}", f"{name}.center")
     m.gear("first-stage", "motor", "middle", ratio=ratios[0])
     m.gear("second-stage", "middle", "flywheel", ratio=ratios[1])
-    m.drivers["curve"] = Torque(body="motor", torque=(stall_torque, 0.0), speeds=(0.0, idle_speed))
+    m.drivers["curve"] = Torque(body="motor", value=(stall_torque, 0.0), speeds=(0.0, idle_speed))
     return m

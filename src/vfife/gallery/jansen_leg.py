@@ -50,4 +50,4 @@ def _plate(m: Mechanism, name: str, sides: tuple[float, float, float], at: tuple
     mass = sum(edge[0] for edge in edges)
     cx, cy = (sum(m * 0.5 * (a[k] + b[k]) for m, a, b in edges) / mass for k in (0, 1))
     inertia = sum(m * (math.dist(a, b) ** 2 / 12.0 + (0.5 * (a[0] + b[0]) - cx) ** 2 + (0.5 * (a[1] + b[1]) - cy) ** 2) for m, a, b in edges)
-    m.rigid_body(name, mass=mass, inertia=inertia, center=(cx, cy), position=at, angle=angle, points=corners)
+    m.rigid_body(name, mass=mass, inertia=inertia, center=(cx, cy), position=at, angle=angle, pins=corners)

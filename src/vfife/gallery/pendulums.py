@@ -6,7 +6,7 @@ import math
 
 from ..laws import Material
 from ..model.bodies import Section
-from ..model.mechanism import Mechanism, Settings, Start
+from ..model.mechanism import Mechanism, Settings, StartSettings
 
 GRAVITY = (0.0, -9.81)
 
@@ -43,5 +43,5 @@ def elastic_pendulum(
     rubber = Material(youngs_modulus=youngs_modulus, poissons_ratio=0.49, density=density)
     m.link("rod", length=length, model="elastic", elements=elements, section=Section.round(diameter), material=rubber)
     m.revolute("O", "ground.O", "rod.start")
-    m.start = Start(mode="rough")
+    m.start = StartSettings(mode="rough")
     return m

@@ -16,7 +16,7 @@ def six_bar_press(*, speed: float = 2.0 * math.pi, turns: float = 1.0) -> Mechan
     m.point("guide", 0.70, -0.22)
     m.link("crank", length=0.08, mass=1.2)
     m.link("coupler", length=0.32, mass=3.0, angle=math.radians(-30.0))
-    m.link("rocker", length=0.30, mass=5.0, angle=math.radians(-100.0), extra_points={"pin": (0.22, 0.0)})
+    m.link("rocker", length=0.30, mass=5.0, angle=math.radians(-100.0), pins={"pin": (0.22, 0.0)})
     m.link("rod", length=0.45, mass=4.0, angle=0.0)
     m.rigid_body("ram", mass=20.0, inertia=0.1, position=(0.70, -0.22))
     m.revolute("A", "ground.A", "crank.start")

@@ -18,9 +18,9 @@ def scissor_lift(
     m.point("track", 0.0, 0.0)
     middle = {"middle": (0.5 * arm, 0.0)}
     for name, side in (("rising-1", 1.0), ("falling-1", -1.0), ("rising-2", 1.0), ("falling-2", -1.0)):
-        m.link(name, length=arm, mass=mass, angle=side * angle, extra_points=middle)
+        m.link(name, length=arm, mass=mass, angle=side * angle, pins=middle)
     m.rigid_body(
-        "platform", mass=load, inertia=20.0, center=(0.5 * wide, 0.1), position=(0.0, 2.0 * tall), points={"fixed": (0.0, 0.0), "edge": (arm, 0.0)}
+        "platform", mass=load, inertia=20.0, center=(0.5 * wide, 0.1), position=(0.0, 2.0 * tall), pins={"fixed": (0.0, 0.0), "edge": (arm, 0.0)}
     )
     m.revolute("foot", "ground.fixed", "rising-1.start")
     m.slider("roller", "ground.track", "falling-1.end", turning=True)

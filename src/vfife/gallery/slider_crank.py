@@ -22,7 +22,7 @@ def slider_crank_loose_pin(
 ) -> Mechanism:
     """Slider-crank whose pin between rod and block has play (m)."""
     m = _crank_and_rod("slider-crank with a loose pin", speed, turns)
-    rub = Ambrosio(friction, 1e-4, 1e-2) if friction else Frictionless()
+    rub = Ambrosio(coefficient=friction, v0=1e-4, v1=1e-2) if friction else Frictionless()
     options = {"bearing_radius": 0.010, "contact": LankaraniNikravesh(restitution=restitution), "friction": rub}
     m.clearance("pin", "rod.end", "block.center", clearance=clearance, **options)
     m.slider("guide", "ground.O", "block.center")
@@ -34,8 +34,8 @@ def slider_crank_loose_guide(
 ) -> Mechanism:
     """Slider-crank whose block, 60 mm by 30 mm, has play (m, on each side) in its guide; the pin lies 10 mm behind the middle of the block."""
     m = _crank_and_rod("slider-crank with a loose guide", speed, turns)
-    rub = Ambrosio(friction, 1e-4, 1e-2) if friction else Frictionless()
-    m.bodies["block"] = RigidBody(name="block", mass=0.14, inertia=1.0e-4, position=(CRANK + ROD + 0.010, 0.0), points={"pin": (-0.010, 0.0)})
+    rub = Ambrosio(coefficient=friction, v0=1e-4, v1=1e-2) if friction else Frictionless()
+    m.bodies["block"] = RigidBody(name="block", mass=0.14, inertia=1.0e-4, position=(CRANK + ROD + 0.010, 0.0), pins={"pin": (-0.010, 0.0)})
     m.revolute("pin", "rod.end", "block.pin")
     options = {"length": 0.060, "height": 0.030, "contact": LankaraniNikravesh(restitution=restitution), "friction": rub}
     m.clearance_slider("guide", "ground.O", "block.center", clearance=clearance, **options)

@@ -33,12 +33,12 @@ def squeezer(*, torque: float = 0.033, stiffness: float = 4530.0, duration: floa
     for name, x, y in (("O", 0.0, 0.0), ("A", -0.06934, -0.00227), ("B", -0.03635, 0.03273), ("C", 0.014, 0.072)):
         m.point(name, x, y)
     for name, (mass, inertia, angle, center, pins) in BODIES.items():
-        m.rigid_body(name, mass=mass, inertia=inertia, angle=angle, position=ORIGINS[name], center=center, points=pins)
+        m.rigid_body(name, mass=mass, inertia=inertia, angle=angle, position=ORIGINS[name], center=center, pins=pins)
     for name, bearing, journal in (
         ("O", "ground.O", "K1.O"), ("P", "K1.P", "K2.P"), ("B", "ground.B", "K3.B"), ("A5", "ground.A", "K5.A"), ("A7", "ground.A", "K7.A"),
         ("H", "K5.H", "K4.H"), ("G", "K7.G", "K6.G"), ("E2", "K3.E", "K2.E"), ("E4", "K3.E", "K4.E"), ("E6", "K3.E", "K6.E"),
     ):  # fmt: skip
         m.revolute(name, bearing, journal)
     m.spring("spring", "ground.C", "K3.D", stiffness=stiffness, free_length=0.07785)
-    m.drivers["motor"] = Torque(body="K1", torque=torque)
+    m.drivers["motor"] = Torque(body="K1", value=torque)
     return m

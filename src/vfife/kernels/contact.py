@@ -257,8 +257,7 @@ def solve_contacts(S, I, span, central):
         square = normal * normal + tangential * tangential
         at = j + CONTACT.force_squared_max
         S[at] = larger(S[at], square)
-        at = j + CONTACT.penetration_max
-        S[at] = larger(S[at], S[j + CONTACT.penetration])
+        S[j + CONTACT.penetration_max] = larger(S[j + CONTACT.penetration_max], S[j + CONTACT.penetration])
 
 
 def shove(S, j, b, k, h, normal, friction):

@@ -56,7 +56,7 @@ def standing(mechanism: Mechanism) -> Mechanism:
     drivers: dict[str, Driver] = {}
     for body, driver in kinematic_drivers(mechanism).items():
         angle = driver.motion(0.0)(0.0)[0]
-        drivers[body] = AngleTable(body=body, times=(0.0, 1.0), angles=(angle, angle))
+        drivers[body] = AngleTable(body=body, times=(0.0, 1.0), values=(angle, angle))
     bodies = {name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()}
     return dataclasses.replace(mechanism, bodies=bodies, drivers=drivers, loads={}, springs={})
 

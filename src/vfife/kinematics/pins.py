@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
     """A pin in its body's frame, or a point of the ground (m)."""
     body, pin = side
-    points = mechanism.points if body == "ground" else mechanism.bodies[body].pins
+    points = mechanism.points if body == "ground" else mechanism.bodies[body].points
     if pin not in points:
         raise AssemblyError(f"there is no pin {body}.{pin}; {body} has {', '.join(points) or 'none'}")
     return points[pin]

@@ -67,7 +67,7 @@ def faults_of_class(law: type[Law]) -> list[str]:
         found.append(f"{where}: a law's name is made of small letters, digits and hyphens, as in lankarani-nikravesh")
     fields = [name for name, said in inspect.get_annotations(law).items() if "ClassVar" not in str(said)]
     if fields and "__dataclass_params__" not in law.__dict__:
-        found.append(f"{where}: the class has fields ({', '.join(fields)}) and is no dataclass; write @dataclass(frozen=True) above it")
+        found.append(f"{where}: the class has fields ({', '.join(fields)}) and is no dataclass; write @dataclass(frozen=True, kw_only=True)")
     room = CONTACT_SLOTS if kind == "contact" else FRICTION_SLOTS
     slots: Any = law.slots
     if not isinstance(slots, tuple) or not all(isinstance(slot, str) for slot in slots):

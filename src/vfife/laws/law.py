@@ -12,7 +12,7 @@ import difflib
 import math
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def quantity(
 SLOT_UNITS = {"damping_factor": "1", "exponent_beyond_1": "1", "ramp": "m/s"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Law:
     """Shared by contact and friction laws. Subclasses register themselves by ``name``.
 
@@ -116,6 +116,13 @@ class Law:
     common: ClassVar[bool] = False
     slot_units: ClassVar[dict[str, str]] = {}
     registry: ClassVar[dict[str, type[Law]]] = {}
+
+    def __new__(cls, *numbers: Any, **values: Any) -> Self:
+        """Keywords only: two numbers in the wrong order are two wrong numbers."""
+        if numbers:
+            written = ", ".join(f"{field.name}=..." for field in dataclasses.fields(cls))
+            raise TypeError(f"the law {cls.name!r} takes its parameters by name, as in {cls.__name__}({written})")
+        return super().__new__(cls)
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own may be defined again."""
@@ -168,7 +175,7 @@ def built_in(law: type[Law]) -> bool:
     return law.__module__.startswith("vfife.laws.")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ContactLaw(Law):
     """Normal contact law.
 
@@ -204,7 +211,7 @@ class ContactLaw(Law):
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FrictionLaw(Law):
     """Friction law.
 

@@ -118,7 +118,7 @@ def stand_in(entry: Entry) -> type[Law]:
     law = type("Recorded", (RecordedContact if contact else type("Base", (Recorded, FrictionLaw), {}),), space)
     if contact:
         law.force = staticmethod(lambda penetration, slowness, p: (law.row(penetration, p)[0], 0.0))  # type: ignore[attr-defined]
-    made: type[Law] = dataclasses.dataclass(frozen=True)(law)
+    made: type[Law] = dataclasses.dataclass(frozen=True, kw_only=True)(law)
     return made
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..laws.law import Material
+from .renamed import renamed
 
 Point = tuple[float, float]
 LinkModel = Literal["rigid", "elastic", "two-particle"]
@@ -59,8 +60,8 @@ class Body:
     material: Material = field(default_factory=Material)
 
     @property
-    def pins(self) -> dict[str, Point]:
-        """Named points in the body's frame (m)."""
+    def points(self) -> dict[str, Point]:
+        """All named points in the body's frame (m): those that every body of its kind has, and its pins."""
         raise NotImplementedError
 
     @property
@@ -69,6 +70,7 @@ class Body:
         raise NotImplementedError
 
 
+@renamed(points="pins")
 @dataclass(frozen=True, kw_only=True)
 class RigidBody(Body):
     """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins (m, in the body's frame)."""
@@ -76,12 +78,12 @@ class RigidBody(Body):
     mass: float
     inertia: float
     center: Point = (0.0, 0.0)
-    points: dict[str, Point] = field(default_factory=dict)
+    pins: dict[str, Point] = field(default_factory=dict)
 
     @property
-    def pins(self) -> dict[str, Point]:
-        """The named points, and ``center``."""
-        return {"center": self.center, **self.points}
+    def points(self) -> dict[str, Point]:
+        """The pins, and ``center``."""
+        return {"center": self.center, **self.pins}
 
     @property
     def model(self) -> str:
@@ -89,6 +91,7 @@ class RigidBody(Body):
         return "rigid"
 
 
+@renamed(link_model="model", extra_points="pins")
 @dataclass(frozen=True, kw_only=True)
 class Link(Body):
     """Link from ``start`` (0, 0) to ``end`` (length, 0): straight, or bent along the points ``via`` (m, in the link's frame) on the way.
@@ -102,7 +105,7 @@ class Link(Body):
 
     length: float
     mass: float | None = None
-    link_model: LinkModel = "rigid"
+    model: LinkModel = "rigid"
     inertia: float | None = None
     center_at: float | None = None
     elements: int = 4
@@ -114,17 +117,12 @@ class Link(Body):
     start_inertia: float = 0.0
     end_inertia: float = 0.0
     via: tuple[Point, ...] = ()
-    extra_points: dict[str, Point] = field(default_factory=dict)
+    pins: dict[str, Point] = field(default_factory=dict)
 
     @property
-    def pins(self) -> dict[str, Point]:
-        """``start``, ``end`` and, on a rigid link, the extra points."""
-        return {"start": (0.0, 0.0), "end": (self.length, 0.0), **self.extra_points}
-
-    @property
-    def model(self) -> str:
-        """``rigid``, ``elastic`` or ``two-particle``."""
-        return self.link_model
+    def points(self) -> dict[str, Point]:
+        """``start``, ``end`` and, on a rigid link, its pins."""
+        return {"start": (0.0, 0.0), "end": (self.length, 0.0), **self.pins}
 
     @property
     def own_mass(self) -> float:
@@ -148,9 +146,10 @@ class Link(Body):
     @property
     def element_count(self) -> int:
         """Number of frame elements; 0 for a rigid link."""
-        return {"rigid": 0, "two-particle": 1, "elastic": self.elements}[self.link_model]
+        return {"rigid": 0, "two-particle": 1, "elastic": self.elements}[self.model]
 
 
+@renamed(pins="points")
 @dataclass(frozen=True, kw_only=True)
 class PointMass(Body):
     """A particle: mass (kg), rotary inertia (kg m^2), one pin ``center``."""
@@ -159,7 +158,7 @@ class PointMass(Body):
     inertia: float = 0.0
 
     @property
-    def pins(self) -> dict[str, Point]:
+    def points(self) -> dict[str, Point]:
         """``center``."""
         return {"center": (0.0, 0.0)}
 
@@ -181,6 +180,7 @@ class Member:
     mass: float | None = None
 
 
+@renamed(pins="points")
 @dataclass(frozen=True, kw_only=True)
 class Frame(Body):
     """Structure of straight members welded together at its nodes (m, in the body's frame); every node is a pin.
@@ -194,7 +194,7 @@ class Frame(Body):
     masses: dict[str, float] = field(default_factory=dict)
 
     @property
-    def pins(self) -> dict[str, Point]:
+    def points(self) -> dict[str, Point]:
         """The nodes."""
         return self.nodes
 

@@ -20,7 +20,7 @@ OneSpring = TypeVar("OneSpring", Spring, TorsionalSpring, Stop, Bushing)
 
 
 @dataclass(frozen=True)
-class Start:
+class StartSettings:
     """How a run starts.
 
     ``consistent``: closed positions, velocities and accelerations of the ideal mechanism, elastic links already carrying the forces that go
@@ -30,6 +30,9 @@ class Start:
 
     mode: StartMode = "consistent"
     journals: Journals = "centred"
+
+
+Start = StartSettings  # as it was called before
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class Mechanism:
     loads: dict[str, PointForce] = field(default_factory=dict)
     gears: dict[str, Gear] = field(default_factory=dict)
     springs: dict[str, AnySpring] = field(default_factory=dict)
-    start: Start = field(default_factory=Start)
+    start: StartSettings = field(default_factory=StartSettings)
     settings: Settings = field(default_factory=Settings)
     source: str | None = field(default=None, compare=False)
 
@@ -83,8 +86,6 @@ class Mechanism:
 
     def link(self, name: str, *, length: float, **options: Any) -> Link:
         """Adds a link; ``model`` = "rigid", "elastic" or "two-particle", the rest as in :class:`~vfife.model.bodies.Link`."""
-        if "model" in options:
-            options["link_model"] = options.pop("model")
         return self._add_body(Link(name=name, length=length, **options))
 
     def rigid_body(self, name: str, *, mass: float, inertia: float, **options: Any) -> RigidBody:
@@ -172,7 +173,7 @@ class Mechanism:
 
     @property
     def clearances(self) -> dict[str, ClearanceRevolute]:
-        """The revolute joints with clearance."""
+        """The revolute joints with clearance; :attr:`contacts` are all joints with play."""
         return {name: joint for name, joint in self.joints.items() if isinstance(joint, ClearanceRevolute)}
 
     @property
@@ -190,5 +191,5 @@ class Mechanism:
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
             joints={name: ideal for name, joint in self.joints.items() if (ideal := joint.ideal()) is not None},
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
-            start=Start(),
+            start=StartSettings(),
         )

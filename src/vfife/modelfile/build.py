@@ -11,7 +11,7 @@ from ..model import joints, springs
 from ..model.bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
 from ..model.drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
 from ..model.loads import PointForce
-from ..model.mechanism import Mechanism, Settings, Start
+from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.surfaces import surfaces
 from .lawtables import law_or_default, senseless
 from .schema import (
@@ -64,7 +64,7 @@ def build(model: ModelFile, source: str | None = None) -> Mechanism:
         springs={name: spring(name, entry) for name, entry in model.spring.items()},
         drivers={name: driver(name, entry) for name, entry in model.driver.items()},
         loads={name: load(name, entry) for name, entry in model.load.items()},
-        start=Start(**fields(model.start)),
+        start=StartSettings(**fields(model.start)),
         settings=Settings(**fields(model.run)),
         source=source,
     )
@@ -95,9 +95,9 @@ def body(name: str, table: BodyTable, materials: Materials) -> Body:
     values = fields(table) | {"name": name, "material": materials[table.material]}
     model, points = values.pop("model"), values.pop("pins", {})
     if isinstance(table, LinkTable):
-        return Link(**values | {"section": section(table.section)}, link_model=model, extra_points=dict(points))
+        return Link(**values | {"section": section(table.section)}, model=model, pins=dict(points))
     if isinstance(table, RigidTable):
-        return RigidBody(**values, points=dict(points))
+        return RigidBody(**values, pins=dict(points))
     if isinstance(table, ParticleTable):
         return PointMass(**values)
     if isinstance(table, FrameTable):
@@ -148,7 +148,7 @@ def driver(name: str, table: DriverTable) -> Driver:
     places = given.get("angles") or given.get("travels")
     effort = given.get("torque") if given.get("torque") is not None else given.get("force")
     if effort is not None:
-        return Torque(**driven, torque=effort, times=table.times, speeds=given.get("speeds"), angles=places)
+        return Torque(**driven, value=effort, times=table.times, speeds=given.get("speeds"), angles=places)
     if given["travel"] is not None:
         return StepTo(**driven, travel=given["travel"], duration=given["duration"], begin=given["begin"] if given["begin"] is not None else 0.0)
     if given["amplitude"] is not None:
@@ -159,7 +159,7 @@ def driver(name: str, table: DriverTable) -> Driver:
         if table.ramp is not None:
             return Ramp(**driven, speed=given["speed"], duration=table.ramp)
         return ConstantSpeed(**driven, speed=given["speed"])
-    return AngleTable(**driven, times=table.times or (), angles=places or ())
+    return AngleTable(**driven, times=table.times or (), values=places or ())
 
 
 def load(name: str, table: LoadTable) -> PointForce:

@@ -13,7 +13,7 @@ from ..model.bodies import Body, Frame, Link, Member, PointMass, RigidBody, Sect
 from ..model.drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
 from ..model.joints import Contact, ExternalContact, Gear, IdealRevolute, Joint
 from ..model.loads import PointForce
-from ..model.mechanism import Mechanism, Settings, Start
+from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.springs import AnySpring, Spring
 from .build import JOINTS, SPRINGS
 from .schema import STATIC_ONLY
@@ -22,7 +22,7 @@ from .tables import IDLE_KEYS
 Entries = Mapping[str, Any]
 
 # Keys of the file that are called otherwise in the nouns.
-KEYS = {"link_model": "model", "extra_points": "pins", "points": "pins"}
+KEYS: dict[str, str] = {}
 NAN = float("nan")  # differs from every number, so that what a noun must have is always written
 
 
@@ -48,7 +48,7 @@ def tables(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
     idle = () if mechanism.settings.analysis == "static" else STATIC_ONLY
     for header, entries in (
         ("run", changed(mechanism.settings, Settings(), leave=idle)),
-        ("start", changed(mechanism.start, Start())),
+        ("start", changed(mechanism.start, StartSettings())),
     ):
         if entries:
             yield header, entries
@@ -96,7 +96,7 @@ def body_tables(name: str, body: Body) -> Iterator[tuple[str, Entries]]:
     leave: tuple[str, ...] = ("name", "material")
     default: Body
     if isinstance(body, Link):
-        leave = (*leave, "link_model", *({"pins": "extra_points"}.get(key, key) for key in IDLE_KEYS.get(body.link_model, ())))
+        leave = (*leave, "model", *IDLE_KEYS.get(body.model, ()))
         default = Link(name="", length=NAN)
     elif isinstance(body, RigidBody):
         default = RigidBody(name="", mass=NAN, inertia=NAN)
@@ -171,10 +171,10 @@ def driver_entries(name: str, driver: Driver) -> Entries:
     if isinstance(driver, Harmonic):
         return entries | {"amplitude": driver.amplitude, "frequency": driver.frequency, "phase": driver.phase}
     if isinstance(driver, AngleTable):
-        return entries | {"times": driver.times, places: driver.angles}
+        return entries | {"times": driver.times, places: driver.values}
     if isinstance(driver, Torque):
         effort = "force" if driver.point else "torque"
-        return entries | {effort: driver.torque, "times": driver.times, "speeds": driver.speeds, places: driver.angles}
+        return entries | {effort: driver.value, "times": driver.times, "speeds": driver.speeds, places: driver.angles}
     raise TypeError(f"driver {name!r}: a model file has no table for {type(driver).__name__}")
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..laws import ContactLaw
-from .contents import Chart, Item, Line, Panel, Table, Verdict
+from ..report.contents import Chart, Item, Line, Panel, Table, Verdict
 from .context import described
 from .influence import MOST_TURNS, STEP, Case, Influence
 from .mechanisms import CLEARANCE, CLEARANCES, FASTEST, LINKS, SPEEDS, Parameters

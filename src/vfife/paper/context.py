@@ -10,7 +10,7 @@ from functools import cached_property
 from importlib import resources
 from typing import Any
 
-from .contents import Parameter
+from ..report.contents import Parameter
 from .influence import MOST_TURNS, STEP, TOLERANCE, Case, Influence, influences
 from .mechanisms import CLEARANCE, CLEARANCES, FASTEST, LINK_WORDS, SPEEDS, Parameters
 from .search import from_numbers

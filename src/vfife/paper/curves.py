@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis import forces, motion
+from ..report.contents import Line, Panel, Style
 from ..solvers.ensemble import Member
 from ..solvers.record import Record
-from .contents import Line, Panel, Style
 from .influence import BODY, JOINT
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..laws import ContactLaw, LankaraniNikravesh, Pereira
 from ..laws.contact.damping import delivered
-from .contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
+from ..report.contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
 from .mechanisms import BEARING_RADIUS, JOURNAL_RADIUS, STIFFNESS, journal
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def fig8(context: Context) -> Item:
     lines: dict[str, list[Line]] = {"time": [], "depth": []}
     rows, data, rebounds = [], [], []
     for restitution, style in RESTITUTIONS.items():
-        law = LankaraniNikravesh(restitution, STIFFNESS)
+        law = LankaraniNikravesh(restitution=restitution, stiffness=STIFFNESS)
         hit = first_impact(law, LENGTH)
         rebound = -float(impact(law, LENGTH, 1.5 * FIRST_CONTACT)[3][-1])
         chi = 0.75 * (1.0 - restitution**2)
@@ -105,12 +105,12 @@ def fig9(context: Context) -> Item:
     """Force over penetration: the enhanced law beside Lankarani-Nikravesh."""
     restitution = 0.9
     inferred = context.parameters.axial_length
-    sphere = first_impact(LankaraniNikravesh(restitution, STIFFNESS), LENGTH)
+    sphere = first_impact(LankaraniNikravesh(restitution=restitution, stiffness=STIFFNESS), LENGTH)
     lines = [Line(1e6 * sphere["depth"], 1e-3 * sphere["force"], "Lankarani–Nikravesh", "second")]
     depths = {}
     styles: dict[float, Style] = {LENGTH: "main", inferred: "third"}
     for length, style in styles.items():
-        hit = first_impact(Pereira(restitution), length)
+        hit = first_impact(Pereira(restitution=restitution), length)
         lines.append(Line(1e6 * hit["depth"], 1e-3 * hit["force"], f"enhanced, L = {1e3 * length:.3g} mm", style))
         depths[length] = float(hit["depth"].max())
     deepest, same = float(sphere["depth"].max()), _same_depth(float(sphere["depth"].max()), restitution)
@@ -148,13 +148,13 @@ def _same_depth(depth: float, restitution: float) -> float:
     low, high = 1e-3, 5e-2
     for _ in range(12):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if float(first_impact(Pereira(restitution), middle)["depth"].max()) > depth else (low, middle)
+        low, high = (middle, high) if float(first_impact(Pereira(restitution=restitution), middle)["depth"].max()) > depth else (low, middle)
     return math.sqrt(low * high)
 
 
 def fig10(context: Context) -> Item:
     """Contact force over time through the three modes."""
-    time, depth, force, _ = impact(LankaraniNikravesh(0.9, STIFFNESS), LENGTH, 3e-3)
+    time, depth, force, _ = impact(LankaraniNikravesh(restitution=0.9, stiffness=STIFFNESS), LENGTH, 3e-3)
     touching = depth > 0.0
     change = np.flatnonzero(np.diff(touching.astype(int)))
     begins, ends = time[change[~touching[change]] + 1], time[change[touching[change]] + 1]

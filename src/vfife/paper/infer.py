@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..report.contents import Chart, Item, Line, Panel, Style, Table, Verdict
 from . import search
-from .contents import Chart, Item, Line, Panel, Style, Table, Verdict
 from .context import described
 from .influence import STEP
 from .mechanisms import Parameters

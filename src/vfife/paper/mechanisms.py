@@ -54,7 +54,7 @@ class Parameters:
     start. SI units.
     """
 
-    contact: ContactLaw = field(default_factory=lambda: Pereira(0.5))
+    contact: ContactLaw = field(default_factory=lambda: Pereira(restitution=0.5))
     axial_length: float = 5e-3
     v0: float = 0.01
     v1: float = 0.1
@@ -68,7 +68,7 @@ class Parameters:
     @property
     def friction_law(self) -> FrictionLaw:
         """The paper's modified Coulomb law."""
-        return Ambrosio(self.friction, self.v0, self.v1) if self.friction else Frictionless()
+        return Ambrosio(coefficient=self.friction, v0=self.v0, v1=self.v1) if self.friction else Frictionless()
 
 
 def directions(crank_angle: float, below: bool) -> tuple[float, float]:

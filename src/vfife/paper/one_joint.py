@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..laws import LankaraniNikravesh, Pereira
+from ..report.contents import Chart, Item, Line, Panel, Parameter, Verdict
 from . import curves
-from .contents import Chart, Item, Line, Panel, Parameter, Verdict
 from .context import settling
 from .influence import JOINT, Case, Influence, ideal
 from .mechanisms import BEARING_RADIUS, FASTEST, JOURNAL_RADIUS, LINK_WORDS, STIFFNESS, Parameters
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 GAP = BEARING_RADIUS - JOURNAL_RADIUS  # m
 RESTITUTION = 0.9
 LINK = "uniform rods"  # Sect. 4.2 calls the bodies rigid, and compares with a program of rigid bodies
-SPHERE = LankaraniNikravesh(RESTITUTION, STIFFNESS)
+SPHERE = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS)
 
 
 def variants(context: Context) -> dict[str, Parameters]:
     """The runs: either law, with and without friction; the friction speeds are those inferred for Sect. 5."""
     p = context.parameters
     base = Parameters(link=LINK, below=True, contact=SPHERE, friction=0.0, v0=p.v0, v1=p.v1, axial_length=20e-3)
-    enhanced = dataclasses.replace(base, contact=Pereira(RESTITUTION))
+    enhanced = dataclasses.replace(base, contact=Pereira(restitution=RESTITUTION))
     return {
         "Lankarani–Nikravesh": base,
         "enhanced with friction": dataclasses.replace(enhanced, friction=p.friction),

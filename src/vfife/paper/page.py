@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from .contents import Chart, Item, Parameter, Table, Verdict
+from ..report.contents import Chart, Item, Parameter, Table, Verdict
 
 PAGE = Template("""<!DOCTYPE html>
 <html lang="en">

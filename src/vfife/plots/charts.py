@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..paper.contents import Chart, Panel
+    from ..report.contents import Chart, Panel
 
 LOOKS: dict[str, dict[str, Any]] = {
     "main": {"color": BLUE, "lw": 1.3, "zorder": 4},

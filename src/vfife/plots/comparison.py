@@ -14,7 +14,7 @@ from .style import BODIES, GREY, INK, STYLE, heading, one_legend, panels, scale_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..study.compare import Comparison
+    from ..results.comparison import Comparison
 
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)))
 

@@ -31,7 +31,7 @@ def force_curves(result: View, reference: View | None = None) -> Figure | None:
     The line is the largest force in each output interval, so that no peak is missed.
     """
     rows = joint_rows(result.record)
-    kinds = {"clearance": 0, "ideal": 1, "driven": 2}
+    kinds = {"contact": 0, "joint": 1, "driven": 2}
     loaded = {name: float(found[0].max()) for name in rows if (found := _force(result, name)) is not None}
     noise = NOISE * max([0.0, *loaded.values(), *(float(np.abs(_moment(result, name)[0]).max()) for name in rows)])
     names = sorted((name for name, most in loaded.items() if most > noise), key=lambda name: kinds[rows[name][0]])

@@ -51,9 +51,9 @@ def drawn_pins(result: View, name: str) -> list[str]:
     """Pins of a rigid body that are drawn: its own, and those that something is fixed to; the centre of mass where there is but one pin."""
     mechanism = result.record.assembly.mechanism
     noun = mechanism.bodies[name]
-    own = ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.pins if pin != CENTER]
-    pins = list(dict.fromkeys([*own, *(pin for pin in noun.pins if pin in attached(result, name))]))
-    if len(pins) == 1 and np.any(noun.pins[pins[0]]) and CENTER in noun.pins and pins != [CENTER]:
+    own = ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.points if pin != CENTER]
+    pins = list(dict.fromkeys([*own, *(pin for pin in noun.points if pin in attached(result, name))]))
+    if len(pins) == 1 and np.any(noun.points[pins[0]]) and CENTER in noun.points and pins != [CENTER]:
         pins.append(CENTER)
     return pins
 
@@ -69,7 +69,7 @@ def attached(result: View, name: str) -> set[str]:
 def loose_pins(result: View, name: str) -> list[str]:
     """Pins of a body that nothing takes hold of: feet, pens and ends, whose paths are worth seeing."""
     noun = result.record.assembly.mechanism.bodies[name]
-    own = noun.pins if not result.record.assembly.bodies[name].elements else [pin for pin in ("start", "end") if pin in noun.pins]
+    own = noun.points if not result.record.assembly.bodies[name].elements else [pin for pin in ("start", "end") if pin in noun.points]
     held = attached(result, name)
     return [pin for pin in own if pin != CENTER and pin not in held]
 

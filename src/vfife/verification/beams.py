@@ -121,7 +121,7 @@ def spin_up(nudge: Nudge) -> Rows:
     angles = np.where(
         times < 15.0, 0.4 * (0.5 * times**2 + (7.5 / math.pi) ** 2 * (np.cos(2.0 * math.pi * times / 15.0) - 1.0)), 6.0 * times - 45.0
     )
-    m.drivers["beam"] = AngleTable(body="beam", times=tuple(times.tolist()), angles=tuple(angles.tolist()))
+    m.drivers["beam"] = AngleTable(body="beam", times=tuple(times.tolist()), values=tuple(angles.tolist()))
     seen = run(m, duration=30.0, outputs=600)
     tip, angle = seen.pin("beam", "end"), seen.turn("beam", "start")
     along, across = np.cos(angle), np.sin(angle)

@@ -30,7 +30,7 @@ def gear_pair(nudge: Nudge) -> Rows:
     wheel(m, "first", i1)
     wheel(m, "second", i2 * nudge("inertia"), 0.5)
     m.gear("gear", "first", "second", ratio=r * nudge("ratio"))
-    m.drivers["first"] = Torque(body="first", torque=torque)
+    m.drivers["first"] = Torque(body="first", value=torque)
     seen = run(m, step=1e-4, duration=0.5, outputs=50)
     alpha = torque / (i1 + r * r * i2)
     yield Row("angle of the first at 0.5 s", "rad", 0.125 * alpha, float(seen.body("first")[-1]), 1e-4)
@@ -44,12 +44,12 @@ def planetary_train(nudge: Nudge) -> Rows:
     arm, l, mass, planet, torque = 0.05, 0.2, 1.0, 0.004, 0.7
     m = Mechanism("planetary train")
     m.point("O", 0.0, 0.0)
-    m.rigid_body("arm", mass=1.0, inertia=arm, points={"end": (l, 0.0)})
+    m.rigid_body("arm", mass=1.0, inertia=arm, pins={"end": (l, 0.0)})
     m.revolute("O", "ground.O", "arm.center")
     m.rigid_body("planet", mass=mass, inertia=planet * nudge("inertia"), position=(l, 0.0))
     m.revolute("P", "arm.end", "planet.center")
     m.gear("mesh", "arm", "planet", ratio=2.0)
-    m.drivers["arm"] = Torque(body="arm", torque=torque)
+    m.drivers["arm"] = Torque(body="arm", value=torque)
     seen = run(m, step=1e-4, duration=1.0, outputs=100)
     alpha = torque / (arm + mass * l * l + 4.0 * planet)
     yield Row("angle of the arm at 1 s", "rad", 0.5 * alpha, float(seen.body("arm")[-1]), 1e-4)
@@ -65,7 +65,7 @@ def motor_curve(nudge: Nudge) -> Rows:
     """5 N m at rest that falls to nothing at 100 rad/s."""
     m = Mechanism("motor")
     wheel(m, "rotor", 0.05 * nudge("inertia"))
-    m.drivers["rotor"] = Torque(body="rotor", torque=(5.0, 0.0), speeds=(0.0, 100.0))
+    m.drivers["rotor"] = Torque(body="rotor", value=(5.0, 0.0), speeds=(0.0, 100.0))
     seen = run(m, step=1e-4, duration=1.5, outputs=150)
     for time in (0.5, 1.0, 1.5):
         yield Row(f"speed at {time:g} s", "rad/s", 100.0 * (1.0 - math.exp(-time)), seen.at(time, seen.speed("rotor", "w")), 1e-3)
@@ -78,7 +78,7 @@ def torque_over_angle(nudge: Nudge) -> Rows:
     m.point("O", 0.0, 0.0)
     m.rigid_body("rotor", mass=1.0, inertia=0.05 * nudge("inertia"), angle=0.7, velocity=(0.0, 0.0, 6.0))
     m.revolute("O", "ground.O", "rotor.center")
-    m.drivers["rotor"] = Torque(body="rotor", torque=(10.0, -10.0), angles=(-1.0, 1.0))
+    m.drivers["rotor"] = Torque(body="rotor", value=(10.0, -10.0), angles=(-1.0, 1.0))
     seen = run(m, step=1e-4, duration=1.0, outputs=500)
     p = math.sqrt(10.0 / 0.05)
     for time in (0.1, 0.9):

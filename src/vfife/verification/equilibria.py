@@ -87,7 +87,7 @@ def toggle(elements: int, stiffness: float = 1.0) -> Mechanism:
     m.frame("toggle", nodes=nodes, members=legs, section=section, material=material)
     m.weld("L", "ground.L", "toggle.left")
     m.weld("R", "ground.R", "toggle.right")
-    m.drivers["push"] = AngleTable(point="toggle.apex", direction=(0.0, -1.0), times=(0.0, 1.0), angles=(0.0, INCH))
+    m.drivers["push"] = AngleTable(point="toggle.apex", direction=(0.0, -1.0), times=(0.0, 1.0), values=(0.0, INCH))
     return m
 
 
@@ -174,7 +174,7 @@ def welded_arm(nudge: Nudge) -> Rows:
     """A small force at the end of a rigid arm of 0.5 m beyond the tip: deflection, rotation, moment and force of the clamp and of the weld."""
     p, arm = 1e-3, 0.5
     m = cantilever(nudge("stiffness"))
-    m.rigid_body("arm", mass=1.0, inertia=0.1, points={"root": (-0.25, 0.0), "end": (0.25, 0.0)}, position=(1.25, 0.0))
+    m.rigid_body("arm", mass=1.0, inertia=0.1, pins={"root": (-0.25, 0.0), "end": (0.25, 0.0)}, position=(1.25, 0.0))
     m.weld("tip", "beam.end", "arm.root")
     m.loads["load"] = PointForce(name="load", at="arm.end", force=(0.0, p * nudge("load")))
     seen = run(static(m, 1.0))

@@ -29,7 +29,7 @@ def four_bar(clear: str, speed: float, mass: float = 1.0, model: str = "rigid", 
     surfaces = {"clearance": play, "bearing_radius": 0.01, "contact": LankaraniNikravesh(restitution=restitution, stiffness=6.6e10)}
     for name, bearing, journal in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
         if name in clear:
-            m.clearance(name, bearing, journal, **surfaces, friction=Ambrosio(0.1, 1e-4, 1e-2))
+            m.clearance(name, bearing, journal, **surfaces, friction=Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2))
         else:
             m.revolute(name, bearing, journal)
     m.drive("crank", speed=speed)

@@ -91,7 +91,7 @@ def guide_with_play(nudge: Nudge) -> Rows:
     speeds = {"crank": (0.0, 0.0765 * spin, spin), "rod": (0.0, 0.1530 * (spin - 75.0), -75.0), "block": (0.0, 0.1530 * (spin - 150.0), 0.0)}
     for name, velocity in speeds.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
-    options = {"contact": LankaraniNikravesh(restitution=0.4), "friction": Ambrosio(0.01, 1e-4, 1e-2), "corner_radius": 1e-4}
+    options = {"contact": LankaraniNikravesh(restitution=0.4), "friction": Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2), "corner_radius": 1e-4}
     m.clearance_slider("S", "ground.O", "block.center", clearance=c * nudge("clearance"), length=0.1, height=0.05, **options)
     seen = run(m, step=5e-7, duration=0.02, outputs=4000)
     time, corner = first_contact(c)
@@ -168,7 +168,7 @@ def scotch_yoke(nudge: Nudge) -> Rows:
     r, w, mass = 0.08, 30.0, 1.4
     m = Mechanism("Scotch yoke")
     m.point("O", 0.0, 0.0)
-    m.rigid_body("crank", mass=0.3, inertia=1e-3, points={"pin": (r * nudge("radius"), 0.0)})
+    m.rigid_body("crank", mass=0.3, inertia=1e-3, pins={"pin": (r * nudge("radius"), 0.0)})
     m.revolute("O", "ground.O", "crank.center")
     m.rigid_body("yoke", mass=mass * nudge("mass"), inertia=1e-2, position=(r, 0.0))
     m.slider("guide", "ground.O", "yoke.center")
@@ -190,7 +190,7 @@ def quick_return(nudge: Nudge) -> Rows:
     m = Mechanism("quick return")
     m.point("A", 0.0, 0.0)
     m.point("B", -d, 0.0)
-    m.rigid_body("crank", mass=0.3, inertia=1e-3, points={"pin": (r * nudge("radius"), 0.0)})
+    m.rigid_body("crank", mass=0.3, inertia=1e-3, pins={"pin": (r * nudge("radius"), 0.0)})
     m.rigid_body("arm", mass=1.0, inertia=inertia * nudge("inertia"), position=(-d, 0.0))
     m.revolute("A", "ground.A", "crank.center")
     m.revolute("B", "ground.B", "arm.center")

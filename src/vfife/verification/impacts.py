@@ -84,7 +84,7 @@ def incline(angle: float, friction: float, inertia: float) -> tuple[Seen, float]
     c, s = math.cos(angle), math.sin(angle)
     high = r - (mass * g * c / 1e9) ** (2.0 / 3.0)
     m.rigid_body("round", mass=mass, inertia=inertia, position=(high * s, high * c))
-    law, rough = HuntCrossley(restitution=0.5, stiffness=1e9), Ambrosio(friction, 1e-6, 1e-4)
+    law, rough = HuntCrossley(restitution=0.5, stiffness=1e9), Ambrosio(coefficient=friction, v0=1e-6, v1=1e-4)
     m.external_contact("J", "ground.O", "round.center", journal_radius=r, direction=(c, -s), contact=law, friction=rough)
     seen = run(m, step=5e-6, duration=0.5, outputs=500)
     way = (seen.body("round", "x") - high * s) * c - (seen.body("round", "y") - high * c) * s
@@ -115,7 +115,7 @@ def redundant_parallelogram(nudge: Nudge) -> Rows:
     points = {f"p{k}": (0.4 * k, 0.0) for k in range(3)}
     start = -1.0
     m.rigid_body(
-        "beam", mass=beam * nudge("mass"), inertia=0.3, points=points, center=(0.3, 0.1), position=(l * math.cos(start), l * math.sin(start))
+        "beam", mass=beam * nudge("mass"), inertia=0.3, pins=points, center=(0.3, 0.1), position=(l * math.cos(start), l * math.sin(start))
     )
     for k in range(3):
         m.point(f"O{k}", 0.4 * k, 0.0)

@@ -21,7 +21,7 @@ def pendulum(length: float = 1.0) -> Mechanism:
     """1 kg at the end of a massless rod, horizontal at rest."""
     m = Mechanism("simple pendulum", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
-    m.rigid_body("bob", mass=1.0, inertia=1e-5, center=(length, 0.0), points={"pivot": (0.0, 0.0)}, angle=math.pi)
+    m.rigid_body("bob", mass=1.0, inertia=1e-5, center=(length, 0.0), pins={"pivot": (0.0, 0.0)}, angle=math.pi)
     m.revolute("O", "ground.O", "bob.pivot")
     return m
 

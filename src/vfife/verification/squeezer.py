@@ -43,13 +43,13 @@ def squeezer(spring: float = 4530.0) -> Mechanism:
         "k7": (0.05498, 1.912e-5, (0.01228, 0.00449), {"o": (0.0, 0.0), "e": (0.04, 0.0)}, EPSILON - quarter, a),
     }
     for name, (mass, inertia, center, points, angle, position) in bodies.items():
-        m.rigid_body(name, mass=mass, inertia=inertia, center=center, points=points, angle=angle, position=position)
+        m.rigid_body(name, mass=mass, inertia=inertia, center=center, pins=points, angle=angle, position=position)
     pins = [("ground.O", "k1.o"), ("k1.e", "k2.o"), ("ground.B", "k3.o"), ("ground.A", "k5.o"), ("ground.A", "k7.o")]
     pins += [("k5.e", "k4.o"), ("k7.e", "k6.o"), ("k2.p", "k3.p"), ("k2.p", "k4.p"), ("k2.p", "k6.p")]
     for k, (bearing, journal) in enumerate(pins, start=1):
         m.revolute(f"J{k}", bearing, journal)
     m.spring("spring", "ground.C", "k3.d", stiffness=spring, free_length=0.07785)
-    m.drivers["k1"] = Torque(body="k1", torque=0.033)
+    m.drivers["k1"] = Torque(body="k1", value=0.033)
     return m
 
 

@@ -10,7 +10,7 @@ from ..law import Pair, quantity
 from .linear import Linear
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Anagnostopoulos(Linear):
     """F_N = k delta + c rate, c = 2 xi sqrt(k m), xi = -ln c_e/sqrt(pi^2 + ln^2 c_e), m the effective mass of the two bodies.
 

@@ -14,7 +14,7 @@ OVERVIEW = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Cylinder(Damped):
     """Two cylinders, with a damping factor to choose."""
 
@@ -26,7 +26,7 @@ class Cylinder(Damped):
             raise ValueError(f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take "pereira" or "johnson"')
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PowerLaw(Cylinder):
     """F_N = K delta^n [1 + chi rate/impact_speed]."""
 

@@ -96,7 +96,7 @@ def delivered(chi: float) -> float:
     return low
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Damped(ContactLaw):
     """An elastic force F_e with hysteresis damping, F_N = F_e (1 + chi rate/impact_speed)."""
 

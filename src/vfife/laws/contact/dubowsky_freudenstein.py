@@ -11,7 +11,7 @@ from .cylinder import OVERVIEW
 from .line import LineContact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DubowskyFreudenstein(LineContact):
     """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(L^3 dR/(F_e R_i R_j s)) + 1], s = (sigma_i + sigma_j)/pi, sigma = (1 - nu^2)/E."""
 

@@ -11,7 +11,7 @@ from .cylinder import OVERVIEW
 from .line import LineContact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Esdu78035(LineContact):
     """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(4 L dR/(F_e s)) + 1], s = (sigma_i + sigma_j)/pi, sigma = (1 - nu^2)/E."""
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 from .point import PointContact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gonthier(PointContact):
     """F_N = K delta^1.5 [1 + chi rate/impact_speed], chi = d/c_e with the authors' estimate d = 1 - c_e^2, K as Hertz'."""
 

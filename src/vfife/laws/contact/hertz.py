@@ -10,7 +10,7 @@ from .damping import DAMPING
 from .point import PointContact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Hertz(PointContact):
     """F_N = K delta^1.5 [1 + chi rate/impact_speed], chi = 0 unless a damping factor is named; the restitution matters only then."""
 

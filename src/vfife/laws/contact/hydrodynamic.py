@@ -10,7 +10,7 @@ from ..law import ContactLaw, Pair, quantity
 from .damping import lankarani_nikravesh
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Hydrodynamic(ContactLaw):
     """F_N = film's radial force + film's damping * rate + K delta^1.5 [1 + 3 (1 - c_e^2)/4 * rate/impact_speed].
 

@@ -9,7 +9,7 @@ from ...kernels.elementary import power
 from ..law import ContactLaw, Pair, quantity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Impact(ContactLaw):
     """F_N = k delta^e + STEP(delta, 0, 0, d, c) rate, cut where it would pull.
 

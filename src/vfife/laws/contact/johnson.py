@@ -11,7 +11,7 @@ from .cylinder import OVERVIEW
 from .line import LineContact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Johnson(LineContact):
     """F_N = F_e [1 + chi rate/impact_speed], delta = F_e/(pi E* L) [ln(4 pi E* L dR/F_e) - 1].
 

@@ -9,7 +9,7 @@ from ..law import Pair, quantity
 from .linear import Linear
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class KelvinVoigt(Linear):
     """F_N = k delta + c rate, cut where it would pull."""
 

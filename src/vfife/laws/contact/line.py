@@ -20,7 +20,7 @@ from .cylinder import Cylinder
 LAST = 1.1  # w at which the tangent begins
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LineContact(Cylinder):
     """F_N = F_e(delta) [1 + chi rate/impact_speed], delta = alpha F_e ln(beta/F_e)."""
 

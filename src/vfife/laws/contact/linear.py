@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from ..law import ContactLaw
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Linear(ContactLaw):
     """F_N = k delta + c rate while the surfaces touch.
 

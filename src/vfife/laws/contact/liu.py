@@ -14,7 +14,7 @@ from .cylinder import Cylinder
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Liu(Cylinder):
     """F_N = pi/2 delta E* L sqrt{delta/[2 (dR + delta)]} [1 + chi rate/impact_speed], dR = R_i - R_j."""
 

@@ -12,7 +12,7 @@ from .cylinder import OVERVIEW, PowerLaw
 SMALLEST, LARGEST = 0.005, 10.0  # mm, the clearances of the fit inside a bearing
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Pereira(PowerLaw):
     """F_N = (a dR + b) L E*/dR delta^n [1 + chi rate/impact_speed], Eq. 26-28 of the VFIFE paper.
 

@@ -12,7 +12,7 @@ from .damping import Damped
 SLOWEST_WAVE = 1e-5  # of sqrt(E/rho): the fastest impact of Hertz' quasi-static theory (Love, Mathematical Theory of Elasticity, 1944)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PointContact(Damped):
     """F_N = K delta^1.5 [1 + chi rate/impact_speed].
 

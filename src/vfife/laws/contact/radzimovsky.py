@@ -11,7 +11,7 @@ from .cylinder import OVERVIEW
 from .line import LineContact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Radzimovsky(LineContact):
     """F_N = F_e [1 + chi rate/impact_speed], delta = F_e/(pi E* L) [2/3 + ln(4 R_i/b) + ln(4 R_j/b)], b = 1.60 sqrt(F_e R/(L E*)).
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 from .point import PointContact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ZhiyingQishao(PointContact):
     """F_N = K delta^1.5 [1 + chi rate/impact_speed], chi = 3/4 (1 - c_e^2) exp[2 (1 - c_e)], K as Hertz'."""
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 from ..law import FrictionLaw, Pair, quantity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ambrosio(FrictionLaw):
     """F_T = -c_f c_d F_N sign(v_T), c_d = 0 below v_0, (|v_T| - v_0)/(v_1 - v_0) to v_1, 1 beyond."""
 

@@ -11,7 +11,7 @@ from .order import not_below
 from .tangent import along, foreseen
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BengisuAkay(FrictionLaw):
     """F_T = -F_N mu_s [1 - (|v|/v_0 - 1)^2] sign(v) up to |v| = v_0, -F_N {mu_c + (mu_s - mu_c) exp[-xi (|v| - v_0)]} sign(v) beyond.
 

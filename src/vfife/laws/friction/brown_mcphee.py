@@ -11,7 +11,7 @@ from .order import not_below
 from .tangent import along, foreseen
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BrownMcPhee(FrictionLaw):
     """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's viscous term is left out.
 

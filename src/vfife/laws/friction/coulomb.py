@@ -8,7 +8,7 @@ from typing import ClassVar
 from ..law import FrictionLaw, Pair, quantity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Coulomb(FrictionLaw):
     """F_T = -mu F_N sign(v_T) while the surfaces slide; any force up to mu F_N that keeps them from it while they stick."""
 

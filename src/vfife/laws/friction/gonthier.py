@@ -10,7 +10,7 @@ from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class GonthierFriction(FrictionLaw):
     """F_T = -F_N {sat(sigma_0 z + sigma_1 dz/dt, f_max) + sigma_2 v}, f_max = mu_c + (mu_s - mu_c) s_dw,
 

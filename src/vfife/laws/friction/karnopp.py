@@ -9,7 +9,7 @@ from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Karnopp(FrictionLaw):
     """F_T = -mu_c F_N sign(v_T) for |v_T| > D_v; inside the band the surfaces count as at rest and any force up to mu_s F_N holds them.
 

@@ -11,7 +11,7 @@ from .bristle import bend
 from .order import not_below
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LuGre(FrictionLaw):
     """dz/dt = v - sigma_0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/v_S)^2), F_T = -F_N (sigma_0 z + sigma_1 dz/dt + sigma_2 v).
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 from ..law import FrictionLaw, Pair
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Frictionless(FrictionLaw):
     """F_T = 0."""
 

@@ -10,7 +10,7 @@ from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Stribeck(FrictionLaw):
     """F_T = -F_N {[mu_c + (mu_s - mu_c) exp(-|v/v_S|^d)] sign(v) + sigma_v v}, and any force up to mu_s F_N that keeps the surfaces at rest.
 

@@ -11,7 +11,7 @@ from ..law import FrictionLaw, Pair, quantity
 from .tangent import along, foreseen
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Threlfall(FrictionLaw):
     """F_T = -mu F_N (1 - exp(-3 |v|/v_1))/(1 - e^-3) sign(v) up to |v| = v_1, -mu F_N sign(v) beyond.
 

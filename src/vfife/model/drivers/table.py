@@ -8,11 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from ..polynomials import Polynomials, spline
+from ..renamed import renamed
 from .driver import Driver
 
 LOOKS = 1000  # times at which a table is asked for its speed
 
 
+@renamed(angles="values")
 @dataclass(frozen=True, kw_only=True)
 class AngleTable(Driver):
     """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
@@ -21,11 +23,11 @@ class AngleTable(Driver):
     revolves: ClassVar[bool] = True
 
     times: tuple[float, ...]
-    angles: tuple[float, ...]
+    values: tuple[float, ...]
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added."""
-        return spline(self.times, self.angles, offset)
+        return spline(self.times, self.values, offset)
 
     @property
     def largest_speed(self) -> float:

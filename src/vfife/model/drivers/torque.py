@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..polynomials import Polynomials, clamped, constant
+from ..renamed import renamed
 from .driver import Driver
 
 
+@renamed(torque="value")
 @dataclass(frozen=True, kw_only=True)
 class Torque(Driver):
     """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along ``direction``.
@@ -20,23 +22,23 @@ class Torque(Driver):
     kind: ClassVar[str] = "effort"
     prescribes: ClassVar[bool] = False
 
-    torque: float | tuple[float, ...]
+    value: float | tuple[float, ...]
     times: tuple[float, ...] | None = None
     speeds: tuple[float, ...] | None = None
     angles: tuple[float, ...] | None = None
 
     def effort(self) -> Polynomials:
         """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else constant."""
-        if isinstance(self.torque, int | float):
-            return constant(float(self.torque))
+        if isinstance(self.value, int | float):
+            return constant(float(self.value))
         over = self.speeds or self.angles or self.times
-        return constant(float(self.torque[0])) if over is None else clamped(over, self.torque)
+        return constant(float(self.value[0])) if over is None else clamped(over, self.value)
 
     @property
     def words(self) -> str:
         """What it does, in a few words."""
         what, newton = ("force", "N") if self.point else ("torque", "N m")
         over = " over speed" if self.speeds else " over " + ("travel" if self.point else "angle") if self.angles else ""
-        if isinstance(self.torque, int | float):
-            return f"{what} {self.torque:.6g} {newton}"
-        return f"table of {len(self.torque)} {what}s{over}"
+        if isinstance(self.value, int | float):
+            return f"{what} {self.value:.6g} {newton}"
+        return f"table of {len(self.value)} {what}s{over}"

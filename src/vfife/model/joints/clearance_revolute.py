@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...laws import Material, Pair
+from ..strokes import JointSeen, Mark, Stroke, ring, standing
 from ..touching import Touching
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
+from .joint import Point
+
+LARGE_BEARING = 0.03  # bearing radius, as a share of the drawing, from which its circle is drawn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,3 +56,17 @@ class ClearanceRevolute(Contact):
     def deepest_start(self) -> tuple[float, str]:
         """Half the bearing's radius."""
         return 0.5 * self.bearing_radius, f"half the bearing's radius of {self.bearing_radius:g} m"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """A ring with a dot, or the two circles where they are large enough to be seen; the ground under it."""
+        found = standing(seen)
+        if self.bearing_radius * seen.factor > LARGE_BEARING * seen.size:
+            found.append(ring(seen.bearing, seen.factor * self.bearing_radius, width=1.8, rank=4.0))
+            found.append(ring(seen.journal, seen.factor * (self.bearing_radius - self.clearance), width=0.9, rank=4.0))
+            return [*found, Mark(None, "bearing", sign="bearing and journal")]
+        return [*found, Mark(seen.bearing, "ring", sign="joint with clearance"), Mark(seen.bearing, "dot", sign="joint with clearance")]
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The bearing around its pin."""
+        return (), self.bearing_radius, 0.0

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from ...laws import Material, Pair
 from ..rows import Across
+from ..strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
 from ..touching import Touching
 from .contact import Contact
 from .joint import Point
@@ -74,3 +75,19 @@ class ClearanceSlider(Contact):
     def deepest_start(self) -> tuple[float, str]:
         """Half the block's height."""
         return 0.5 * self.height, f"half the block's height of {self.height:g} m"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """The walls, and the block as it lies between them."""
+        length, height = seen.factor * self.length, seen.factor * self.height
+        lies = seen.angles[1] - seen.start_angles[1] + seen.start_angles[0] + math.atan2(self.direction[1], self.direction[0])
+        block = Block(seen.journal, facing(lies), length, height, sign="block with play")
+        return [*rails(seen, self.direction, length, 0.5 * height + seen.factor * self.clearance), block]
+
+    def label(self, seen: JointSeen) -> Label:
+        """Beside the guide."""
+        return beside(seen, self.direction, seen.factor * (0.5 * self.height + self.clearance))
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The block and its walls around the journal's pin."""
+        return (), 0.0, 0.5 * math.hypot(self.length, self.height) + self.clearance

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from ...laws import Material, Pair
 from ..rows import Across
+from ..strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
 from ..touching import Touching
 from .contact import Contact
 from .joint import Point
@@ -66,3 +67,24 @@ class ExternalContact(Contact):
         """Half the smaller radius."""
         radius = self.journal_radius if self.bearing_radius is None else min(self.journal_radius, self.bearing_radius)
         return 0.5 * radius, f"half the radius of {radius:g} m"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """A round on a line, hatched if it is the ground's, or beside another round."""
+        journal = ring(seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="contact")
+        if self.bearing_radius is not None:
+            return [journal, ring(seen.bearing, seen.factor * self.bearing_radius, colour="bearing", width=1.6)]
+        along, reach = seen.along(self.direction), seen.way(math.atan2(self.direction[1], self.direction[0]))
+        beyond = max(0.05 * seen.size, 1.5 * seen.factor * self.journal_radius)
+        ends = [seen.bearing + (reach[0] - beyond) * along, seen.bearing + (reach[1] + beyond) * along]
+        if seen.ground[0]:
+            return [journal, Surface(ends[0], ends[1], -left_of(along), 0.03 * seen.size)]
+        return [journal, Curve(ends, "bearing", 3.0, 3.5)]
+
+    def label(self, seen: JointSeen) -> Label:
+        """Beside the round."""
+        return Label(seen.journal)
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The rounds around their pins; of a line, only what the journal comes to."""
+        return (), self.bearing_radius, self.journal_radius

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..rows import Coincide, Row
+from ..strokes import JointSeen, Mark, Stroke, standing
 from .joint import Joint
 
 
@@ -18,3 +19,7 @@ class IdealRevolute(Joint):
     def rows(self) -> tuple[Row, ...]:
         """Two pins in one place."""
         return (Coincide(),)
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """A ring, and the ground under it."""
+        return [*standing(seen), Mark(seen.bearing, "ring", sign="ideal joint")]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ..rows import Coincide, Row, place_row
+from ..strokes import JointSeen, Label, Stroke, under
 
 Point = tuple[float, float]
 
@@ -57,3 +58,16 @@ class Joint:
     def words(self) -> str:
         """What it is, in a word or two."""
         return self.kind
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """How it is drawn."""
+        return []
+
+    def label(self, seen: JointSeen) -> Label:
+        """Where its name stands."""
+        return under(seen)
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """What a drawing must hold (m): points in the bearing's frame from its pin, and how far around the two pins; None leaves one out."""
+        return (), 0.0, 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..strokes import PairSeen, Stroke, ring
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -35,3 +36,10 @@ class Bushing(ForceElement):
         """What it is, in a few words."""
         x, y, turning = self.stiffness
         return f"bushing, {x:.6g} and {y:.6g} N/m, {turning:.6g} N m/rad"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """Rings of rubber."""
+        return [
+            ring(seen.first, 0.022 * seen.size, colour="spring", width=3.5, fade=0.6),
+            ring(seen.first, 0.012 * seen.size, colour="spring", sign="bushing"),
+        ]

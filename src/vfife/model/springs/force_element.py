@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from ..strokes import PairSeen, Stroke
+
 Axes = Literal["linear", "torsional", "stop", "bushing"]
 Triple = tuple[float, float, float]
 
@@ -58,3 +60,7 @@ class ForceElement:
     def words(self) -> str:
         """What it is, in a few words."""
         return self.kind
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """How it is drawn."""
+        return []

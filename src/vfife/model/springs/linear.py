@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..strokes import Curve, PairSeen, Stroke, zigzag
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -32,3 +33,7 @@ class Spring(ForceElement):
     def words(self) -> str:
         """What it is, in a few words."""
         return f"spring, {self.stiffness:.6g} N/m, {self.damping:.6g} N s/m"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """A zigzag."""
+        return [Curve(zigzag(seen.first, seen.second, 0.018 * seen.size), "spring", 1.5, 6.0, sign="spring")]

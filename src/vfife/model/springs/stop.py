@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
+from ..strokes import Curve, PairSeen, Stroke, facing
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -31,3 +34,13 @@ class Stop(ForceElement):
     def words(self) -> str:
         """What it is, in a few words."""
         return f"stop between {self.low:.6g} and {self.high:.6g} rad, {self.stiffness:.6g} N m/rad"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """Cheeks at the two angles of the second body seen from the first; the sector between them is free."""
+        at, radius, found = seen.second, 0.06 * seen.size, []
+        for angle in (self.low, self.high):
+            out = radius * facing(seen.angle + angle)
+            found.append(Curve([at + 0.4 * out, at + 1.25 * out], width=2.6, rank=6.0))
+        turn = seen.angle + np.linspace(self.low, self.high, 60)
+        arc = at + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        return [*found, Curve(arc, width=1.0, rank=6.0, dashes=":", sign="stop")]

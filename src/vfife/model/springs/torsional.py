@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
+from ..strokes import Curve, PairSeen, Stroke
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -32,3 +35,10 @@ class TorsionalSpring(ForceElement):
     def words(self) -> str:
         """What it is, in a few words."""
         return f"torsional spring, {self.stiffness:.6g} N m/rad, {self.damping:.6g} N m s/rad"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """A spiral."""
+        turn = np.linspace(0.0, 4.5 * np.pi, 200)
+        radius = seen.size * (0.012 + 0.022 * turn / turn[-1])
+        points = seen.second + radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        return [Curve(points, "spring", 1.3, 6.0, sign="torsional spring")]

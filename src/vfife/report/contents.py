@@ -1,4 +1,4 @@
-"""What a page about the paper is made of: items with parameters, pictures, tables and verdicts. Plain data, no libraries."""
+"""What a page is made of: items with parameters, pictures, tables and verdicts. Plain data, no libraries."""
 
 from __future__ import annotations
 
