@@ -103,7 +103,8 @@ def assemble(
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
         tuple(j.name for j in parts.ideals),
-        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches), motion.mobility, cautions(mechanism),
+        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
+        tuple(t.touching.path for t in parts.touches), motion.mobility, cautions(mechanism),
     )  # fmt: skip
 
 

@@ -169,7 +169,7 @@ BLOCKS: tuple[Block, ...] = (
         contact_journal_y | m | journal centre in its body's frame
         contact_line_x | 1 | on a line: direction into its material, in the bearing's frame
         contact_line_y | 1 | on a line: direction into its material, in the bearing's frame
-        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing, R_B + R_J outside, -R_J on a line
+        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing or slot, R_B + R_J outside, -R_J on a line
         contact_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
         contact_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
         contact_arm_overlap | 1 | share of the penetration by which the arms change

@@ -71,7 +71,12 @@ class Path:
 
     def distance(self, x: float, y: float) -> float:
         """Distance (m) of a point from the path, positive on its left."""
-        return float(from_path([number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y)[0])
+        return self.seen(x, y)[0]
+
+    def seen(self, x: float, y: float) -> tuple[float, float, float]:
+        """Distance (m) of a point from the path, positive on its left, and the path's normal to the left at the foot."""
+        distance, nx, ny = from_path([number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y)
+        return float(distance), float(nx), float(ny)
 
     @property
     def sharpest(self) -> float:

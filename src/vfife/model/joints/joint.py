@@ -55,6 +55,11 @@ class Joint:
         return 2 if held is None else 0 if isinstance(held, Coincide) else 1
 
     @property
+    def first_place(self) -> Point:
+        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's in the frame of its body (m)."""
+        return 0.0, 0.0
+
+    @property
     def words(self) -> str:
         """What it is, in a word or two."""
         return self.kind
