@@ -14,7 +14,7 @@ BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export MPLBACKEND ?= Agg
 
-.PHONY: demo test lint docs bench verify soak clean help
+.PHONY: demo test oldest coverage lint docs bench verify soak clean help
 
 demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with figures, into runs/four_bar
 	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures
@@ -22,8 +22,15 @@ demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with fi
 test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
 
+oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the oldest that is allowed
+	@$(OLDEST)/bin/python -m pytest $(XDIST) $(OLDEST_TESTS) $(PYTEST)
+
+coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines the tests run
+	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=vfife.kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)
+
 lint: $(VENV)/.dev  ## style, types, import contracts
 	@$(PYTHON) -m ruff check .
+	@$(PYTHON) -m ruff format --check src tests benchmarks examples
 	@$(PYTHON) -m mypy
 	@$(VENV)/bin/lint-imports
 

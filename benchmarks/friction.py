@@ -23,7 +23,7 @@ BASE = "ambrosio"
 
 def timed(file: str, law: type[FrictionLaw], lanes: int, steps: int) -> Callable[[], float]:
     """A run of the generated loop, already compiled; it gives seconds per step."""
-    mechanism = vfife.load(EXAMPLES / file)
+    mechanism = vfife.load_model(EXAMPLES / file)
     for name, joint in mechanism.clearances.items():
         mechanism.joints[name] = dataclasses.replace(joint, friction=law())
     assembly = assemble(mechanism, 1e-6, turns=1, force_step=True)

@@ -47,7 +47,7 @@ class Copy(vfife.ContactLaw):
 
 def runner(own: bool, lanes: int) -> Runner:
     """The model, ready for its steps."""
-    mechanism = vfife.load(MODEL)
+    mechanism = vfife.load_model(MODEL)
     for name, joint in mechanism.clearances.items():
         law = joint.contact
         assert isinstance(law, vfife.LankaraniNikravesh)

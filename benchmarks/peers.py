@@ -27,7 +27,7 @@ class Case:
     """vfife's run of a case: two revolutions, maxima of the second."""
 
     def __init__(self, case: str) -> None:
-        self.case, self.mechanism = case, vfife.load(EXAMPLES / MODELS[case])
+        self.case, self.mechanism = case, vfife.load_model(EXAMPLES / MODELS[case])
         self.assemblies: dict[float, Any] = {}
         for loop in LOOPS:  # compile
             self.run(GRID[case][0], loop)

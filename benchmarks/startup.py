@@ -21,7 +21,7 @@ VFIFE = [sys.executable, "-m", "vfife"]
 MEMORY = """
 import resource, sys, vfife
 turns = int(sys.argv[2])
-vfife.simulate(vfife.load(sys.argv[1]), turns=turns, outputs=1440 // turns, loop="data-driven", reference=False)
+vfife.simulate(vfife.load_model(sys.argv[1]), turns=turns, outputs=1440 // turns, loop="data-driven", reference=False)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 

@@ -1,67 +1,103 @@
 """vfife: planar mechanisms whose pins have play, by the vector form intrinsic finite element method.
 
-Everything a script needs is here; numba, xarray and matplotlib are loaded only when something asks for them.
+Everything a script needs is here: nouns, laws, ways to run them and the files they leave. Numba, xarray and matplotlib are loaded only when
+something asks for them.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from . import errors
+from .errors import VfifeError
 from .laws import (
     MATERIALS,
     Ambrosio,
+    Anagnostopoulos,
     BengisuAkay,
     BrownMcPhee,
     ContactLaw,
     Coulomb,
     Dahl,
+    DubowskyFreudenstein,
+    Esdu78035,
+    Flores,
     FrictionLaw,
     Frictionless,
+    Goldsmith,
+    Gonthier,
     GonthierFriction,
+    HerbertMcWhannell,
+    Hertz,
+    HuGuo,
+    HuntCrossley,
     Hydrodynamic,
+    Impact,
+    Johnson,
     Karnopp,
+    KelvinVoigt,
     LankaraniNikravesh,
+    LeeWang,
+    Liu,
     LuGre,
     Material,
     Pair,
     Pereira,
+    Radzimovsky,
     Stribeck,
     Threlfall,
+    ZhiyingQishao,
     quantity,
 )
-from .model.bodies import Link, PointMass, RigidBody, Section
-from .model.drivers import AngleTable, ConstantSpeed, Ramp, Torque
-from .model.joints import ClearanceRevolute, IdealRevolute
+from .model.bodies import Frame, Link, Member, PointMass, RigidBody, Section
+from .model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
+from .model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact, Gear, IdealRevolute, Slider, Weld
 from .model.loads import PointForce
 from .model.mechanism import Mechanism, Settings, Start, StartSettings
+from .model.springs import Bushing, Spring, Stop, TorsionalSpring
 
 if TYPE_CHECKING:
     from . import gallery
     from .laws.user import load_laws
-    from .modelfile import load
-    from .result import Result
+    from .modelfile.files import load_model, save_model
+    from .result import Result, load_result
+    from .results.comparison import Comparison
     from .simulation import simulate
+    from .solvers.ensemble import ensemble
+    from .solvers.status import Status
     from .study.compare import compare
 
 __version__ = "0.1.0"
 
-_LAZY = {
-    "compare": "study.compare",
-    "gallery": "",
-    "load": "modelfile",
-    "load_laws": "laws.user",
+_LAZY = {  # public name: the module that has it, or the module itself
+    "Comparison": "results.comparison",
     "Result": "result",
+    "Status": "solvers.status",
+    "compare": "study.compare",
+    "ensemble": "solvers.ensemble",
+    "gallery": "",
+    "load_laws": "laws.user",
+    "load_model": "modelfile.files",
+    "load_result": "result",
+    "save_model": "modelfile.files",
     "simulate": "simulation",
 }
+_FORMER = {"load": "load_model"}  # what a name of version 0.1 is called now
 
 
 def __dir__() -> list[str]:
     """What can be completed: all public names, loaded or not."""
-    return sorted({*__all__, *_LAZY, *globals()})
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})
 
 
 def __getattr__(name: str) -> Any:
     """Loads what needs compiled code or large libraries when it is first asked for."""
+    if name in _FORMER:
+        import warnings
+
+        now = _FORMER[name]
+        warnings.warn(f"vfife.{name} is called vfife.{now} now; the old name goes with the next version", DeprecationWarning, stacklevel=2)
+        return __getattr__(now)
     if name in _LAZY:
         from importlib import import_module
 
@@ -74,43 +110,80 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "MATERIALS",
     "Ambrosio",
+    "Anagnostopoulos",
     "AngleTable",
     "BengisuAkay",
     "BrownMcPhee",
+    "Bushing",
     "ClearanceRevolute",
+    "ClearanceSlider",
+    "Comparison",
     "ConstantSpeed",
     "ContactLaw",
     "Coulomb",
     "Dahl",
+    "DubowskyFreudenstein",
+    "Esdu78035",
+    "ExternalContact",
+    "Flores",
+    "Frame",
     "FrictionLaw",
     "Frictionless",
+    "Gear",
+    "Goldsmith",
+    "Gonthier",
     "GonthierFriction",
+    "Harmonic",
+    "HerbertMcWhannell",
+    "Hertz",
+    "HuGuo",
+    "HuntCrossley",
     "Hydrodynamic",
     "IdealRevolute",
+    "Impact",
+    "Johnson",
     "Karnopp",
+    "KelvinVoigt",
     "LankaraniNikravesh",
+    "LeeWang",
     "Link",
+    "Liu",
     "LuGre",
     "Material",
     "Mechanism",
+    "Member",
     "Pair",
     "Pereira",
     "PointForce",
     "PointMass",
+    "Radzimovsky",
     "Ramp",
     "Result",
     "RigidBody",
     "Section",
     "Settings",
+    "Slider",
+    "Spring",
     "Start",
     "StartSettings",
+    "Status",
+    "StepTo",
+    "Stop",
     "Stribeck",
     "Threlfall",
     "Torque",
+    "TorsionalSpring",
+    "VfifeError",
+    "Weld",
+    "ZhiyingQishao",
     "compare",
+    "ensemble",
+    "errors",
     "gallery",
-    "load",
     "load_laws",
+    "load_model",
+    "load_result",
     "quantity",
+    "save_model",
     "simulate",
 ]

@@ -52,13 +52,15 @@ class Result(View):
         os.replace(part, path)
 
     def finish(self, file: RunFile) -> None:
-        """Ends a run file: outputs it does not have yet, the reference, how the run ended, and its summary."""
-        missing = slice(len(file.steps), None)  # an interrupt may have come between a chunk and its being written
-        file.append(self.record.steps[missing], self.record.rows[missing])
-        if self.reference is not None:
+        """Ends a run file: what it does not have yet of the model, the outputs and the reference, how the run ended, and its summary."""
+        record = self.record
+        missing = slice(len(file.steps), None)
+        if missing.start < len(record.steps):
+            file.append(record.steps[missing], record.rows[missing])
+        if self.reference is not None and not file.has_reference:
             keep_reference(file, self.reference.record)
-        meta = provenance(self.record.assembly, self.record.kept, self.record.loop)
-        file.finish(self.record.status, self.summary, wall=self.record.wall, **meta)
+        meta = {} if file.knows("kept") else provenance(record.assembly, record.kept, record.loop)
+        file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -86,4 +88,12 @@ class Result(View):
         return figures(self, self.reference)
 
 
-__all__ = ["Result", "RunFileError"]
+def load_result(path: str | Path) -> Result:
+    """The result that a run file, or the run file in a folder, holds; also that of a run that was killed.
+
+    Nothing is assembled and no law's text is run. Raises RunFileError where there is no such file, or it is damaged or of another kind.
+    """
+    return Result.load(path)
+
+
+__all__ = ["Result", "RunFileError", "load_result"]

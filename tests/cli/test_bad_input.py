@@ -122,3 +122,11 @@ def test_damaged_run(command: Callable, case_c_run: Path) -> None:
 
 def test_unknown_law(command: Callable) -> None:
     refused(command("laws", "perreira"), ["perreira", "pereira"])
+
+
+def test_lengths_steps_and_loops_that_make_no_sense(command: Callable, pendulum: Path) -> None:
+    for words in (["--turns", "-1"], ["--duration", "0"], ["--step", "1 mm"], ["--outputs", "0"], ["--loop", "numba"], ["--step", "nan"],
+                  ["--turns", "1", "--duration", "1"]):  # fmt: skip
+        done = command("run", pendulum, *words)
+        assert done.exit_code == 2 and "Traceback" not in done.output, words
+    assert not Path("runs").exists()

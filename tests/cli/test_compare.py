@@ -16,14 +16,14 @@ SHORT = {"turns": 0.5, "loop": "data-driven"}
 
 def test_each_run_is_the_run_of_its_law() -> None:
     """Parameters that both laws have are kept (restitution 0.6, coefficient), those of its own are the law's defaults."""
-    model = vfife.load(CASE_C, set=[("joint.B.contact.restitution", 0.6)])
+    model = vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6)])
     found = vfife.compare(model, ["pereira", vfife.LankaraniNikravesh], ["ambrosio", "none"], **SHORT)
     assert [(row["contact"], row["friction"]) for row in found.rows] == [
         ("pereira", "ambrosio"), ("pereira", "none"), ("lankarani-nikravesh", "ambrosio"), ("lankarani-nikravesh", "none"),
     ]  # fmt: skip
     for row, name, friction in ((found.rows[1], "pereira", "none"), (found.rows[2], "lankarani-nikravesh", "ambrosio")):
         laws = [(f"joint.{joint}.{kind}.law", law) for joint in "BCD" for kind, law in (("contact", name), ("friction", friction))]
-        alone = vfife.simulate(vfife.load(CASE_C, set=[("joint.B.contact.restitution", 0.6), *laws]), **SHORT)
+        alone = vfife.simulate(vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6), *laws]), **SHORT)
         for joint in "BCD":
             assert row["joints"][joint]["force.max"] == alone.measures[f"{joint}.force.max"]
             assert row["joints"][joint]["lip_force"] == alone.measures[f"lip.{joint}.force"]
@@ -38,7 +38,7 @@ def test_each_run_is_the_run_of_its_law() -> None:
 
 
 def test_only_the_joint_that_is_named_changes() -> None:
-    found = vfife.compare(vfife.load(CASE_C), ["pereira"], joints=["C"], **SHORT)
+    found = vfife.compare(vfife.load_model(CASE_C), ["pereira"], joints=["C"], **SHORT)
     laws = {name: joint.contact.name for name, joint in found.results[0].record.assembly.mechanism.clearances.items()}
     assert laws == {"B": "lankarani-nikravesh", "C": "pereira", "D": "lankarani-nikravesh"}
     assert list(found.rows[0]["joints"]) == ["C"] and found.rows[0]["friction"] == "ambrosio"
@@ -50,7 +50,7 @@ def test_an_interrupt_keeps_what_is_complete() -> None:
             raise KeyboardInterrupt
 
     try:
-        found = vfife.compare(vfife.load(CASE_C), ["pereira"] * 3, progress=progress, **SHORT)
+        found = vfife.compare(vfife.load_model(CASE_C), ["pereira"] * 3, progress=progress, **SHORT)
     except KeyboardInterrupt:
         pytest.fail("the run that was complete is lost")
     assert len(found.rows) == 1 and found.planned == 3

@@ -131,7 +131,7 @@ def test_broken_mechanisms_are_told(command: Callable, case: str) -> None:
         assert word in done.stderr
     assert spent < 5.0  # 2 s on a machine that does nothing else
     with pytest.raises(ValueError, match=".{20}"):
-        vfife.simulate(vfife.load("model.toml"))
+        vfife.simulate(vfife.load_model("model.toml"))
 
 
 def test_what_falls_freely_is_told_by_its_degrees_of_freedom(command: Callable) -> None:

@@ -51,7 +51,7 @@ def test_model_as_run_runs_again(command: Callable, pendulum: Path) -> None:
     options = ["--set", "body.rod.mass=3 kg", "--duration", "20 ms", "--step", "1e-5", "--outputs", "50", "--json"]
     first = json.loads(command("run", pendulum, *options).stdout)
     model = Path(first["run"]) / "model.toml"
-    assert vfife.load(model).bodies["rod"].mass == 3.0
+    assert vfife.load_model(model).bodies["rod"].mass == 3.0
     second = json.loads(command("run", model, "--json").stdout)
     assert first["steps"] == 2000
     for key in ("step", "steps", "measures", "energy_error"):

@@ -65,7 +65,7 @@ def test_there_is_a_file_for_every_function_and_a_function_for_every_file():
 
 @pytest.mark.parametrize("name", gallery.__all__)
 def test_function_and_file_are_equal(name: str):
-    assert differences(plain(getattr(gallery, name)()), plain(vfife.load(EXAMPLES / f"{name}.toml"))) == []
+    assert differences(plain(getattr(gallery, name)()), plain(vfife.load_model(EXAMPLES / f"{name}.toml"))) == []
 
 
 def test_a_difference_is_seen():

@@ -31,7 +31,7 @@ NOTHING = 1e-9  # in units of SI; a force of a start is round-off below it
 
 def digest(name: str, loop: str) -> str:
     """Hash of the recorded rows of a run of so many seconds."""
-    assembly = assemble(vfife.load(ROOT / "examples" / f"{name}.toml"), duration=CASES[name])
+    assembly = assemble(vfife.load_model(ROOT / "examples" / f"{name}.toml"), duration=CASES[name])
     state = assembly.state.astype(np.float32).astype(float)
     moving = assembly.layout.of("state", "memory")
     state[moving] = np.where(np.abs(state[moving]) < NOTHING, 0.0, state[moving])

@@ -83,7 +83,7 @@ def test_killed_while_writing(tmp_path: Path, trial: int) -> None:
     writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)])
     try:
         deadline = time.monotonic() + 30.0
-        while not path.exists() or path.stat().st_size < 50_000:
+        while not path.exists() or path.stat().st_size < 70_000:
             assert time.monotonic() < deadline
             assert writer.poll() is None
             time.sleep(0.005)

@@ -19,9 +19,9 @@ def peak() -> int:
 @pytest.mark.parametrize("loop", ["data-driven", "generated"])
 def test_five_hundred_turns(loop: str) -> None:
     """Ten million steps with as many outputs as a short run keep the memory of the short run."""
-    vfife.simulate(vfife.load(CASE_C), turns=5, step=2e-6, outputs=400, loop=loop)
+    vfife.simulate(vfife.load_model(CASE_C), turns=5, step=2e-6, outputs=400, loop=loop)
     before = peak()
-    result = vfife.simulate(vfife.load(CASE_C), turns=500, step=2e-6, outputs=4, loop=loop)
+    result = vfife.simulate(vfife.load_model(CASE_C), turns=500, step=2e-6, outputs=4, loop=loop)
     assert result.record.status == "complete"
     assert peak() - before < 20_000
     assert result.ledger.error < 1e-4

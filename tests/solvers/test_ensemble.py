@@ -142,11 +142,11 @@ def test_advance_keeps_the_order_of_its_members():
 
 def test_several_topologies_may_be_prepared_at_once():
     """The steps of four topologies are written out by four threads that have nothing to go by; Python 3.11 cannot parse in two at once."""
-    from vfife.kernels import generate, runner
+    from vfife.codegen import runner, straight_line
 
     mixed = [bars(), four_bar("BCD"), four_bar("C"), four_bar("BC")] * 2
     for _ in range(2):
-        generate.straight_line.cache_clear()
+        straight_line.straight_line.cache_clear()
         runner._straight_line.cache_clear()
         members = ensemble(mixed, step=1e-5, turns=1, outputs=10, loop="generated", lanes=1, workers=8)
     assert (bits(members[1].last.rows) == bits(members[5].last.rows)).all()

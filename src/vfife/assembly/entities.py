@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from dataclasses import dataclass
 
@@ -15,21 +14,15 @@ from ..kernels.topology import (
     GEARED,
     KEPT,
     LINE,
-    LINEAR,
     NOWHERE,
     ON_PATH,
     PINNED,
     ROUND,
     SLOT,
-    SPEED,
-    STOP,
-    TORSIONAL,
-    TURNED,
 )
 from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers, spinless
-from ..kinematics.forces import driven_body
+from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
-from ..model.drivers import Torque
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
@@ -40,7 +33,6 @@ from .numbering import Numbering, Place
 
 PLACES = {type(None): NOWHERE, Coincide: PINNED, Across: ACROSS, Along: ALONG, OnPath: ON_PATH}
 GEOMETRIES = {"bearing": BEARING, "round": ROUND, "line": LINE, "slot": SLOT}
-AXES = {"linear": LINEAR, "torsional": TORSIONAL, "stop": STOP, "bushing": BUSHING}
 
 
 @dataclass(frozen=True)
@@ -193,7 +185,7 @@ def parts_of(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> Part
     return Parts(
         ideal_joints(mechanism, numbering),
         contacts(mechanism, numbering, motion),
-        [(spring, AXES[spring.axes], *spring_places(numbering, spring)) for spring in mechanism.springs.values()],
+        [(spring, kind_of_spring(spring), *spring_places(numbering, spring)) for spring in mechanism.springs.values()],
         tuple(driven_function(mechanism, numbering, motion, name) for name in numbering.driven),
         loads(mechanism, numbering, motion),
     )
@@ -223,34 +215,10 @@ def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:
     """Loads at pins, and torques or forces of drivers with their opposites."""
     found = []
-    for load in mechanism.loads.values():
-        body, _, pin = load.at.partition(".")
-        found.append(Load(numbering.place((body, pin)), numbering.function(load.factor()), load.force, load.moment, load.follow))
-    for name, driver in mechanism.drivers.items():
-        if not isinstance(driver, Torque):
-            continue
-        body = driven_body(name, driver)
-        torque = torque_of(driver, body, numbering, motion)
-        if driver.point:
-            owner, _, pin = driver.point.partition(".")
-            found.append(Load(numbering.place((owner, pin)), torque, Along(driver.direction).unit(), 0.0))
-            continue
-        found.append(Load((numbering.particle(body), (0.0, 0.0)), torque, (0.0, 0.0), 1.0))
-        if driver.against != "ground":
-            found.append(Load((numbering.particle(driver.against), (0.0, 0.0)), torque, (0.0, 0.0), -1.0))
+    for action in actions(mechanism, motion.datum):
+        kind, first, second = action.argument
+        function = numbering.function(action.function, (kind, numbering.particle(first), numbering.particle(second)))
+        for body, pin, (fx, fy, moment) in action.ends:
+            place = numbering.place((body, pin)) if pin else (numbering.particle(body), (0.0, 0.0))
+            found.append(Load(place, function, (fx, fy), moment, action.follow))
     return found
-
-
-def torque_of(driver: Torque, body: str, numbering: Numbering, motion: Motion) -> int:
-    """Index of a torque's function of time, of the body's speed, or of its angle from the start."""
-    function = driver.effort()
-    if driver.speeds is None and driver.angles is None:
-        return numbering.function(function)
-    if driver.point:
-        raise ValueError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
-    pair = (numbering.particle(driver.against), numbering.particle(body))
-    if driver.speeds is not None:
-        return numbering.function(function, (SPEED, *pair))
-    begin = motion.datum.angle.get(body, 0.0) - motion.datum.angle.get(driver.against, 0.0)
-    shifted = dataclasses.replace(function, starts=tuple(start + begin for start in function.starts))
-    return numbering.function(shifted, (TURNED, *pair))

@@ -13,6 +13,7 @@ from ..kernels.arrays import Layout
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import ALONG, FREE, LINEAR
 from ..kinematics.drives import kinematic_drivers
+from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
 from ..model.mechanism import Mechanism
 from ..model.path import Path
@@ -167,15 +168,12 @@ class Filler:
         """Stiffness, damping and free lengths; those that are not given are what the start has."""
         for index, (spring, kind, first, second) in enumerate(springs):
             self._pins("spring", index, (first, second), ("first", "second"))
-            numbers = spring.numbers(self._start(kind, first, second))
-            for block, values in (("spring_stiffness", numbers.stiffness), ("spring_damping", numbers.damping)):
-                row = self.layout.row(block, index)
-                self.state[row : row + 3] = values
-            self.put("spring_free", numbers.free, index)
-            self.put("spring_high", numbers.high, index)
+            for name, values in spring_fields(spring, self._apart(kind, first, second)).items():
+                row = self.layout.row(f"spring_{name}", index)
+                self.state[row : row + len(values)] = values
 
-    def _start(self, kind: int, first: Place, second: Place) -> float:
-        """Distance (m) of the pins of a linear spring at the start, else the angle (rad) between its bodies."""
+    def _apart(self, kind: int, first: Place, second: Place) -> float:
+        """Distance (m) or angle (rad) between two places at the start."""
         if kind == LINEAR:
             (ax, ay), (bx, by) = self.seen(first), self.seen(second)
             return math.hypot(bx - ax, by - ay)

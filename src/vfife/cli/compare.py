@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .progress import ProgressLine
 from .run import Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
@@ -137,10 +138,10 @@ def show(found: Comparison, place: Path) -> None:
 def end(found: Comparison) -> None:
     """Says which runs did not come to their end, and ends with the exit code of that."""
     for one in found.rows:
-        if one["status"] != "complete":
-            tell("diverged", f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step for it", "bold red")
+        if one["status"] != Status.COMPLETE:
+            tell(Status.DIVERGED, f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step for it", "bold red")
     if len(found.rows) < found.planned:
-        tell("interrupted", f"{len(found.rows)} of {found.planned} runs are complete and kept.")
+        tell(Status.INTERRUPTED, f"{len(found.rows)} of {found.planned} runs are complete and kept.")
         raise typer.Exit(INTERRUPTED)
-    if any(one["status"] != "complete" for one in found.rows):
+    if any(one["status"] != Status.COMPLETE for one in found.rows):
         raise typer.Exit(DIVERGED)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..results.folder import FIGURES, find_run
+from ..solvers.status import Status
 from .options import JsonOption, RunArgument
 from .terminal import amount_of_bytes, errors, output, print_json, sentences, span
 
@@ -39,14 +40,14 @@ def contents(path: Path) -> dict[str, Any]:
 
     with RunFile.open(path) as file:
         meta, steps, events, last = file.meta, file.steps, file.events, file.last_checkpoint()
-        reference = file.reference() is not None
-    choice = meta.get("choice", {})
+        reference = file.has_reference
+    choice, model = meta.get("choice", {}), tomllib.loads(meta.get("model", ""))
     status = meta.get("status", "unknown")
     return {
         "file": str(path),
         "bytes": path.stat().st_size,
-        "status": "unfinished" if status == "running" else status,
-        "model": tomllib.loads(meta.get("model", "")).get("name", ""),
+        "status": Status.UNFINISHED if status == Status.RUNNING else status,
+        "model": model.get("name", ""),
         "source": meta.get("source"),
         "created": meta.get("created"),
         "finished": meta.get("finished"),
@@ -54,7 +55,7 @@ def contents(path: Path) -> dict[str, Any]:
         "loop": meta.get("loop"),
         "step": meta.get("step"),
         "steps": int(steps[-1]) if len(steps) else 0,
-        "static": tomllib.loads(meta.get("model", "")).get("run", {}).get("analysis") == "static",
+        "static": model.get("run", {}).get("analysis") == "static",
         "steps_planned": choice.get("outputs", 0) * choice.get("outputs_every", 0),
         "turn": choice.get("turn"),
         "outputs": len(steps),
@@ -154,6 +155,6 @@ def loaded(run: Path) -> tuple[Result, Path]:
 
         file = find_run(run)
         result = Result.load(file)
-    if result.record.status != "complete":
+    if result.record.status != Status.COMPLETE:
         errors().print(f"note: this run is {result.record.status}; what it wrote until then is used", markup=False)
     return result, file

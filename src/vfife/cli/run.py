@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .terminal import DIVERGED, INTERRUPTED, json_text, output, print_json, sentences, tell
 
@@ -16,11 +17,12 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..result import Result
     from ..results.folder import RunFolder
+    from ..solvers.arguments import Loop
 
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 
 
-class Loop(StrEnum):
+class Loops(StrEnum):
     """The loops there are."""
 
     auto = "auto"
@@ -40,7 +42,7 @@ Reference = Annotated[bool, typer.Option("--reference/--no-reference", help="Com
 ForceStep = Annotated[bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")]
 StartFrom = Annotated[Path | None, typer.Option("--start-from", metavar="RUN", help="Go on where a former run ended (its folder or file).")]
-LoopOption = Annotated[Loop, typer.Option(help="Loop that makes the steps; all give the same bits.")]
+LoopOption = Annotated[Loops, typer.Option(help="Loop that makes the steps; all give the same bits.")]
 
 
 def run(
@@ -52,7 +54,7 @@ def run(
     turns: Turns = None,
     duration: Duration = None,
     outputs: Outputs = None,
-    loop: LoopOption = Loop.auto,
+    loop: LoopOption = Loops.auto,
     figures: Figures = False,
     reference: Reference = True,
     force_step: ForceStep = False,
@@ -73,7 +75,7 @@ def run(
     result, place = simulated(mechanism, model, folder, loop.value, reference, force_step, quiet, start)
     notes = [*place.notes, *result.summary["run"]["notes"], *result.summary["warnings"]]
     (place.path / "summary.json").write_text(json_text(result.summary) + "\n", encoding="utf-8")
-    if figures and result.record.status != "interrupted":
+    if figures and result.record.status != Status.INTERRUPTED:
         from ..plots import figures as drawn
         from ..plots import save
 
@@ -82,28 +84,26 @@ def run(
         print_json(payload(result, place, notes))
     elif not quiet:
         show(result, place, figures)
-    elif result.record.status == "complete":
+    elif result.record.status == Status.COMPLETE:
         for warning in (*result.summary["run"]["notes"], *result.summary["warnings"]):
             tell("warning", warning)
     end(result, place)
 
 
 def simulated(
-    mechanism: Mechanism, model: Path, asked: Path | None, loop: Any, compare: bool, force_step: bool, quiet: bool, start: Path | None
+    mechanism: Mechanism, model: Path, asked: Path | None, loop: Loop, compare: bool, force_step: bool, quiet: bool, start: Path | None
 ) -> tuple[Result, RunFolder]:
     """Runs a mechanism into a folder; every fault of the input is told before the folder is touched."""
     from ..errors import RunFileError
     from ..results.folder import make_folder
-    from ..results.provenance import keep_reference, provenance
     from ..results.runfile import RunFile
-    from ..simulation import simulate
-    from ..solvers.record import recorded_rows
-    from ..solvers.transient import choose_loop
+    from ..simulation import carry_out, prepare
+    from ..solvers.arguments import Asked
     from .progress import ProgressLine
 
     with sentences(str(model)):
-        ideal, assembly = prepared(mechanism, compare, force_step, start)
-        meta = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, loop))
+        prepared = prepare(mechanism, Asked(loop=loop, force_step=force_step), compare, start)
+        meta = prepared.kept
     with sentences(str(asked or "runs")):
         place = make_folder(asked, model)
         (place.path / "model.toml").write_text(meta["model"], encoding="utf-8")
@@ -112,11 +112,8 @@ def simulated(
         tell("note", f"{note}.")
     with file:
         try:
-            if ideal is not None:
-                keep_reference(file, ideal.record)
             with ProgressLine(quiet) as line:
-                kept: Any = ideal if ideal is not None else False
-                result = simulate(mechanism, reference=kept, loop=loop, force_step=force_step, progress=line, file=file, start=start)
+                result = carry_out(prepared, progress=line, file=file)
             result.finish(file)
         except (RunFileError, OSError) as error:
             tell("error", f"{error}", "bold red")
@@ -128,19 +125,9 @@ def simulated(
             place.discard()
             if not isinstance(error, KeyboardInterrupt):
                 raise
-            tell("interrupted", "Stopped by Ctrl-C before the first step, so there is nothing to keep.")
+            tell(Status.INTERRUPTED, "Stopped by Ctrl-C before the first step, so there is nothing to keep.")
             raise typer.Exit(INTERRUPTED) from None
     return result, place
-
-
-def prepared(mechanism: Mechanism, compare: bool, force_step: bool, start: Path | None = None) -> tuple[Result | None, Any]:
-    """The ideal mechanism's result and the assembled model, which tell what cannot be run."""
-    from ..simulation import assembled_at, expected_forces, reference_of
-
-    ideal = reference_of(mechanism) if compare else None
-    if ideal is not None and ideal.record.status == "interrupted":
-        raise KeyboardInterrupt
-    return ideal, assembled_at(mechanism, start=start, expected=expected_forces(ideal), force_step=force_step)
 
 
 def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
@@ -171,13 +158,13 @@ def end(result: Result, place: RunFolder) -> None:
         done = max(len(result.record.steps) - 1, 0)
         kept = f"The {done} load factors before are kept in {place.path}." if done else f"The start is kept in {place.path}."
         tell(status, f"{result.record.message} {kept}", "bold red")
-        raise typer.Exit(INTERRUPTED if status == "interrupted" else DIVERGED)
-    if status == "interrupted":
+        raise typer.Exit(INTERRUPTED if status == Status.INTERRUPTED else DIVERGED)
+    if status == Status.INTERRUPTED:
         done = int(result.record.steps[-1])
-        tell("interrupted", f"{done:,} of {choice.steps:,} steps were made; they are kept in {place.path}.")
+        tell(Status.INTERRUPTED, f"{done:,} of {choice.steps:,} steps were made; they are kept in {place.path}.")
         raise typer.Exit(INTERRUPTED)
-    if status == "diverged":
+    if status == Status.DIVERGED:
         from ..report.diverged import diverged
 
-        tell("diverged", f"{diverged(result.record)} What was computed before is kept in {place.path}.", "bold red")
+        tell(Status.DIVERGED, f"{diverged(result.record)} What was computed before is kept in {place.path}.", "bold red")
         raise typer.Exit(DIVERGED)

@@ -7,7 +7,8 @@ from typing import Any
 
 from ..kernels.arrays import PARTICLE, Layout
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import ALONG, FREE, SPEED, TIME, TURNED, Topology
+from ..kernels.step import argument
+from ..kernels.topology import ALONG, FREE, TIME, Topology
 from .graph import tables
 from .schedule import Line, woven
 from .source import Gathered, data_driven
@@ -87,15 +88,39 @@ def _preparation(topology: Topology, layout: Layout, lanes: int) -> list[str]:
 
 
 def _argument(topology: Topology, layout: Layout, lanes: int, f: int) -> tuple[int, str]:
-    """Kind and text of what a function depends on, as ``loop.functions`` has it."""
+    """Kind and text of what a function depends on: ``argument`` of the data-driven loop, spelled out."""
     kind, *bodies = topology.function_argument[f] if topology.function_argument else (TIME, 0, 0)
-    if kind == TIME:
-        return kind, "n * dt"
-    first, second, factor = {TURNED: ("theta", "w", "dt"), SPEED: ("w", "aw", "0.5 * dt")}[kind]
-    ends = [
-        f"(S[{layout.row(f'particle_{first}', p) * lanes} + w] + {factor} * S[{layout.row(f'particle_{second}', p) * lanes} + w])" for p in bodies
-    ]
-    return kind, f"{ends[1]} - {ends[0]}"
+    i, j = (layout.record("particle", p) for p in bodies)
+    return kind, argument(_Spelled(lanes), kind, i, j, _Text("n * dt"), _Text("dt")).text
+
+
+class _Text:
+    """A number of the run as the text that it is in one lane."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def __add__(self, other: _Text) -> _Text:
+        return _Text(f"({self.text} + {other.text})")
+
+    def __sub__(self, other: _Text) -> _Text:
+        return _Text(f"({self.text} - {other.text})")
+
+    def __mul__(self, other: _Text) -> _Text:
+        return _Text(f"({self.text} * {other.text})")
+
+    def __rmul__(self, other: float) -> _Text:
+        return _Text(f"({other!r} * {self.text})")
+
+
+class _Spelled:
+    """The array S, each row by the name it goes by in a lane."""
+
+    def __init__(self, lanes: int) -> None:
+        self.lanes = lanes
+
+    def __getitem__(self, row: int) -> _Text:
+        return _Text(f"S[{row * self.lanes} + w]")
 
 
 @lru_cache(maxsize=32)

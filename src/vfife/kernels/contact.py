@@ -11,7 +11,7 @@ from .arrays import CONTACT, CONTACT_INDEX, HEADER, PARTICLE, SYSTEM
 from .central_difference import larger
 from .constraint import apply_response, joint_compliance
 from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
-from .path import from_path
+from .path import in_slot
 from .topology import LINE, ROUND, SLOT
 
 contact_law = friction_law = film_law = None  # written by source.py for the laws at hand
@@ -84,12 +84,7 @@ def contact_geometry(S, I, start, p, h):
             depth = (nx * ex + ny * ey) - S[j + CONTACT.size]
             along = nx * ey - ny * ex
         elif kind == SLOT:
-            c = S[b + PARTICLE.c]
-            s = S[b + PARTICLE.s]
-            away, px, py = from_path(S, I[r + CONTACT_INDEX.piece], I[r + CONTACT_INDEX.pieces], c * ex + s * ey, c * ey - s * ex)
-            side = 1.0 if away >= 0.0 else -1.0
-            away = side * away
-            nx, ny = arm(c, s, side * px, side * py)
+            away, nx, ny = in_slot(S, I[r + CONTACT_INDEX.piece], I[r + CONTACT_INDEX.pieces], S[b + PARTICLE.c], S[b + PARTICLE.s], ex, ey)
             depth = away - S[j + CONTACT.size]
             along = nx * ey - ny * ex
             beyond = (nx * ex + ny * ey) - away

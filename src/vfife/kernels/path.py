@@ -46,3 +46,11 @@ def from_path(S, first, count, x, y):
             ny = py if near else ny
             nearest = abs(d) if near else nearest
     return distance, nx, ny
+
+
+def in_slot(S, first, count, c, s, ex, ey):
+    """Distance (m) of a pin from the middle of a slot and the direction of the nearer wall, in space; (c, s) is that of the slot's body."""
+    away, px, py = from_path(S, first, count, c * ex + s * ey, c * ey - s * ex)
+    side = 1.0 if away >= 0.0 else -1.0
+    nx, ny = arm(c, s, side * px, side * py)
+    return side * away, nx, ny

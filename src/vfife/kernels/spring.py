@@ -47,24 +47,27 @@ def springs(S, I, span, p, h):
     for m in range(I[HEADER.spring_count]):
         r = I[HEADER.spring] + SPRING_INDEX.SIZE * m
         g = I[r + SPRING_INDEX.row]
-        b = I[r + SPRING_INDEX.first]
-        k = I[r + SPRING_INDEX.second]
-        kind = I[r + SPRING_INDEX.kind]
-        bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[g + SPRING.first_x], S[g + SPRING.first_y])
-        kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[g + SPRING.second_x], S[g + SPRING.second_y])
-        ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
-        ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
-        angle = S[k + PARTICLE.theta] - S[b + PARTICLE.theta]
-        if kind == LINEAR:
-            power = stretch(S, g, b, k, (bx, by, kx, ky), ex, ey, p, h)
-        elif kind == BUSHING:
-            power = bush(S, g, b, k, (kx, ky), (bx + ex, by + ey), ex, ey, angle - S[g + SPRING.free], p, h)
-        else:
-            power = twist(S, g, b, k, kind == STOP, angle, p, h)
+        power = spring(S, g, I[r + SPRING_INDEX.first], I[r + SPRING_INDEX.second], I[r + SPRING_INDEX.kind], p, h)
         S[g + SPRING.damping_power] = power
         S[g + SPRING.damping_work] += span * power
         at = g + SPRING.force_squared_max
         S[at] = larger(S[at], S[g + SPRING.fx] * S[g + SPRING.fx] + S[g + SPRING.fy] * S[g + SPRING.fy])
+
+
+def spring(S, g, b, k, kind, p, h):
+    """Force of one of them on its two bodies; returned: power lost. With h = 0 the velocities are those at t_n, as they stand."""
+    bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[g + SPRING.first_x], S[g + SPRING.first_y])
+    kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[g + SPRING.second_x], S[g + SPRING.second_y])
+    ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
+    ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
+    angle = S[k + PARTICLE.theta] - S[b + PARTICLE.theta]
+    if kind == LINEAR:
+        power = stretch(S, g, b, k, (bx, by, kx, ky), ex, ey, p, h)
+    elif kind == BUSHING:
+        power = bush(S, g, b, k, (kx, ky), (bx + ex, by + ey), ex, ey, angle - S[g + SPRING.free], p, h)
+    else:
+        power = twist(S, g, b, k, kind == STOP, angle, p, h)
+    return power
 
 
 def stretch(S, g, b, k, arms, ex, ey, p, h):

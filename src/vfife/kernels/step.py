@@ -36,28 +36,33 @@ from .spring import springs
 from .topology import TIME, TURNED
 
 
-def functions(S, T, I, shift, time, after, dt):
-    """Functions at t_n, and their value at t_(n+1): of time, of the angle between two bodies, or of their relative speed.
+def argument(S, kind, i, j, time, dt):
+    """What a function depends on, at t_n: time, the angle (rad) of body j from body i, or its relative speed (rad/s).
 
     ``dt`` is the step that leads to t_n, 0 at the start. The speed at t_n is expected from the last step's acceleration.
     """
+    x = time
+    if kind == TURNED:
+        x = (S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w]) - (S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
+    elif kind != TIME:
+        x = (S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]) - (S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw])
+    return x
+
+
+def functions(S, T, I, shift, time, after, dt):
+    """Functions at t_n, and their value at t_(n+1); ``dt`` is the step that leads to t_n, 0 at the start."""
     for m in range(I[HEADER.function_count]):
         r = I[HEADER.function] + FUNCTION_INDEX.SIZE * m
         f = I[r + FUNCTION_INDEX.row]
         start = shift + I[r + FUNCTION_INDEX.table]
-        argument = I[r + FUNCTION_INDEX.argument]
+        kind = I[r + FUNCTION_INDEX.argument]
         i = I[r + FUNCTION_INDEX.first]
         j = I[r + FUNCTION_INDEX.second]
-        x = time
-        if argument == TURNED:
-            x = (S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w]) - (S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
-        elif argument != TIME:
-            x = (S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]) - (S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw])
-        value, rate, second = polynomial(T, start, x)
+        value, rate, second = polynomial(T, start, argument(S, kind, i, j, time, dt))
         S[f + FUNCTION.value] = value
         S[f + FUNCTION.rate] = rate
         S[f + FUNCTION.acceleration] = second
-        S[f + FUNCTION.next] = polynomial(T, start, after)[0] if argument == TIME else value
+        S[f + FUNCTION.next] = polynomial(T, start, after)[0] if kind == TIME else value
 
 
 def drift(S, i, d):
@@ -96,6 +101,18 @@ def move(S, I, time, d):
         S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])
 
 
+def load(S, k, i, follow, value):
+    """Force (N) and moment (N m) about particle i of a load, ``value`` times what record k has."""
+    c = S[i + PARTICLE.c]
+    s = S[i + PARTICLE.s]
+    rx, ry = arm(c, s, S[k + LOAD.x], S[k + LOAD.y])
+    px = value * S[k + LOAD.fx]
+    py = value * S[k + LOAD.fy]
+    if follow != 0:
+        px, py = arm(c, s, px, py)
+    return px, py, rx * py - ry * px + value * S[k + LOAD.m]
+
+
 def loads(S, I):
     """Loads over time, speed or angle, at t_n."""
     for m in range(I[HEADER.load_count]):
@@ -103,14 +120,10 @@ def loads(S, I):
         k = I[r + LOAD_INDEX.row]
         i = I[r + LOAD_INDEX.body]
         value = S[I[r + LOAD_INDEX.function] + FUNCTION.value]
-        rx, ry = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], S[k + LOAD.x], S[k + LOAD.y])
-        px = value * S[k + LOAD.fx]
-        py = value * S[k + LOAD.fy]
-        if I[r + LOAD_INDEX.follow] != 0:
-            px, py = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], px, py)
+        px, py, moment = load(S, k, i, I[r + LOAD_INDEX.follow], value)
         S[i + PARTICLE.fx] += px
         S[i + PARTICLE.fy] += py
-        S[i + PARTICLE.mz] += rx * py - ry * px + value * S[k + LOAD.m]
+        S[i + PARTICLE.mz] += moment
 
 
 def elements(S, I, first, last, renew):
@@ -247,13 +260,8 @@ def outside(S, I):
         g = I[r + LOAD_INDEX.row]
         i = I[r + LOAD_INDEX.body]
         value = S[I[r + LOAD_INDEX.function] + FUNCTION.value]
-        rx, ry = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], S[g + LOAD.x], S[g + LOAD.y])
-        px = S[g + LOAD.fx]
-        py = S[g + LOAD.fy]
-        if I[r + LOAD_INDEX.follow] != 0:
-            px, py = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], px, py)
-        turning = rx * py - ry * px + S[g + LOAD.m]
-        power += value * (px * S[i + PARTICLE.vu] + py * S[i + PARTICLE.vv] + turning * S[i + PARTICLE.vw])
+        px, py, moment = load(S, g, i, I[r + LOAD_INDEX.follow], 1.0)
+        power += value * (px * S[i + PARTICLE.vu] + py * S[i + PARTICLE.vv] + moment * S[i + PARTICLE.vw])
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         f = I[r + JOINT_INDEX.function]

@@ -1,22 +1,32 @@
-"""Forces that are known before the motion: weight, loads, torques, springs, dampers, stops and bushings, at one instant."""
+"""Forces that are known before the motion: weight, loads, torques, springs, dampers, stops and bushings, at one instant.
+
+They are those of a step: its own functions, run as plain Python on records of two pins without mass, whose velocities stand as they are.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping
+import dataclasses
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.drivers import Driver, Torque
-from ..model.functions import clamped, torque_function
+from ..kernels.arrays import LOAD, PARTICLE, SPRING
+from ..kernels.elementary import sincos
+from ..kernels.spring import spring as spring_force
+from ..kernels.step import argument, load
+from ..kernels.topology import BUSHING, LINEAR, SPEED, STOP, TIME, TORSIONAL, TURNED
+from ..model.drivers import Driver
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
-from ..model.springs import AnySpring, Bushing, Spring, TorsionalSpring
+from ..model.polynomials import Polynomials
+from ..model.springs import AnySpring
 from .pins import world
 
 Array = NDArray[np.float64]
+AXES = {"linear": LINEAR, "torsional": TORSIONAL, "stop": STOP, "bushing": BUSHING}
+NO_BODIES = (TIME, "ground", "ground")  # of a function of time
 
 
 @dataclass(frozen=True)
@@ -43,6 +53,36 @@ class Applied:
 
 
 @dataclass(frozen=True)
+class Action:
+    """Forces (N) and moments (N m) per unit of a function, as (body, pin, (fx, fy, m)) for each body that feels them; no pin is the body itself.
+
+    ``argument``: what the function depends on, TIME, TURNED or SPEED, and the two bodies between which the angle or the speed is. ``follow``:
+    whether the force turns with the body. ``steady``: whether it is the same at all times, so that a static analysis multiplies it.
+    """
+
+    function: Polynomials
+    argument: tuple[int, str, str]
+    ends: tuple[tuple[str, str, tuple[float, float, float]], ...]
+    follow: bool = False
+    steady: bool = True
+
+
+@dataclass(frozen=True)
+class End:
+    """A pin of a body at one time: place (m), angle of the body (rad), velocity (m/s, m/s, rad/s)."""
+
+    body: str
+    pin: str
+    at: tuple[float, float]
+    angle: float
+    velocity: tuple[float, float, float]
+
+    def pushed(self, fx: float, fy: float, moment: float) -> Applied:
+        """A force and a moment on it."""
+        return Applied(self.body, self.pin, self.at, (fx, fy), moment)
+
+
+@dataclass(frozen=True)
 class Instant:
     """Bodies at one time (s): names with the ground first, positions and velocities (bodies + 1, 3)."""
 
@@ -56,24 +96,25 @@ class Instant:
         """Row of a body."""
         return self.names.index(body)
 
-    def turn(self, first: str, second: str) -> tuple[float, float]:
-        """Angle (rad) and angular velocity (rad/s) of the second body less those of the first."""
-        a, b = self.row(first), self.row(second)
-        return float(self.position[b, 2] - self.position[a, 2]), float(self.velocity[b, 2] - self.velocity[a, 2])
+    def end(self, body: str, pin: str = "") -> End:
+        """A pin of a body, or its centre of mass."""
+        row = self.row(body)
+        x, y, angle = self.position[row]
+        u, v, w = self.velocity[row]
+        at = world(self.mechanism, self.position, self.names, (body, pin)) if pin else (float(x), float(y))
+        return End(body, pin, at, float(angle), (float(u - w * (at[1] - y)), float(v + w * (at[0] - x)), float(w)))
 
-    def pin(self, text: str) -> tuple[str, str, Array, Array]:
-        """Body, pin, place (m) and velocity (m/s) of ``body.pin``."""
-        body, _, pin = text.partition(".")
-        at, row = np.array(world(self.mechanism, self.position, self.names, (body, pin))), self.row(body)
-        arm, w = at - self.position[row, :2], self.velocity[row, 2]
-        return body, pin, at, self.velocity[row, :2] + w * np.array([-arm[1], arm[0]])
+    def ends(self, spring: AnySpring) -> tuple[End, End]:
+        """The two ends of a spring."""
+        (first, _, pin), (second, _, other) = (text.partition(".") for text in (spring.first, spring.second))
+        return self.end(first, pin), self.end(second, other)
 
 
 def applied(now: Instant, datum: Datum) -> list[Applied]:
     """Loads, torques and springs, each as forces on bodies; those on the ground are there too. Weight is not."""
-    found = [*_loads(now), *_torques(now, datum)]
+    found = [one for action in actions(now.mechanism, datum) for one in _acting(action, now)]
     for spring in now.mechanism.springs.values():
-        found += _spring(spring, now, datum.spring.get(spring.name, 0.0))
+        found += _pulling(spring, now, datum.spring.get(spring.name, 0.0))
     return found
 
 
@@ -90,85 +131,97 @@ def constant_forces(now: Instant, pushed: Iterable[Applied]) -> Array:
     return force
 
 
-def _loads(now: Instant) -> Iterator[Applied]:
-    for load in now.mechanism.loads.values():
-        body, pin, at, _ = now.pin(load.at)
-        factor = 1.0 if load.times is None or load.factors is None else clamped(load.times, load.factors)(now.time)[0]
-        fx, fy = load.force
-        if load.follow:
-            c, s = math.cos(now.position[now.row(body), 2]), math.sin(now.position[now.row(body), 2])
-            fx, fy = c * fx - s * fy, s * fx + c * fy
-        yield Applied(body, pin, (at[0], at[1]), (factor * fx, factor * fy), factor * load.moment)
-
-
 def driven_body(name: str, driver: Driver) -> str:
     """The body that a driver turns; a driver without ``body``, ``slider`` and ``point`` is called by its body's name."""
     return driver.body or ("" if driver.slider or driver.point else name)
 
 
-def _torques(now: Instant, datum: Datum) -> Iterator[Applied]:
-    for name, driver in now.mechanism.drivers.items():
-        if not isinstance(driver, Torque):
-            continue
-        body = driven_body(name, driver)
-        function = torque_function(driver)
-        if driver.point:
-            moved, pin, at, speed = now.pin(driver.point)
-            direction = np.array(driver.direction) / math.hypot(*driver.direction)
-            x = float(direction @ speed) if driver.speeds else float(direction @ at) - datum.travel.get(name, 0.0) if driver.angles else now.time
-            fx, fy = function(x)[0] * direction
-            yield Applied(moved, pin, (at[0], at[1]), (float(fx), float(fy)))
-            continue
-        angle, rate = now.turn(driver.against, body)
-        start = datum.angle.get(body, 0.0) - datum.angle.get(driver.against, 0.0)
-        torque = function(rate if driver.speeds else angle - start if driver.angles else now.time)[0]
-        yield from _couple(now, driver.against, body, torque)
+def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
+    """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a speed or an angle."""
+    found = []
+    for one in mechanism.loads.values():
+        body, _, pin = one.at.partition(".")
+        found.append(Action(one.factor(), NO_BODIES, ((body, pin, (*one.force, one.moment)),), one.follow, one.steady))
+    for name, driver in mechanism.drivers.items():
+        if not driver.prescribes:
+            body = driven_body(name, driver)
+            function, depends = _effort(driver, body, datum)
+            found.append(Action(function, depends, _sides(driver, body), steady=driver.steady))
+    return found
 
 
-def _couple(now: Instant, first: str, second: str, moment: float) -> Iterator[Applied]:
-    """A moment on the second body, and its opposite on the first."""
-    for body, value in ((second, moment), (first, -moment)):
-        x, y = now.position[now.row(body), :2]
-        yield Applied(body, "", (float(x), float(y)), (0.0, 0.0), value)
+def _sides(driver: Driver, body: str) -> tuple[tuple[str, str, tuple[float, float, float]], ...]:
+    if driver.point:
+        owner, _, pin = driver.point.partition(".")
+        return ((owner, pin, (*unit(driver.direction), 0.0)),)
+    opposite = () if driver.against == "ground" else ((driver.against, "", (0.0, 0.0, -1.0)),)
+    return (body, "", (0.0, 0.0, 1.0)), *opposite
 
 
-def _spring(spring: AnySpring, now: Instant, start: float) -> Iterator[Applied]:
-    """Force of a massless element; ``start`` is its distance or angle at the start."""
-    if isinstance(spring, Spring):
-        first, second = now.pin(spring.first), now.pin(spring.second)
-        apart = second[2] - first[2]
-        length = float(np.hypot(*apart))
-        if length > 0.0:
-            along = apart / length
-            free = start if spring.free_length is None else spring.free_length
-            pull = spring.stiffness * (length - free) + spring.damping * float(along @ (second[3] - first[3]))
-            for (body, pin, at, _), sign in ((first, 1.0), (second, -1.0)):
-                yield Applied(body, pin, (at[0], at[1]), (sign * pull * along[0], sign * pull * along[1]))
-    elif isinstance(spring, Bushing):
-        yield from _bushing(spring, now, start)
-    else:
-        angle, rate = now.turn(spring.first, spring.second)
-        if isinstance(spring, TorsionalSpring):
-            moment = -spring.stiffness * (angle - (start if spring.free_angle is None else spring.free_angle)) - spring.damping * rate
-        else:
-            above = -spring.stiffness * (angle - spring.high) - spring.damping * rate
-            below = -spring.stiffness * (angle - spring.low) - spring.damping * rate
-            moment = min(above, 0.0) if angle > spring.high else max(below, 0.0) if angle < spring.low else 0.0
-        yield from _couple(now, spring.first, spring.second, moment)
+def _effort(driver: Driver, body: str, datum: Datum) -> tuple[Polynomials, tuple[int, str, str]]:
+    """A torque's function, and what it depends on: time, the speed of the body, or its angle, counted from the start."""
+    function = driver.effort()
+    if driver.over == "time":
+        return function, NO_BODIES
+    if driver.point:
+        raise ValueError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
+    if driver.over == "speed":
+        return function, (SPEED, driver.against, body)
+    begin = datum.angle.get(body, 0.0) - datum.angle.get(driver.against, 0.0)
+    shifted = dataclasses.replace(function, starts=tuple(start + begin for start in function.starts))
+    return shifted, (TURNED, driver.against, body)
 
 
-def _bushing(spring: Bushing, now: Instant, start: float) -> Iterator[Applied]:
-    """-K d - C d' in the axes of the first body, d the second pin seen from the first; both forces act at the second pin's place."""
-    first, second = now.pin(spring.first), now.pin(spring.second)
-    row = now.row(first[0])
-    c, s, w = math.cos(now.position[row, 2]), math.sin(now.position[row, 2]), now.velocity[row, 2]
-    axes = np.array([[c, s], [-s, c]])
-    apart = second[2] - first[2]
-    d = axes @ apart
-    rate = axes @ (second[3] - first[3] - w * np.array([-apart[1], apart[0]]))
-    fx, fy = axes.T @ (-np.array(spring.stiffness[:2]) * d - np.array(spring.damping[:2]) * rate)
-    angle, turning = now.turn(first[0], second[0])
-    moment = -spring.stiffness[2] * (angle - start) - spring.damping[2] * turning
-    at = (float(second[2][0]), float(second[2][1]))
-    yield Applied(second[0], second[1], at, (float(fx), float(fy)), moment)
-    yield Applied(first[0], first[1], at, (-float(fx), -float(fy)), -moment)
+def unit(direction: tuple[float, float]) -> tuple[float, float]:
+    """The direction with length 1. ValueError where it has none."""
+    size = float(np.hypot(*direction))
+    if not size > 0.0:
+        raise ValueError(f"a direction of {direction} has no length: give two numbers that are not both zero")
+    return direction[0] / size, direction[1] / size
+
+
+def kind_of_spring(spring: AnySpring) -> int:
+    """Its axes."""
+    return AXES[spring.axes]
+
+
+def spring_fields(spring: AnySpring, start: float) -> dict[str, tuple[float, ...]]:
+    """Parameters of a spring in the kernels' record; ``start`` is its distance (m) or angle (rad) at the start, where it is free unless said."""
+    numbers = spring.numbers(start)
+    return {"stiffness": numbers.stiffness, "damping": numbers.damping, "free": (numbers.free,), "high": (numbers.high,)}
+
+
+def _records(ends: Sequence[End], more: int) -> list[float]:
+    """Records of particles of a step at these pins, and ``more`` rows behind them."""
+    rows = [0.0] * (len(ends) * PARTICLE.SIZE + more)
+    for k, end in enumerate(ends):
+        s, c = sincos(end.angle)
+        values = {"x": end.at[0], "y": end.at[1], "theta": end.angle, "c": c, "s": s} | dict(zip("uvw", end.velocity, strict=True))
+        for name, value in values.items():
+            rows[k * PARTICLE.SIZE + getattr(PARTICLE, name)] = float(value)
+    return rows
+
+
+def _acting(action: Action, now: Instant) -> Iterator[Applied]:
+    """An action at its value of the moment."""
+    kind, *bodies = action.argument
+    between = _records([now.end(body) for body in bodies], 0)
+    value = action.function(argument(between, kind, 0, PARTICLE.SIZE, now.time, 0.0))[0]
+    for body, pin, (fx, fy, moment) in action.ends:
+        end = now.end(body, pin)
+        rows = _records([end], LOAD.SIZE)
+        for name, per_unit in (("fx", fx), ("fy", fy), ("m", moment)):
+            rows[PARTICLE.SIZE + getattr(LOAD, name)] = per_unit
+        yield end.pushed(*load(rows, PARTICLE.SIZE, 0, int(action.follow), value))
+
+
+def _pulling(spring: AnySpring, now: Instant, start: float) -> Iterator[Applied]:
+    """Force of a massless element on its two ends; ``start`` is its distance or angle at the start."""
+    ends, element = now.ends(spring), 2 * PARTICLE.SIZE
+    rows = _records(ends, SPRING.SIZE)
+    for name, values in spring_fields(spring, start).items():
+        first = element + getattr(SPRING, name)
+        rows[first : first + len(values)] = values
+    spring_force(rows, element, 0, PARTICLE.SIZE, kind_of_spring(spring), 1.0, 0.0)
+    for base, end in zip((0, PARTICLE.SIZE), ends, strict=True):
+        yield end.pushed(*(rows[base + field] for field in (PARTICLE.fx, PARTICLE.fy, PARTICLE.mz)))

@@ -13,7 +13,6 @@ from ..errors import AssemblyError
 from ..laws.elasticity import tangent
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
-from ..model.springs import Spring
 from ..model.surfaces import surfaces
 from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_system, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
@@ -131,10 +130,11 @@ def _at_rest(now: Instant) -> dict[str, float]:
     """Distance (m) or relative angle (rad) of every spring at the start."""
     found = {}
     for name, spring in now.mechanism.springs.items():
-        if isinstance(spring, Spring):
-            found[name] = float(np.hypot(*(now.pin(spring.second)[2] - now.pin(spring.first)[2])))
+        first, second = now.ends(spring)
+        if spring.axes == "linear":
+            found[name] = float(np.hypot(*np.subtract(second.at, first.at)))
         else:
-            found[name] = now.turn(spring.first.partition(".")[0], spring.second.partition(".")[0])[0]
+            found[name] = second.angle - first.angle
     return found
 
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -124,10 +126,10 @@ class Law:
             raise TypeError(f"the law {cls.name!r} takes its parameters by name, as in {cls.__name__}({written})")
         return super().__new__(cls)
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, register: bool = True, **kwargs: Any) -> None:
         """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own may be defined again."""
         super().__init_subclass__(**kwargs)
-        if not cls.__dict__.get("name"):
+        if not register or not cls.__dict__.get("name"):
             return
         known = cls.registry.get(cls.name)
         if known is not None and built_in(known) and (cls.__module__, cls.__qualname__) != (known.__module__, known.__qualname__):
@@ -141,6 +143,11 @@ class Law:
                 near = difflib.get_close_matches(str(value), choices, 1)
                 told = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(choices)}"
                 raise ValueError(f"{field.name} {value!r} of the law {self.name!r} is unknown; {told}")
+
+    @classmethod
+    def known(cls) -> Mapping[str, type[Law]]:
+        """Laws of this kind by name: those of the registry, and in their place those that a run file which is being read tells of."""
+        return {**cls.registry, **{law.name: law for law in _STANDING_IN.get() if issubclass(law, cls)}}
 
     @classmethod
     def form(cls) -> type[Law]:
@@ -168,6 +175,20 @@ class Law:
         """Unit of each slot: as ``slot_units`` says, else that of the field of the same name; "" where neither knows."""
         fields = {field.name: str(field.metadata.get("unit", "")) for field in dataclasses.fields(self)}
         return {slot: self.slot_units.get(slot, fields.get(slot, SLOT_UNITS.get(slot, ""))) for slot in self.slots}
+
+
+# Laws that are known in this context only, so that threads beside it see nothing of them.
+_STANDING_IN: ContextVar[tuple[type[Law], ...]] = ContextVar("standing_in", default=())
+
+
+@contextmanager
+def known_here(laws: Sequence[type[Law]]) -> Iterator[None]:
+    """Makes laws known by their names while a text is read, in this thread only; no registry changes."""
+    token = _STANDING_IN.set((*_STANDING_IN.get(), *laws))
+    try:
+        yield
+    finally:
+        _STANDING_IN.reset(token)
 
 
 def built_in(law: type[Law]) -> bool:

@@ -7,14 +7,15 @@ figure of the run, not for another run.
 from __future__ import annotations
 
 import dataclasses
+import types
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from typing import Any, ClassVar
 
 from ..errors import LawError
-from .law import ContactLaw, FrictionLaw, Law, Pair, built_in
-from .user import REGISTRIES, file_of, text_of
+from .law import ContactLaw, FrictionLaw, Law, Pair, built_in, known_here
+from .user import file_of, text_of
 
 POINTS = 401  # of a table, closer together at small depths
 
@@ -59,7 +60,7 @@ def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]
     return [depths, forces, energies]
 
 
-class Recorded(Law):
+class Recorded(Law, register=False):
     """Stands for a law of the user's own that a run file tells of."""
 
     entry: ClassVar[Entry] = {}
@@ -79,7 +80,7 @@ class Recorded(Law):
         )
 
 
-class RecordedContact(Recorded, ContactLaw):
+class RecordedContact(Recorded, ContactLaw, register=False):
     """A contact law as a table."""
 
     @classmethod
@@ -101,6 +102,10 @@ class RecordedContact(Recorded, ContactLaw):
         return self.row(float(penetration), p)[1]
 
 
+class RecordedFriction(Recorded, FrictionLaw, register=False):
+    """A friction law of which the parameters are known, and not the force."""
+
+
 def stand_in(entry: Entry) -> type[Law]:
     """A class that reads and writes like the law, and cannot be stepped."""
     contact = entry["kind"] == "contact"
@@ -115,7 +120,7 @@ def stand_in(entry: Entry) -> type[Law]:
     }
     for name in values:
         space[name] = dataclasses.field(default=None, metadata={"unit": "1", "meaning": "as it was recorded"})
-    law = type("Recorded", (RecordedContact if contact else type("Base", (Recorded, FrictionLaw), {}),), space)
+    law = types.new_class("Recorded", (RecordedContact if contact else RecordedFriction,), {"register": False}, lambda named: named.update(space))
     if contact:
         law.force = staticmethod(lambda penetration, slowness, p: (law.row(penetration, p)[0], 0.0))  # type: ignore[attr-defined]
     made: type[Law] = dataclasses.dataclass(frozen=True, kw_only=True)(law)
@@ -130,20 +135,13 @@ def refuse_recorded(laws: Sequence[type]) -> None:
             raise LawError(f"law {law.name!r} is known from a run file only, which does not run code; load its file first: {where} (--laws)")
 
 
-@contextmanager
-def standing_in(entries: Sequence[Entry]) -> Iterator[None]:
+def standing_in(entries: Sequence[Entry]) -> AbstractContextManager[None]:
     """Makes the laws that a run file tells of known while its model is read; a law that is loaded and has the same text stands for itself."""
-    before = [dict(registry) for registry in REGISTRIES]
-    try:
-        for entry in entries:
-            registry = ContactLaw.registry if entry["kind"] == "contact" else FrictionLaw.registry
-            known = registry.get(entry["name"])
-            if known is not None and not built_in(known) and text_of(known) == entry["text"]:
-                continue
-            registry.pop(entry["name"], None)
-            stand_in(entry)
-        yield
-    finally:
-        for registry, laws in zip(REGISTRIES, before, strict=True):
-            registry.clear()
-            registry.update(laws)
+    return known_here([stand_in(entry) for entry in entries if not _loaded(entry)])
+
+
+def _loaded(entry: Entry) -> bool:
+    """Whether the very law is known: one that was loaded from the same text."""
+    base = ContactLaw if entry["kind"] == "contact" else FrictionLaw
+    law = base.registry.get(entry["name"])
+    return law is not None and not built_in(law) and text_of(law) == entry["text"]

@@ -6,6 +6,7 @@ import importlib.util
 import linecache
 import re
 import sys
+import threading
 import traceback
 from importlib.machinery import ModuleSpec
 from pathlib import Path
@@ -15,6 +16,7 @@ from ..errors import LawError
 from .law import ContactLaw, FrictionLaw, Law, built_in
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
+LOADING = threading.RLock()  # one file at a time: what a file defines is told from what was there before
 
 
 def load_laws(path: str | Path) -> list[type[Law]]:
@@ -27,25 +29,32 @@ def load_laws(path: str | Path) -> list[type[Law]]:
 
     path = Path(path)
     text = read(path)
-    before = [dict(registry) for registry in REGISTRIES]
-    try:
-        module = executed(path, text)
-        laws = [law for registry in REGISTRIES for law in registry.values() if law.__module__ == module.__name__]
-        if not laws:
-            raise LawError(f"{path}: {no_law(module)}")
-        for law in laws:
-            for old in (registry.get(law.name) for registry in before):
-                if old is not None and not built_in(old) and file_of(old) != str(path):
-                    raise LawError(f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of them")
-        found = [fault for law in laws for fault in faults_of_class(law)]
-        if found:
-            raise LawError("\n".join(found))
-    except BaseException:
-        for registry, known in zip(REGISTRIES, before, strict=True):
-            registry.clear()
-            registry.update(known)
-        raise
+    with LOADING:
+        before = [dict(registry) for registry in REGISTRIES]
+        try:
+            module = executed(path, text)
+            laws = [law for registry in REGISTRIES for law in registry.values() if law.__module__ == module.__name__]
+            if not laws:
+                raise LawError(f"{path}: {no_law(module)}")
+            for law in laws:
+                for old in (registry.get(law.name) for registry in before):
+                    if old is not None and not built_in(old) and file_of(old) != str(path):
+                        raise LawError(f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of them")
+            found = [fault for law in laws for fault in faults_of_class(law)]
+            if found:
+                raise LawError("\n".join(found))
+        except BaseException:
+            for registry, known in zip(REGISTRIES, before, strict=True):
+                forgotten(registry, known)
+            raise
     return laws
+
+
+def forgotten(registry: dict[str, type[Law]], known: dict[str, type[Law]]) -> None:
+    """Takes back what a file has put into a registry; what was there before is never missing, for threads beside this one."""
+    registry.update(known)
+    for name in [name for name in registry if name not in known]:
+        del registry[name]
 
 
 def read(path: Path) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section
 
 Array = NDArray[np.float64]
+_KEPT = "_mesh"
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 
 
@@ -38,12 +39,21 @@ def is_elastic(body: Body) -> bool:
 
 
 def mesh(body: Body) -> Mesh:
-    """Particles and elements of a link or frame."""
-    if isinstance(body, Frame):
-        return _frame(body)
-    if isinstance(body, Link):
-        return _link(body)
-    raise TypeError(f"{type(body).__name__} {body.name!r} has no elements")
+    """Particles and elements of a link or frame; the arrays are not to be written to.
+
+    A body is made once, so its mesh is cut once and kept with it; that of a frame anew where its nodes or masses were changed in place.
+    """
+    if not isinstance(body, Frame | Link):
+        raise TypeError(f"{type(body).__name__} {body.name!r} has no elements")
+    made_of = (dict(body.nodes), dict(body.masses)) if isinstance(body, Frame) else ()
+    kept = vars(body).get(_KEPT)
+    if kept is None or kept[0] != made_of:
+        kept = made_of, _frame(body) if isinstance(body, Frame) else _link(body)
+        for values in (kept[1].position, kept[1].mass, kept[1].inertia, kept[1].nodes, kept[1].axial, kept[1].bending):
+            values.setflags(write=False)
+        vars(body)[_KEPT] = kept  # a frozen noun has no other way to remember what follows from it
+    found: Mesh = kept[1]
+    return found
 
 
 def _link(link: Link) -> Mesh:

@@ -21,7 +21,7 @@ SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
 
 def read_law(kind: str, holder: Raw, path: Path, given: set[Path]) -> tuple[Law | None, list[Fault]]:
     """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or the faults in it."""
-    registry = LAWS[kind].registry
+    registry = LAWS[kind].known()
     name = holder.get("law", DEFAULTS[kind].name)
     if not isinstance(name, str) or name not in registry:
         remedy = suggestion(str(name), registry, f"name a {kind} law, and with --laws the file of one of your own")

@@ -56,7 +56,7 @@ def run_up(context: Context) -> list[Verdict]:
         Verdict("The vibration at the start grows with the clearance", sizes == sorted(sizes),
                 f"{measure}, first turn: " + ", ".join(f"{value:.2f}" for value in sizes)),
         Verdict("Contact is lost while the motion settles only", all(not n[-1] for n in onsets),
-                "contacts assembled_at, turn by turn: " + "; ".join(", ".join(f"{count:.0f}" for count in n) for n in onsets)),
+                "contacts begun, turn by turn: " + "; ".join(", ".join(f"{count:.0f}" for count in n) for n in onsets)),
     ]  # fmt: skip
 
 

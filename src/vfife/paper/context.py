@@ -11,6 +11,7 @@ from importlib import resources
 from typing import Any
 
 from ..report.contents import Parameter
+from ..solvers.status import Status
 from .influence import MOST_TURNS, STEP, TOLERANCE, Case, Influence, influences
 from .mechanisms import CLEARANCE, CLEARANCES, FASTEST, LINK_WORDS, SPEEDS, Parameters
 from .search import from_numbers
@@ -96,8 +97,8 @@ def described(p: Parameters) -> list[Parameter]:
 
 def settling(one: Influence) -> str:
     """How a run ended, in words."""
-    if one.member.status != "complete":
-        return "diverged"
+    if one.member.status != Status.COMPLETE:
+        return Status.DIVERGED
     last = float(one.member.distances[-1])
     if one.member.settled is None:
         return f"not settled in {len(one.member.distances)} turns (last two apart by {last:.1e})"

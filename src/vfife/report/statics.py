@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ..analysis.equilibria import equilibria
+from ..solvers.status import Status
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -37,7 +38,7 @@ def static_warnings(result: View) -> Iterable[str]:
     record = result.record
     if record.message:
         yield record.message
-    elif record.status != "complete":
+    elif record.status != Status.COMPLETE:
         yield f"The analysis is {record.status}: only the load factors that are told here were reached."
     moved = [entry["displacement"] for entry in equilibria(record)]
     jumps = [later - earlier for earlier, later in zip(moved, moved[1:], strict=False)]

@@ -10,6 +10,7 @@ import numpy as np
 from ..analysis.forces import MODES
 from ..laws import Law
 from ..model.bodies import Link
+from ..solvers.status import Status
 from .statics import print_static, static_run, static_warnings
 
 if TYPE_CHECKING:
@@ -147,7 +148,7 @@ def _named(*laws: tuple[str, Law]) -> tuple[tuple[str, Law], ...]:
 def warnings(result: View) -> Iterable[str]:
     """Sentences about what makes a run doubtful, each with what to do."""
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
-    if record.status != "complete":
+    if record.status != Status.COMPLETE:
         yield STATUS.get(record.status, f"The run is {record.status}.").format(time=float(result.time[-1]))
     if choice.step > choice.stable:
         yield (
@@ -187,9 +188,9 @@ def out_of_range(result: View) -> Iterable[str]:
 
 
 STATUS = {
-    "interrupted": "The run was interrupted at {time:.4g} s; what is told here is what was computed until then.",
-    "unfinished": "The run has not said that it ended: it was killed, or is at work. It has written {time:.4g} s.",
-    "diverged": "The numbers were no longer finite after {time:.4g} s: take a smaller step, or check the model there.",
+    Status.INTERRUPTED: "The run was interrupted at {time:.4g} s; what is told here is what was computed until then.",
+    Status.UNFINISHED: "The run has not said that it ended: it was killed, or is at work. It has written {time:.4g} s.",
+    Status.DIVERGED: "The numbers were no longer finite after {time:.4g} s: take a smaller step, or check the model there.",
 }
 
 

@@ -34,7 +34,7 @@ class RunFolder:
                 (self.path / FIGURES).rmdir()
 
     def discard(self) -> None:
-        """Removes a run that has not assembled_at, and the folder if it was made for it."""
+        """Removes a run that has not begun, and the folder if it was made for it."""
         self.clear()
         if self.created:
             with suppress(OSError):

@@ -11,16 +11,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly, StepChoice
 from ..errors import RunFileError
 from ..kernels.arrays import BY_NAME
+from ..laws.stored import kept as kept_laws
+from ..laws.stored import standing_in
 from ..model.mechanism import Mechanism
-from ..solvers.record import Record
+from ..model.surfaces import surfaces
+from ..modelfile import dump, loads
+from ..solvers.record import Record, Rows
+from ..solvers.status import Status
 from .runfile import RunFile
-
-# Names of blocks in run files of version 0.1 and before.
-OLD_ENTITIES = {"clearance": "contact", "ideal": "joint", "element": "frame", "row": "constraint"}
-OLD_NAMES = {"clearance_contact": "contact_slots"}
+from .start import assembly_of, kept_assembly, present_name
 
 
 def versions() -> dict[str, str]:
@@ -36,21 +39,17 @@ def versions() -> dict[str, str]:
     return found
 
 
-def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[str, Any]:
+def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: str | None = None) -> dict[str, Any]:
     """What a run file's meta should hold to read the run again, and to run it again; of the user's own laws also the text of their files.
 
-    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. Raises ValueError for a
-    mechanism that no model file can hold.
+    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. ``model`` is the text of the mechanism where it is
+    written already. Raises ValueError for a mechanism that no model file can hold.
     """
-    from ..laws.stored import kept as kept_laws
-    from ..model.surfaces import surfaces
-    from ..modelfile import dump
-
     joints = assembly.mechanism.contacts.values()
     pairs = [(law, surfaces(assembly.mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
     laws = {f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)}
     return {
-        "model": dump(assembly.mechanism),
+        "model": dump(assembly.mechanism) if model is None else model,
         "source": assembly.mechanism.source,
         "versions": versions(),
         "step": assembly.choice.step,
@@ -60,6 +59,7 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str) -> dict[
         "laws": laws,
         "notes": list(assembly.notes),
         "own_laws": kept_laws(pairs),
+        **kept_assembly(assembly),
     }
 
 
@@ -78,11 +78,11 @@ def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, 
     return [(names[b[at]], (int(e[at]), int(count))) for at, count in zip(starts, counts, strict=True)]
 
 
-def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64], where: str) -> Record:
+def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, where: str) -> Record:
     """The record of which a file kept the meta, the steps and the rows; ``where`` names the file in messages.
 
-    Raises RunFileError where the model cannot be assembled by this version, or was recorded with quantities it does
-    not know.
+    The model is read and not assembled, unless the file is one of version 0.1 and before. Raises RunFileError where the model cannot be read by
+    this version, or was recorded with quantities it does not know.
     """
     wanted = ("model", "choice", "kept")
     if missing := [key for key in wanted if key not in meta]:
@@ -90,30 +90,51 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np
     if not rows.size:
         raise RunFileError(f"{where}: the run ended before its first output; run the model again")
     choice = StepChoice(**{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])})
-    assembly = dataclasses.replace(_assembled(meta, choice, where), choice=choice)
+    mechanism = _mechanism(meta, where)
+    assembly = assembly_of(meta, mechanism, choice, where) if "assembly" in meta else _assembled(meta, mechanism, choice, where)
     kept = rows_named(assembly, meta["kept"], where)
     if rows.shape[1] != len(kept) or len(rows) != len(steps):
         raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
-    status = "unfinished" if meta.get("status") == "running" else str(meta.get("status", "complete"))
-    return Record(assembly, steps, rows, kept, float(meta.get("wall", 0.0)), str(meta.get("loop", "")), status)
+    return Record(assembly, steps, rows, kept, float(meta.get("wall", 0.0)), str(meta.get("loop", "")), status_of(meta, where))
 
 
-def _assembled(meta: Mapping[str, Any], choice: StepChoice, where: str) -> Assembly:
-    from ..assembly.assemble import assemble
-    from ..laws.stored import standing_in
-    from ..modelfile import loads
+def status_of(meta: Mapping[str, Any], where: str) -> Status:
+    """How the run of a file ended. Raises RunFileError for a word that this version does not know."""
+    text = str(meta.get("status", Status.COMPLETE))
+    try:
+        status = Status(text)
+    except ValueError:
+        raise RunFileError(
+            f"{where}: the run is said to be {text!r}, which this version does not know; read it with the one that wrote it"
+        ) from None
+    return Status.UNFINISHED if status == Status.RUNNING else status
 
+
+def _mechanism(meta: Mapping[str, Any], where: str) -> Mechanism:
+    """The nouns of the model's text."""
     try:
         with standing_in(meta.get("own_laws", ())):
-            mechanism: Mechanism = loads(meta["model"])
-            mechanism.source = meta.get("source")
-            return assemble(mechanism, choice.step, force_step=True)
+            mechanism = loads(meta["model"])
     except ValueError as error:
-        by = meta.get("versions", {}).get("vfife", "another version")
-        raise RunFileError(
-            f"{where}: the model in this run file, written by vfife {by}, cannot be assembled: {error}. "
-            "If it uses a law of your own, load the file that defines the law first"
-        ) from error
+        raise RunFileError(_unreadable(meta, where, f"read: {error}")) from error
+    mechanism.source = meta.get("source")
+    return mechanism
+
+
+def _assembled(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoice, where: str) -> Assembly:
+    """The assembly of a file that does not have it."""
+    try:
+        return dataclasses.replace(assemble(mechanism, choice.step, force_step=True), choice=choice)
+    except ValueError as error:
+        raise RunFileError(_unreadable(meta, where, f"assembled: {error}")) from error
+
+
+def _unreadable(meta: Mapping[str, Any], where: str, what: str) -> str:
+    by = meta.get("versions", {}).get("vfife", "another version")
+    return (
+        f"{where}: the model in this run file, written by vfife {by}, cannot be {what}. "
+        "If it uses a law of your own, load the file that defines the law first"
+    )
 
 
 def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], where: str) -> NDArray[np.uint32]:
@@ -129,14 +150,6 @@ def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], wher
         )
     parts = [np.array(rows[name][first : first + count], dtype=np.uint32) for name, (first, count) in runs]
     return np.concatenate(parts) if parts else np.zeros(0, dtype=np.uint32)
-
-
-def present_name(name: str) -> str:
-    """What a block is called today; run files keep the names of their time."""
-    if name in BY_NAME:
-        return name
-    entity, _, rest = name.partition("_")
-    return OLD_NAMES.get(name) or f"{OLD_ENTITIES.get(entity, entity)}_{rest}"
 
 
 def keep_reference(file: RunFile, record: Record) -> None:

@@ -1,7 +1,7 @@
-"""One SQLite file a run: model, versions, history, checkpoints, events; whole up to the last transaction.
+"""One SQLite file a run: model, start, versions, history, checkpoints, events; whole up to the last transaction.
 
-Rows of S are stored chunk by chunk. SQLite keeps its rollback journal (no write-ahead log), so a finished run is one
-file.
+Rows of S are stored chunk by chunk, and read into memory or, where they are many, into a mapped file of no name. SQLite keeps its rollback
+journal (no write-ahead log), so a finished run is one file.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -25,12 +25,15 @@ from ..errors import RunFileError
 from .packing import packed, unpacked
 
 RUN_FILE = "run.sqlite"  # its name in a run folder
+ARRAY = "array."  # of the meta, among the parts of a reference
 APPLICATION = 0x56464946  # "VFIF", in the header of the file
-FORMAT = 1
+FORMAT = 2  # 1 had no arrays, and so no start
 CHECKPOINTS = 2  # the latest ones are kept
+IN_MEMORY = 2**28  # bytes of rows that are read into memory; more are mapped
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, json TEXT NOT NULL);
+CREATE TABLE arrays (key TEXT PRIMARY KEY, data BLOB NOT NULL);
 CREATE TABLE history (chunk INTEGER PRIMARY KEY, first INTEGER NOT NULL, outputs INTEGER NOT NULL, data BLOB NOT NULL);
 CREATE TABLE steps (output INTEGER PRIMARY KEY, step INTEGER NOT NULL);
 CREATE TABLE checkpoints (step INTEGER PRIMARY KEY, state BLOB NOT NULL);
@@ -77,7 +80,7 @@ class RunFile:
 
     @classmethod
     def create(cls, path: str | Path, meta: Mapping[str, Any] | None = None, *, replace: bool = False) -> RunFile:
-        """A new run file with ``meta`` (anything JSON can say, best from :func:`~vfife.results.provenance.provenance`).
+        """A new run file with ``meta``: anything JSON can say, and arrays; best from :func:`~vfife.results.provenance.provenance`.
 
         Raises RunFileError where the file cannot be made, or is there already and ``replace`` is false.
         """
@@ -174,8 +177,9 @@ class RunFile:
     @told
     def keep_reference(self, meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Keeps the record of the ideal mechanism beside the run."""
-        text = json.dumps(meta).encode()
-        parts = {"meta": text, "steps": packed(steps.astype(float)), "rows": packed(rows)}
+        entries, arrays = parted(meta)
+        parts = {"meta": json.dumps(entries).encode(), "steps": packed(steps.astype(float)), "rows": packed(rows)}
+        parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
         with self._transaction():
             self._connection.executemany("INSERT OR REPLACE INTO reference VALUES (?, ?)", list(parts.items()))
 
@@ -196,8 +200,9 @@ class RunFile:
         self._connection.commit()
 
     def _put(self, meta: Mapping[str, Any]) -> None:
-        entries = [(key, json.dumps(value)) for key, value in meta.items()]
-        self._connection.executemany("INSERT OR REPLACE INTO meta VALUES (?, ?)", entries)
+        entries, arrays = parted(meta)
+        self._connection.executemany("INSERT OR REPLACE INTO meta VALUES (?, ?)", [(key, json.dumps(value)) for key, value in entries.items()])
+        self._connection.executemany("INSERT OR REPLACE INTO arrays VALUES (?, ?)", [(key, packed(values)) for key, values in arrays.items()])
 
     def _forget(self) -> None:
         for table in ("history", "steps", "checkpoints"):
@@ -208,27 +213,43 @@ class RunFile:
     @property
     @told
     def meta(self) -> dict[str, Any]:
-        """What is known of the run: model text, versions, step, loop, kept rows, laws, status, summary."""
-        return {key: json.loads(text) for key, text in self._connection.execute("SELECT key, json FROM meta")}
+        """What is known of the run: model text, start, versions, step, loop, kept rows, laws, status, summary."""
+        found: dict[str, Any] = {key: json.loads(text) for key, text in self._connection.execute("SELECT key, json FROM meta")}
+        if self._connection.execute("PRAGMA user_version").fetchone()[0] > 1:
+            found |= {key: unpacked(data) for key, data in self._connection.execute("SELECT key, data FROM arrays")}
+        return found
+
+    @told
+    def knows(self, key: str) -> bool:
+        """Whether the meta has an entry."""
+        return self._connection.execute("SELECT 1 FROM meta WHERE key = ?", (key,)).fetchone() is not None
 
     @property
     @told
     def steps(self) -> NDArray[np.int64]:
         """Step numbers of the outputs, shape (outputs,)."""
-        found = [step for (step,) in self._connection.execute("SELECT step FROM steps ORDER BY output")]
-        return np.array(found, dtype=np.int64)
+        found = self._connection.execute("SELECT step FROM steps ORDER BY output")
+        return np.fromiter((step for (step,) in found), dtype=np.int64)
 
     @property
     @told
     def rows(self) -> NDArray[np.float64]:
         """Recorded rows, shape (outputs, kept)."""
-        parts: list[NDArray[np.float64]] = []
+        total, filled = int(self._connection.execute("SELECT coalesce(sum(outputs), 0) FROM history").fetchone()[0]), 0
+        rows: NDArray[np.float64] = np.zeros((0, 0))
         for first, outputs, data in self._connection.execute("SELECT first, outputs, data FROM history ORDER BY chunk"):
             part = unpacked(data)
-            if first != sum(map(len, parts)) or len(part) != outputs or (parts and part.shape[1] != parts[0].shape[1]):
+            if filled == 0 and part.ndim == 2 and len(part) == outputs:
+                rows = space(total, part.shape[1])
+            if first != filled or part.shape != (outputs, rows.shape[1]) or filled + len(part) > total:
                 raise RunFileError(damaged(self, f"the outputs from {first} on do not follow those before"))
-            parts.append(part)
-        return np.concatenate(parts) if parts else np.zeros((0, 0))
+            rows[filled : filled + len(part)] = part
+            filled += len(part)
+        return rows
+
+    def later(self) -> Callable[[], NDArray[np.float64]]:
+        """What reads :attr:`rows` when they are asked for, also after this file is closed."""
+        return partial(rows_of, self.path.absolute())
 
     @told
     def last_checkpoint(self) -> tuple[int, NDArray[np.float64]] | None:
@@ -242,13 +263,40 @@ class RunFile:
         """Step, time (UTC) and text of the events, in their order."""
         return list(self._connection.execute("SELECT step, time, text FROM events ORDER BY number"))
 
+    @property
+    @told
+    def has_reference(self) -> bool:
+        """Whether the record of the ideal mechanism is kept."""
+        return self._connection.execute("SELECT 1 FROM reference LIMIT 1").fetchone() is not None
+
     @told
     def reference(self) -> tuple[dict[str, Any], NDArray[np.int64], NDArray[np.float64]] | None:
         """Meta, steps and rows of the ideal mechanism's record, or None."""
         parts = dict(self._connection.execute("SELECT part, data FROM reference").fetchall())
         if not parts:
             return None
-        return json.loads(parts["meta"]), unpacked(parts["steps"]).astype(np.int64), unpacked(parts["rows"])
+        meta = json.loads(parts["meta"]) | {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
+        return meta, unpacked(parts["steps"]).astype(np.int64), unpacked(parts["rows"])
+
+
+def parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
+    """What JSON can say, and arrays."""
+    arrays = {key: value for key, value in meta.items() if isinstance(value, np.ndarray)}
+    return {key: value for key, value in meta.items() if key not in arrays}, arrays
+
+
+def space(outputs: int, width: int) -> NDArray[np.float64]:
+    """Room for rows: memory, or where they are many a file of no name, of which the system keeps in memory what is looked at."""
+    if 8 * outputs * width <= IN_MEMORY:
+        return np.empty((outputs, width))
+    with tempfile.TemporaryFile() as file:
+        return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)
+
+
+def rows_of(path: Path) -> NDArray[np.float64]:
+    """Recorded rows of a run file."""
+    with RunFile.open(path) as file:
+        return file.rows
 
 
 def _readable(path: Path) -> sqlite3.Connection:

@@ -118,7 +118,7 @@ class View:
             "note": mechanism.note.strip(),
             "step": self.record.assembly.choice.step,
             "loop": self.record.loop,
-            "status": self.record.status,
+            "status": self.record.status.value,
             "vfife_version": versions()["vfife"],
         }
         try:

@@ -21,8 +21,10 @@ from ..assembly.assembled import Assembly
 from ..assembly.bounds import unsound
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
+from .arguments import Arguments, Loop
 from .record import Record, recorded_rows
-from .transient import LARGEST_STRAIGHT_LINE, SAVED, Loop, compilation, entities
+from .status import Status
+from .transient import LARGEST_STRAIGHT_LINE, SAVED, compilation, entities
 
 Array = NDArray[np.float64]
 
@@ -45,7 +47,7 @@ class Member:
     last: Record
     distances: Array
     settled: int | None
-    status: str = "complete"
+    status: Status = Status.COMPLETE
 
     @property
     def assembly(self) -> Assembly:
@@ -56,7 +58,7 @@ class Member:
 def ensemble(
     mechanisms: Sequence[Mechanism],
     *,
-    step: float | Sequence[float],
+    step: float | str | Sequence[float | str],
     turns: int,
     outputs: int = 720,
     tolerance: float | None = None,
@@ -67,11 +69,21 @@ def ensemble(
 ) -> list[Member]:
     """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns (all of them without a tolerance).
 
-    ``step`` (s), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each of ``outputs``.
-    ``workers``: threads, as many as there are cores if not given. ``progress`` is told how many members of how many are done. Raises
-    ValueError for a mechanism without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a turn.
+    ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each
+    of ``outputs``. ``workers``: threads, as many as there are cores if not given. ``progress`` is told how many members of how many are done.
+    Raises ModelError with all faults of the arguments, ValueError for a mechanism without a driver, and what
+    :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a turn.
     """
-    steps = [step] * len(mechanisms) if isinstance(step, int | float) else list(step)
+    given = Arguments("ensemble")
+    for k, mechanism in enumerate(mechanisms):
+        given.mechanism(mechanism, f"mechanisms[{k}]")
+    steps, loop = given.each("step", step, len(mechanisms)), given.loop(loop)
+    counts = {"turns": turns, "outputs": outputs, "lanes": lanes, "workers": workers}
+    for name, value in counts.items():
+        given.count(name, value, optional=name == "workers")
+    given.quantity("tolerance", tolerance, "1", zero=True)
+    given.callable("progress", progress)
+    given.tell()
     assemblies = [placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)]
     return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, progress=progress)
 
@@ -188,7 +200,7 @@ class _Lane:
     summaries: list[Array] = field(default_factory=list)
     distances: list[float] = field(default_factory=list)
     settled: int | None = None
-    status: str = "complete"
+    status: Status = Status.COMPLETE
 
     def __post_init__(self) -> None:
         self.kept = recorded_rows(self.assembly)
@@ -202,7 +214,7 @@ class _Lane:
     @property
     def ended(self) -> bool:
         """Whether it needs no further turn."""
-        return self.settled is not None or self.status != "complete"
+        return self.settled is not None or self.status != Status.COMPLETE
 
     def start(self, row: Array) -> None:
         """The output of step 0."""
@@ -212,7 +224,7 @@ class _Lane:
     def take(self, rows: Array) -> None:
         """A turn."""
         if unsound(self.assembly, self.kept, rows).any():
-            self.status = "diverged"
+            self.status = Status.DIVERGED
         before, self.rows = self.rows, np.concatenate([self.rows[-1:], rows])
         self.summaries.append(np.where(self.extreme, rows.max(axis=0), rows[-1]))
         apart = distance(before[1:, self.repeated], rows[:, self.repeated]) if len(before) == len(self.rows) else np.inf

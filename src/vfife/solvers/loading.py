@@ -10,7 +10,7 @@ import numpy as np
 from ..assembly.assembled import Assembly
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE, SPEED, TIME
-from ..model.drivers import Torque
+from ..kinematics.forces import Datum, actions
 
 if TYPE_CHECKING:
     from .relaxation import Relaxation
@@ -21,7 +21,7 @@ class Loading:
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly, self.layout, t = assembly, assembly.layout, assembly.topology
-        scaled = _scaled(assembly)
+        scaled = [action.steady for action in actions(assembly.mechanism, Datum()) for _ in action.ends]
         self.loads = dict(zip(t.load_function, scaled, strict=True))
         self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
         self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]
@@ -79,14 +79,3 @@ class Loading:
         pieces = int(self.assembly.tables[at])
         first = at + (1 + pieces if pieces > 0 else 2 - pieces)
         tables[first : ends[function]] = new * self.assembly.tables[first : ends[function]]
-
-
-def _scaled(assembly: Assembly) -> list[bool]:
-    """Whether each load is multiplied by the factor, in the order in which assemble takes them: those without a table over time."""
-    m = assembly.mechanism
-    found = [load.times is None or load.factors is None for load in m.loads.values()]
-    for driver in m.drivers.values():
-        if isinstance(driver, Torque):
-            twice = not driver.point and driver.against != "ground"
-            found += [driver.times is None] * (2 if twice else 1)
-    return found

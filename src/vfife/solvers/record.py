@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
+from .status import Status
+
+Rows: TypeAlias = NDArray[np.float64]
 
 
 @dataclass
@@ -18,17 +23,27 @@ class Record:
 
     Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0. ``final`` is all of S after the last
     output, where it is known.
+
+    ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked for: a run that writes a file
+    keeps no rows in memory.
     """
 
     assembly: Assembly
     steps: NDArray[np.int64]
-    rows: NDArray[np.float64]
+    source: Rows | Callable[[], Rows]
     kept: NDArray[np.uint32]
     wall: float = 0.0
     loop: str = ""
-    status: str = "complete"
-    final: NDArray[np.float64] | None = None
+    status: Status = Status.COMPLETE
+    final: Rows | None = None
     message: str = ""
+
+    @property
+    def rows(self) -> Rows:
+        """Recorded rows, shape (outputs, kept). Raises RunFileError where a file that has them is gone or damaged."""
+        if not isinstance(self.source, np.ndarray):
+            self.source = self.source()
+        return self.source
 
     @property
     def static(self) -> bool:

@@ -23,6 +23,7 @@ from .loading import Loading
 from .progress import Progress
 from .record import Record, recorded_rows
 from .relaxation import Relaxation
+from .status import Status
 
 if TYPE_CHECKING:
     from ..results.runfile import RunFile
@@ -76,12 +77,12 @@ def equilibrium(
                 file.checkpoint(k, relaxation.state)
             old = factor
     except KeyboardInterrupt:
-        record.status, record.message = "interrupted", f"Stopped at load factor {factors[len(rows)]:g}."
+        record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."
     if not rows:  # the start itself, so that there is something to look at
         rows = [assembly.state[kept]]
-    record.rows, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
+    record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall = time.perf_counter() - began
-    record.final = relaxation.state.copy() if record.status == "complete" else None
+    record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
@@ -119,7 +120,7 @@ class Stage:
         """Iterations so far."""
         return self.relaxation.iterations - self.first
 
-    def run(self, settings: Settings) -> tuple[str, str] | None:
+    def run(self, settings: Settings) -> tuple[Status, str] | None:
         """Status and message where there is no equilibrium to be found, else None."""
         relaxation, loading = self.relaxation, self.loading
         count = self._count()
@@ -153,15 +154,15 @@ class Stage:
         turn, travel = self.loading.motion(self.old, self.new)
         return max(FEWEST, int(np.ceil(turn / TURN / PARTS)), int(np.ceil(travel / (TRAVEL * shortest) / PARTS)))
 
-    def _look(self, pushes: Array, settings: Settings) -> tuple[str, str] | None:
+    def _look(self, pushes: Array, settings: Settings) -> tuple[Status, str] | None:
         relaxation = self.relaxation
         self.ratio = relaxation.balance(pushes[-1]).ratio
         self.tell()
         moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(relaxation.turning, 2.0 * np.pi, relaxation.size)
         if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY:
-            return "diverged", self._runaway()
+            return Status.DIVERGED, self._runaway()
         if self.done > settings.iterations:
-            return "not converged", self._unfinished(settings)
+            return Status.NOT_CONVERGED, self._unfinished(settings)
         return None
 
     def tell(self, everything: bool = False) -> None:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import unsound
+from .arguments import Loop
 from .progress import Progress
-from .record import Record, recorded_rows
+from .record import Record, Rows, recorded_rows
+from .status import Status
 
-Loop = Literal["auto", "data-driven", "generated", "interpreted"]
-
+CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
 SAVED = 30e-9  # seconds that straight-line code saves for each step and element or joint
 LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still written out
@@ -23,6 +24,13 @@ LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still wr
 
 class Writer(Protocol):
     """What keeps outputs and checkpoints while a run goes on: a run file."""
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """Steps of the outputs that it has."""
+
+    def later(self) -> Callable[[], Rows]:
+        """What reads the rows of the outputs when they are asked for."""
 
     def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Keeps outputs."""
@@ -77,36 +85,42 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     chosen = choose_loop(assembly, loop)
     runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
     choice = assembly.choice
-    parts = [runner.advance(1, 1)[:, :, 0]]
-    record = Record(assembly, np.zeros(1, dtype=np.int64), parts[0], kept, loop=chosen)
-    status, done, wall, chunk = "complete", 0, 0.0, 1
-    if file is not None:
-        file.append(np.zeros(1, dtype=np.int64), parts[0])
+    parts: list[Rows] = []
+
+    def keep(done: int, rows: Rows) -> None:
+        steps = (done + np.arange(len(rows), dtype=np.int64)) * choice.outputs_every
+        if file is None:
+            parts.append(rows)
+        else:
+            file.append(steps, rows)
+
+    status, done, wall = Status.COMPLETE, 0, 0.0
+    most = max(1, CHUNK_BYTES // (8 * len(kept)))
+    chunk = 1
+    keep(0, runner.advance(1, 1)[:, :, 0])
     try:
         while done < choice.outputs:
-            some = min(chunk, choice.outputs - done)
+            some = min(chunk, choice.outputs - done, most)
             began = time.perf_counter()
             rows = runner.advance(choice.outputs_every, some)[:, :, 0]
             spent = time.perf_counter() - began
             wall += spent
             broken = unsound(assembly, kept, rows).any(axis=1)
             sound = int(np.argmax(broken)) if broken.any() else len(rows)
-            parts.append(rows[:sound])
-            steps = (done + 1 + np.arange(sound)) * choice.outputs_every
+            keep(done + 1, rows[:sound])
             if file is not None:
-                file.append(steps, rows[:sound])
                 file.checkpoint(int((done + some) * choice.outputs_every), runner.states[:, 0])
             done += sound
             if sound < some:
-                status = "diverged"
+                status = Status.DIVERGED
                 break
             if progress is not None:
                 progress(Progress(done * choice.outputs_every, choice.steps, wall))
             chunk = max(1, min(4 * some, int(some * CHUNK_SECONDS / max(spent, 1e-6))))
     except KeyboardInterrupt:
-        status = "interrupted"
-    record.steps = np.arange(done + 1, dtype=np.int64) * choice.outputs_every
-    record.rows = np.concatenate(parts)[: done + 1]
-    record.wall, record.status = wall, status
-    record.final = runner.states[:, 0].copy() if status == "complete" else None
-    return record
+        status = Status.INTERRUPTED
+    final = runner.states[:, 0].copy() if status == Status.COMPLETE else None
+    if file is not None:  # an interrupt may have come after a chunk was written, and before it was counted
+        return Record(assembly, file.steps, file.later(), kept, wall, chosen, status, final)
+    rows = np.concatenate(parts)
+    return Record(assembly, np.arange(len(rows), dtype=np.int64) * choice.outputs_every, rows, kept, wall, chosen, status, final)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ..errors import suggestion
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
+from ..result import Result
 from ..results.comparison import Comparison
-
-if TYPE_CHECKING:
-    from ..result import Result
-    from ..solvers.progress import Progress
+from ..simulation import Prepared, carry_out, prepare, reference_of
+from ..solvers.arguments import Arguments, Asked, Loop
+from ..solvers.progress import Progress
+from ..solvers.status import Status
 
 Choice = str | Law | type[Law]
 PER_JOINT = ("force.max", "penetration.max", "impacts", "grazing", "deep", "share.continuous_contact")
@@ -25,31 +27,37 @@ def compare(
     *,
     joints: Iterable[str] | None = None,
     progress: Callable[[str], Callable[[Progress], None] | None] | None = None,
-    **run: Any,
+    turns: float | None = None,
+    duration: float | str | None = None,
+    step: float | str | None = None,
+    outputs: int | None = None,
+    loop: Loop = "auto",
+    force_step: bool = False,
 ) -> Comparison:
     """Runs a mechanism under every pair of the given laws, and under its own where a kind is not given.
 
     A law is a name, a class or an instance. Of a name or a class the parameters are those of the law it takes the place of, where both have a
     field of the same name and unit (restitution, coefficient ...), else its defaults. ``joints``: those whose laws are changed, all with clearance
-    if left out. ``progress`` receives the name of each run before it starts and may return a call for :func:`~vfife.simulate`; ``run`` are options
-    of that. Ctrl-C ends with the runs that are complete. Raises ValueError with every law that cannot be used, before the first run.
+    if left out. ``progress`` receives the name of each run before it starts and may return a call for :func:`~vfife.simulate`; the others are
+    arguments of that. Ctrl-C ends with the runs that are complete. Raises ValueError with every law that cannot be used, before the first run.
     """
-    from ..simulation import reference_of, simulate
-
+    given = Arguments("compare")
+    given.mechanism(mechanism)
+    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step)
+    given.callable("progress", progress)
+    given.tell()
     names = chosen_joints(mechanism, joints)
     variants = list(varied(mechanism, contact, friction, names))
-    reference = reference_of(mechanism, run.get("turns"), run.get("duration"))
-    if reference is not None and reference.record.status == "interrupted":
-        raise KeyboardInterrupt
-    checked(variants, reference, run)
+    reference = reference_of(mechanism, asked.turns, asked.duration)
+    ready = prepared(variants, reference, asked)
     found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
-    for number, (label, variant) in enumerate(variants, 1):
+    for number, (label, one) in enumerate(ready, 1):
         try:
             told = progress(f"{number} of {len(variants)}: {label}") if progress is not None else None
-            result = simulate(variant, reference=reference if reference is not None else False, progress=told, **run)
+            result = carry_out(one, progress=told)
         except KeyboardInterrupt:
             break
-        if result.record.status == "interrupted":
+        if result.record.status == Status.INTERRUPTED:
             break
         found.results.append(result)
         found.rows.append(numbers_of(result, names))
@@ -58,8 +66,6 @@ def compare(
 
 def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[str, ...]:
     """Joints whose laws are changed. Raises ValueError for one without clearance."""
-    from ..errors import suggestion
-
     known = mechanism.clearances
     if not known:
         raise ValueError('no joint of this mechanism has clearance, so there is no law to compare; give one kind = "clearance"')
@@ -91,8 +97,6 @@ def varied(mechanism: Mechanism, contact: Sequence[Choice], friction: Sequence[C
 
 def law_of(one: Choice, base: type[Law], kind: str) -> Law | type[Law]:
     """The law that is meant. Raises ValueError for a name that no law has, and for a law of the other kind."""
-    from ..errors import suggestion
-
     if isinstance(one, str):
         if one not in base.registry:
             raise ValueError(f"no {kind} law is called {one!r}. {suggestion(one, base.registry, f'Name a {kind} law').capitalize()}")
@@ -118,24 +122,17 @@ def carried(old: Law, new: Law | type[Law] | None) -> Law:
         raise ValueError(f"the law {new.name!r} cannot take the place of {old.name!r}: {error}; give it in Python as an instance") from None
 
 
-def checked(variants: Sequence[tuple[str, Mechanism]], reference: Result | None, run: dict[str, Any]) -> None:
-    """Raises ValueError with every variant that cannot be run."""
-    from ..assembly.assemble import assemble
-    from ..modelfile.build import unsuited
-    from ..simulation import expected_forces
-
-    faults = []
-    options = {key: run[key] for key in ("turns", "duration", "outputs", "force_step") if key in run}
+def prepared(variants: Sequence[tuple[str, Mechanism]], reference: Result | None, asked: Asked) -> list[tuple[str, Prepared]]:
+    """Every variant, ready to run. Raises ValueError with all that cannot be run."""
+    faults, ready = [], []
     for label, variant in variants:
-        told = [str(fault) for fault in unsuited(variant)]
-        if not told:
-            try:
-                assemble(variant, run.get("step"), expected=expected_forces(reference), **options)
-            except ValueError as error:
-                told = [str(error)]
-        faults += [f"{label}: {one}" for one in told]
+        try:
+            ready.append((label, prepare(variant, asked, reference if reference is not None else False)))
+        except ValueError as error:
+            faults.append(f"{label}: {error}")
     if faults:
         raise ValueError("\n".join(dict.fromkeys(faults)))
+    return ready
 
 
 def numbers_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:

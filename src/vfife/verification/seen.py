@@ -14,6 +14,7 @@ from ..model.mechanism import Mechanism
 from ..simulation import simulate
 from ..solvers.record import Record
 from ..solvers.statics import equilibrium
+from ..solvers.status import Status
 
 Array = NDArray[np.float64]
 
@@ -77,9 +78,9 @@ def run(mechanism: Mechanism, **options: Any) -> Seen:
         record = equilibrium(assemble(mechanism))
     else:
         record = simulate(mechanism, reference=False, loop="data-driven", **options).record
-    if record.status == "interrupted":  # a run keeps what it has; a case has no use for half of it
+    if record.status == Status.INTERRUPTED:  # a run keeps what it has; a case has no use for half of it
         raise KeyboardInterrupt
-    if record.status != "complete":
+    if record.status != Status.COMPLETE:
         raise RuntimeError(f"the run of {mechanism.name!r} ended {record.status}: {record.message}")
     return Seen(record)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from ..polynomials import Polynomials
 
@@ -38,6 +38,20 @@ class Driver:
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added. TypeError where it prescribes no motion."""
         raise TypeError(f"{type(self).__name__} prescribes no motion")
+
+    def effort(self) -> Polynomials:
+        """Its torque (N m) or force (N). TypeError where it prescribes a motion."""
+        raise TypeError(f"{type(self).__name__} is no torque and no force")
+
+    @property
+    def over(self) -> Literal["time", "speed", "angle"]:
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        return "time"
+
+    @property
+    def steady(self) -> bool:
+        """Whether its effort does not depend on time."""
+        return True
 
     @property
     def largest_speed(self) -> float:

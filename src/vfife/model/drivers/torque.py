@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from ..polynomials import Polynomials, clamped, constant
 from ..renamed import renamed
@@ -33,6 +33,16 @@ class Torque(Driver):
             return constant(float(self.value))
         over = self.speeds or self.angles or self.times
         return constant(float(self.value[0])) if over is None else clamped(over, self.value)
+
+    @property
+    def over(self) -> Literal["time", "speed", "angle"]:
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        return "speed" if self.speeds is not None else "angle" if self.angles is not None else "time"
+
+    @property
+    def steady(self) -> bool:
+        """Whether its effort does not depend on time."""
+        return self.times is None
 
     @property
     def words(self) -> str:

@@ -23,6 +23,11 @@ class PointForce:
     times: tuple[float, ...] | None = None
     factors: tuple[float, ...] | None = None
 
+    @property
+    def steady(self) -> bool:
+        """Whether it is the same at all times."""
+        return self.times is None or self.factors is None
+
     def factor(self) -> Polynomials:
         """What force and moment are multiplied by over time (s)."""
         return constant(1.0) if self.times is None or self.factors is None else clamped(self.times, self.factors)

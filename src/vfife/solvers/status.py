@@ -1,0 +1,16 @@
+"""How a run ended, or where it stands."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Status(StrEnum):
+    """How a run ended, or where it stands. Each is also its text, in files and in comparisons: ``Status.COMPLETE == "complete"``."""
+
+    COMPLETE = "complete"  # it came to its end
+    INTERRUPTED = "interrupted"  # Ctrl-C; what was computed before is kept
+    DIVERGED = "diverged"  # numbers beyond all bounds, or a structure that nothing holds
+    NOT_CONVERGED = "not converged"  # no equilibrium within the iterations allowed
+    RUNNING = "running"  # what a run file says while it is written
+    UNFINISHED = "unfinished"  # what a reader calls that: killed, or still at work

@@ -1,0 +1,119 @@
+"""The start is in the run file: reading a run assembles nothing, and does not mind that blocks of the state have come or gone since."""
+
+import sqlite3
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vfife
+from support import SQUARE, bits, four_bar, journal_in_bearing
+from vfife.assembly.assemble import assemble
+from vfife.errors import RunFileError
+from vfife.kernels.arrays import BLOCKS
+from vfife.results import provenance, runfile
+from vfife.results.runfile import RunFile
+from vfife.solvers.transient import run
+
+
+@pytest.fixture(scope="module")
+def result() -> vfife.Result:
+    return vfife.simulate(four_bar(model="elastic", section=SQUARE, elements=2), duration=1e-4, step=1e-6, outputs=400, loop="data-driven")
+
+
+def refuse(*args: object, **kwargs: object) -> None:
+    raise AssertionError("a run that is read is not assembled")
+
+
+def test_the_assembly_comes_back_whole(result: vfife.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    result.save(tmp_path / "run.sqlite")
+    monkeypatch.setattr(provenance, "assemble", refuse)
+    again = vfife.load_result(tmp_path)
+    for kept, was in ((again.record.assembly, result.record.assembly), (again.reference.record.assembly, result.reference.record.assembly)):
+        for name in ("choice", "bodies", "contacts", "ideals", "pivots", "springs", "contact_joints", "mobility", "notes"):
+            assert getattr(kept, name) == getattr(was, name), name
+        kept_rows = [row for block in BLOCKS if block.role != "scratch" for row in was.layout.rows_of(block.name)]
+        assert (bits(kept.state[kept_rows]) == bits(was.state[kept_rows])).all()
+        assert (bits(kept.tables) == bits(was.tables)).all()
+    assert again.record.assembly.topology == result.record.assembly.topology
+    assert again.data.identical(result.data)
+    assert again.summary == result.summary
+
+
+def test_a_run_goes_on_from_its_file(result: vfife.Result, tmp_path: Path) -> None:
+    """To the bit as it goes on from memory: the state at the end, the names and the integers are all there."""
+    mechanism, path = result.record.assembly.mechanism, tmp_path / "run.sqlite"
+    with RunFile.create(path) as file:
+        first = vfife.simulate(mechanism, duration=1e-4, step=1e-6, outputs=400, loop="data-driven", reference=False, file=file)
+        first.finish(file)
+    options = {"duration": 2e-5, "step": 1e-6, "outputs": 400, "loop": "data-driven", "reference": False}
+    one, other = vfife.simulate(mechanism, start=first, **options), vfife.simulate(mechanism, start=tmp_path, **options)
+    assert (bits(one.record.rows) == bits(other.record.rows)).all()
+
+
+@pytest.mark.parametrize("change", ["a block that is gone", "a block that is new", "another order"])
+def test_later_layouts_do_not_matter(result: vfife.Result, tmp_path: Path, change: str) -> None:
+    """What another version's layout would be: blocks are found by their names."""
+    path = tmp_path / "run.sqlite"
+    result.save(path)
+    with RunFile.open(path) as file:
+        meta = file.meta
+    blocks, start, at = meta["assembly"]["blocks"], meta["start"], 0
+    parts = {name: start[(at := at + count) - count : at] for name, count in blocks}
+    if change == "a block that is gone":
+        parts["contact_colour"] = np.arange(3.0)
+    elif change == "a block that is new":
+        del parts["body_alpha_max"]
+    else:
+        parts = dict(reversed(parts.items()))
+    meta["assembly"]["blocks"] = [[name, len(values)] for name, values in parts.items()]
+    meta["start"] = np.concatenate(list(parts.values()))
+    with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file._transaction():
+        file._put(meta)
+    assert vfife.load_result(path).data.identical(result.data)
+
+
+def test_a_start_that_does_not_fit_is_told(result: vfife.Result, tmp_path: Path) -> None:
+    path = tmp_path / "run.sqlite"
+    result.save(path)
+    with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file._transaction():
+        file._put({"start": np.zeros(3)})
+    with pytest.raises(RunFileError, match="does not fit the model; run the model again"):
+        vfife.load_result(path)
+
+
+# ------------------------------------------------------------------------------------------------------------ streaming
+
+
+def test_rows_are_those_of_a_run_without_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In memory, and mapped where they are many: the same bits, also after the file is closed."""
+    assembly = assemble(journal_in_bearing(), 1e-6, duration=2e-3, outputs=500)
+    rows = run(assembly, loop="data-driven").rows
+    for limit in (runfile.IN_MEMORY, 0):
+        monkeypatch.setattr(runfile, "IN_MEMORY", limit)
+        path = tmp_path / f"{limit}.sqlite"
+        with RunFile.create(path) as file:
+            record = run(assembly, loop="data-driven", file=file)
+        assert not isinstance(record.source, np.ndarray)
+        assert (bits(record.rows) == bits(rows)).all() and len(record.steps) == len(rows)
+
+
+def test_memory_is_flat_as_a_run_grows(tmp_path: Path) -> None:
+    """Ten times the outputs, of which a run without a file keeps all."""
+    run(assemble(journal_in_bearing(), 1e-6, duration=1e-4, outputs=10), loop="data-driven")
+
+    def largest(outputs: int) -> int:
+        assembly = assemble(journal_in_bearing(), 1e-6, duration=1e-6 * outputs, outputs=outputs)
+        with RunFile.create(tmp_path / f"{outputs}.sqlite") as file:
+            tracemalloc.start()
+            record = run(assembly, loop="data-driven", file=file)
+            peak = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+        assert len(record.steps) == outputs + 1
+        return peak
+
+    width = 8 * len(run(assemble(journal_in_bearing(), 1e-6, duration=1e-6, outputs=1), loop="data-driven").kept)
+    few, many = largest(20_000), largest(200_000)
+    assert 200_000 * width > 4 * many  # what the rows alone would take
+    assert many < 1.5 * few + 2**23

@@ -1,0 +1,109 @@
+"""What a run is asked for is checked before anything is done, all faults at once."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vfife
+from support import four_bar, journal_in_bearing
+from vfife.errors import ModelError
+
+NONSENSE = [
+    ("turns", -1, "zero or negative"),
+    ("turns", 0, "zero or negative"),
+    ("turns", math.nan, "not a finite number"),
+    ("turns", True, "true or false"),
+    ("turns", "2 mm", "a length"),
+    ("duration", -0.1, "zero or negative"),
+    ("duration", math.inf, "not a finite number"),
+    ("duration", [1.0], "a list"),
+    ("step", 0.0, "zero or negative"),
+    ("step", "1 um", "a length"),
+    ("step", "soon", "does not begin with a number"),
+    ("step", False, "true or false"),
+    ("outputs", -3, "out of range"),
+    ("outputs", 0, "out of range"),
+    ("outputs", 2.5, "a number"),
+    ("outputs", True, "true or false"),
+    ("outputs", "720", "a text"),
+    ("outputs", 10**15, "out of range"),
+    ("loop", "numba", "there is no such loop"),
+    ("loop", None, "there is no such loop"),
+    ("reference", "yes", "a text"),
+    ("force_step", "no", "a text"),
+    ("start", 3.0, "a number"),
+    ("progress", "bar", "a text"),
+    ("file", "run.sqlite", "a text"),
+]
+
+
+@pytest.mark.parametrize(("name", "value", "words"), NONSENSE)
+def test_nonsense_is_told(name: str, value: Any, words: str) -> None:
+    with pytest.raises(ModelError) as told:
+        vfife.simulate(journal_in_bearing(), **{name: value})
+    (fault,) = told.value.faults
+    assert fault.where == name and words in fault.what
+    assert str(told.value).startswith(f"simulate(), {name} = ") and fault.remedy
+
+
+def test_all_faults_are_told_at_once() -> None:
+    with pytest.raises(vfife.VfifeError) as told:
+        vfife.simulate(journal_in_bearing(), turns=-1, duration=1.0, outputs=-3, loop="data driven", step="1 mm")
+    text = str(told.value)
+    assert text.startswith("simulate() has 5 faults:")
+    for words in ("turns and duration exclude each other", "turns = -1: zero", "outputs = -3: out of range", 'Did you mean "data-driven"?', "1 us"):
+        assert words in text
+
+
+def test_a_path_is_no_mechanism() -> None:
+    with pytest.raises(vfife.VfifeError, match="Read it with load_model first"):
+        vfife.simulate("model.toml")  # type: ignore[arg-type]
+
+
+def test_quantities_carry_units() -> None:
+    """Numbers of NumPy are numbers, and texts have units, as in a model file."""
+    numbers = {"step": np.float64(2e-6), "duration": 1e-3, "outputs": np.int64(20)}
+    texts = {"step": "2 us", "duration": "1 ms", "outputs": 20}
+    one, other = (vfife.simulate(journal_in_bearing(), loop="data-driven", **given) for given in (numbers, texts))
+    assert one.record.assembly.choice == other.record.assembly.choice
+    assert one.record.assembly.choice.step == pytest.approx(2e-6)
+    assert len(one.time) == 21
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"step": -1e-6}, "step = -1e-06: zero or negative"),
+        ({"step": [1e-6, "x"]}, 'step[1] = "x": this is a text that does not begin'),
+        ({"step": [1e-6]}, "1 values for 2 mechanisms"),
+        ({"step": None}, "no step is given"),
+        ({"turns": 2.5}, "turns = 2.5: this is a number"),
+        ({"turns": None}, "turns = None: this is"),
+        ({"outputs": 0}, "outputs = 0: out of range"),
+        ({"lanes": 0}, "lanes = 0: out of range"),
+        ({"workers": -1}, "workers = -1: out of range"),
+        ({"tolerance": -0.1}, "tolerance = -0.1: negative"),
+        ({"tolerance": math.nan}, "tolerance = nan: this is not a finite number"),
+        ({"loop": "fast"}, 'loop = "fast": there is no such loop'),
+    ],
+)
+def test_an_ensemble_is_asked_the_same(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(ModelError) as told:
+        vfife.ensemble([four_bar(), four_bar()], **{"step": "2 us", "turns": 1, **given})
+    assert words in str(told.value)
+
+
+def test_a_comparison_is_asked_the_same() -> None:
+    with pytest.raises(ModelError, match=r"compare\(\), turns = -1: zero or negative"):
+        vfife.compare(four_bar(), ["pereira"], turns=-1)
+
+
+def test_a_static_analysis_has_no_use_for_them() -> None:
+    model = Path(__file__).resolve().parents[2] / "examples" / "williams_toggle.toml"
+    with pytest.raises(ValueError, match="turns = 2 has no meaning"):
+        vfife.simulate(vfife.load_model(model), turns=2)
+    with pytest.raises(ModelError, match="there is no such loop"):
+        vfife.simulate(vfife.load_model(model), loop="numba")
