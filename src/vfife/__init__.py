@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from . import errors
-from .errors import VfifeError
 from .laws import (
     MATERIALS,
     Ambrosio,
@@ -57,7 +55,8 @@ from .model.mechanism import Mechanism, Settings, Start, StartSettings
 from .model.springs import Bushing, Spring, Stop, TorsionalSpring
 
 if TYPE_CHECKING:
-    from . import gallery
+    from . import errors, gallery
+    from .errors import VfifeError
     from .laws.user import load_laws
     from .modelfile.files import load_model, save_model
     from .result import Result, load_result
@@ -73,8 +72,10 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
     "Result": "result",
     "Status": "solvers.status",
+    "VfifeError": "errors",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
+    "errors": "",
     "gallery": "",
     "load_laws": "laws.user",
     "load_model": "modelfile.files",

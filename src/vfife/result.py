@@ -60,7 +60,7 @@ class Result(View):
         if self.reference is not None and not file.has_reference:
             keep_reference(file, self.reference.record)
         meta = {} if file.knows("kept") else provenance(record.assembly, record.kept, record.loop)
-        file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop)
+        file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop, message=record.message)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:

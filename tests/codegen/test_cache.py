@@ -1,7 +1,8 @@
-"""The cache of compiled steps: a second process compiles nothing, and no broken file stands in the way."""
+"""What is kept on disk: a second process compiles nothing, no broken or foreign file stands in the way, nobody else can write there."""
 
 import json
 import os
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -9,60 +10,43 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vfife.codegen import compile as compiling
+from support import bits, four_bar, lanes
+from vfife.assembly.assemble import assemble
+from vfife.codegen import cache, native
 
-TEXT = """@jit
-def half(x):
-    return 0.5 * x
+POSIX = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners and permissions are those of POSIX")
 
-@jit
-def tripled(S):
-    for k in range(len(S)):
-        S[k] = 6.0 * half(S[k])
-    return 0
-"""
-
-COUNTED = """
+RUN = """
 import json, sys
-from numba.core import event
-import numpy as np
-with event.install_recorder("numba:compile") as recorder:
-{code}
-    compiles = sum(record.is_start for _, record in recorder.buffer)
-print(json.dumps([compiles, result]))
-"""
-
-TRIPLED = """
-    from vfife.codegen.compile import compiled
-    S = np.arange(3.0)
-    compiled({text!r}, "tripled")(S)
-    result = S.tolist()
-"""
-
-WHOLE_RUN = """
-    sys.path.insert(0, {tests!r})
-    from support import four_bar, go
-    record = go(four_bar("BCD"), 2e-6, duration=1e-3)
-    result = [len(record.steps), float(record.rows.sum())]
+sys.path.insert(0, {tests!r})
+from support import four_bar, go
+from vfife.codegen import native
+written = []
+keep, make = native.cache.keep, native.object_code
+native.object_code = lambda *given: written.append(1) or make(*given)
+record = go(four_bar("BCD"), 2e-6, duration=1e-3, loop="generated")
+print(json.dumps([len(written), "numba" in sys.modules, record.rows.tobytes().hex()[-4000:]]))
 """
 
 
-def process(code: str, cache: Path | None = None) -> tuple[int, list]:
-    """Functions that numba compiled in a fresh process, and the code's ``result``."""
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(p for p in sys.path if p))
-    if cache is not None:
-        environment["VFIFE_CACHE"] = str(cache)
-    done = subprocess.run(
-        [sys.executable, "-c", COUNTED.format(code=code)], env=environment, capture_output=True, text=True, timeout=300, check=False
-    )
+def command() -> list[str]:
+    return [sys.executable, "-c", RUN.format(tests=str(Path(__file__).parents[1]))]
+
+
+def environment(**changes: str) -> dict[str, str]:
+    return dict(os.environ, PYTHONPATH=os.pathsep.join(p for p in sys.path if p)) | changes
+
+
+def answer(text: str) -> tuple[int, bool, str]:
+    compiled, numba, rows = json.loads(text.splitlines()[-1])
+    return compiled, numba, rows
+
+
+def process(**changes: str) -> tuple[int, bool, str]:
+    """Steps compiled in a fresh process, whether it imported numba, and the bits of its last rows."""
+    done = subprocess.run(command(), env=environment(**changes), capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
-    compiles, result = json.loads(done.stdout.splitlines()[-1])
-    return compiles, result
-
-
-def files(folder: Path) -> dict[str, tuple[int, int]]:
-    """Size and time of change of every file."""
-    return {p.relative_to(folder).as_posix(): (p.stat().st_size, p.stat().st_mtime_ns) for p in folder.rglob("*") if p.is_file()}
+    return answer(done.stdout)
 
 
 @pytest.fixture
@@ -71,81 +55,160 @@ def folder(tmp_path, monkeypatch) -> Path:
     return tmp_path / "cache"
 
 
-def tripled() -> list[float]:
-    """Calls the small step through the cache as a new process would."""
-    values = np.arange(3.0)
-    compiling.compiled(TEXT, "tripled")(values)
-    return values.tolist()
+ASSEMBLY = assemble(four_bar("C"), 2e-6, duration=1e-3, force_step=True)
 
 
-def test_a_second_process_compiles_nothing(folder):
-    first, expected = process(TRIPLED.format(text=TEXT), folder)
-    before = files(folder)
-    second, found = process(TRIPLED.format(text=TEXT), folder)
-    assert first >= 1 and second == 0
-    assert found == expected == [0.0, 3.0, 6.0]
-    assert files(folder) == before and any(name.endswith(".nbc") for name in before)
+def fresh(monkeypatch) -> tuple[int, np.ndarray]:
+    """Runs as a new process would: steps compiled, and the state after some of them."""
+    native.straight_line.cache_clear()
+    made, make = [], native.object_code
+    with monkeypatch.context() as patch:
+        patch.setattr(native, "object_code", lambda *given: made.append(1) or make(*given))
+        runner = lanes([ASSEMBLY], "generated")
+    runner.advance(300, 1)
+    native.straight_line.cache_clear()
+    return len(made), runner.S.copy()
 
 
-def test_a_second_process_runs_a_mechanism_without_compiling():
-    """With the cache that this session's other tests fill; the first process compiles the loop if they have not yet."""
-    code = WHOLE_RUN.format(tests=str(Path(__file__).parents[1]))
-    _, first = process(code)
-    before = files(compiling.cache_folder())
-    compiles, second = process(code)
-    assert compiles == 0
-    assert first == second and first[0] > 10
-    after = files(compiling.cache_folder())
-    assert {name: after.get(name) for name in before} == before
+def kept(folder: Path) -> Path:
+    (path,) = folder.glob("step-*.o")
+    return path
 
 
-def test_another_text_is_compiled_anew(folder):
-    """The key holds the whole text: a nudged coefficient never meets old machine code."""
-    assert tripled() == [0.0, 3.0, 6.0]
-    values = np.arange(3.0)
-    compiling.compiled(TEXT.replace("6.0 *", "8.0 *"), "tripled")(values)
-    assert values.tolist() == [0.0, 4.0, 8.0]
-    assert tripled() == [0.0, 3.0, 6.0]
+def test_a_second_process_compiles_nothing_and_needs_no_numba(folder):
+    first, second = process(), process()
+    before = {p.name: p.stat().st_mtime_ns for p in folder.iterdir()}
+    third = process()
+    assert (first[0], second[0], third[0]) == (1, 0, 0)
+    assert not first[1] and not second[1]
+    assert first[2] == second[2]
+    assert {p.name: p.stat().st_mtime_ns for p in folder.iterdir()} == before
 
 
-def test_the_cache_knows_what_it_holds(folder):
-    assert not compiling.is_compiled(TEXT, "tripled")
-    tripled()
-    assert compiling.is_compiled(TEXT, "tripled")
-    assert not compiling.is_compiled(TEXT.replace("0.5", "0.25"), "tripled")
+def test_eight_processes_may_start_at_once(folder):
+    """All write under names of their own; none fails, all are right, one entry is left."""
+    given = {"env": environment(VFIFE_CACHE=str(folder)), "stdout": subprocess.PIPE, "text": True}
+    some = [subprocess.Popen(command(), **given) for _ in range(8)]
+    rows = {answer(one.communicate(timeout=300)[0])[2] for one in some}
+    assert len(rows) == 1
+    assert [path.suffix for path in folder.iterdir()] == [".o"]
 
 
-@pytest.mark.parametrize("kind", ["nbi", "nbc", "py"])
-@pytest.mark.parametrize("share", [0.0, 0.5, 0.95])
-def test_a_truncated_file_is_recovered(folder, kind, share):
-    """A full disk or a killed process leaves part of a file; the step is compiled again and the cache mended."""
-    tripled()
-    (broken,) = folder.rglob(f"*.{kind}")
-    whole = broken.read_bytes()
-    broken.write_bytes(whole[: int(share * len(whole))])
-    assert tripled() == [0.0, 3.0, 6.0]
-    if share == 0.5:  # the next process finds it whole again
-        assert process(TRIPLED.format(text=TEXT), folder) == (0, [0.0, 3.0, 6.0])
+@pytest.mark.parametrize("harm", ["empty", "half", "cut", "flipped", "garbage", "unsealed", "longer"])
+def test_a_broken_file_is_compiled_anew(folder, monkeypatch, harm):
+    """A full disk, a killed process, a bit that fell over: the step is compiled again and the file mended."""
+    _, whole = fresh(monkeypatch)
+    path = kept(folder)
+    found = path.read_bytes()
+    middle = len(found) // 2
+    changed = {
+        "empty": b"", "half": found[:middle], "cut": found[:-1], "flipped": found[:middle] + bytes([found[middle] ^ 1]) + found[middle + 1 :],
+        "garbage": b"\x80\x04garbage" * 500, "unsealed": found[len(cache.MAGIC) + 65 :], "longer": found + b"\0",
+    }[harm]  # fmt: skip
+    path.write_bytes(changed)
+    compiled, again = fresh(monkeypatch)
+    assert compiled == 1 and (bits(again) == bits(whole)).all()
+    assert path.read_bytes() == found
+    assert fresh(monkeypatch)[0] == 0
 
 
-def test_garbage_is_recovered(folder):
-    tripled()
-    for path in folder.rglob("*.nb?"):
-        path.write_bytes(b"\x80\x04garbage" * 50)
-    assert tripled() == [0.0, 3.0, 6.0]
+def test_a_foreign_file_is_compiled_anew(folder, monkeypatch):
+    """Whole and sealed, but of another step: its name is in its seal."""
+    other = assemble(four_bar("B"), 2e-6, duration=1e-3, force_step=True).topology
+    _, whole = fresh(monkeypatch)
+    path = kept(folder)
+    found = path.read_bytes()
+    native.straight_line(other, 1)
+    (foreign,) = set(folder.glob("step-*.o")) - {path}
+    path.write_bytes(foreign.read_bytes())
+    compiled, again = fresh(monkeypatch)
+    assert compiled == 1 and (bits(again) == bits(whole)).all()
+    assert path.read_bytes() == found
+
+
+@pytest.mark.parametrize("what", ["sources", "processor", "compiler", "width", "topology"])
+def test_what_decides_the_code_decides_its_name(monkeypatch, what):
+    """A stale file is never met: it goes by another name."""
+    topology, width = ASSEMBLY.topology, 1
+    before = native.name_of(topology, width)
+    assert native.name_of(topology, width) == before
+    if what == "sources":
+        monkeypatch.setattr(cache, "sources", lambda: b"another text")
+    elif what == "processor":
+        monkeypatch.setattr(native, "processor", lambda: (native._target().get_host_cpu_name(), "+another"))
+    elif what == "compiler":
+        monkeypatch.setattr("llvmlite.__version__", "0.0")
+    elif what == "width":
+        width = 2
+    else:
+        topology = assemble(four_bar("B"), 2e-6, duration=1e-3, force_step=True).topology
+    assert native.name_of(topology, width) != before
+
+
+def test_every_text_of_the_step_is_among_its_sources(tmp_path, monkeypatch):
+    """A nudged coefficient in a kernel, a law or a writer never meets old machine code."""
+    package = Path(cache.__file__).parents[1]
+    for part in ("kernels/frame.py", "laws/contact/flores.py", "codegen/llvm.py", "codegen/driver.ll"):
+        copy = tmp_path / part.replace("/", "-")
+        for name in ("kernels", "codegen", "laws"):
+            for source in (package / name).rglob("*"):
+                if source.suffix in (".py", ".ll", ".js"):
+                    target = copy / name / source.relative_to(package / name)
+                    target.parent.mkdir(parents=True, exist_ok=True)
+                    target.write_bytes(source.read_bytes())
+        monkeypatch.setattr(cache, "__file__", str(copy / "codegen" / "cache.py"))
+        before = cache.sources.__wrapped__()
+        (copy / part).write_text((copy / part).read_text() + "\n")
+        assert cache.sources.__wrapped__() != before
 
 
 def test_without_a_place_to_write_steps_are_compiled_all_the_same(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("a file where the folder should be")
     monkeypatch.setenv("VFIFE_CACHE", str(tmp_path / "file" / "cache"))
-    assert tripled() == [0.0, 3.0, 6.0]
+    first, second = fresh(monkeypatch), fresh(monkeypatch)
+    assert first[0] == second[0] == 1 and (bits(first[1]) == bits(second[1])).all()
 
 
-def test_two_processes_may_start_at_once(folder):
-    """Both write under names of their own and one of them comes first; neither fails, both are right, one entry is left."""
-    code = COUNTED.format(code=TRIPLED.format(text=TEXT))
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(p for p in sys.path if p))
-    both = [subprocess.Popen([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    outputs = [process.communicate(timeout=300)[0] for process in both]
-    assert [json.loads(text)[1] for text in outputs] == [[0.0, 3.0, 6.0]] * 2
-    assert len(list(folder.iterdir())) == 1
+def test_without_a_home_steps_are_compiled_all_the_same(tmp_path):
+    nowhere = environment(HOME=str(tmp_path / "missing" / "home"))
+    for name in ("VFIFE_CACHE", "XDG_CACHE_HOME"):
+        nowhere.pop(name, None)
+    (tmp_path / "missing").write_text("no folder")
+    done = subprocess.run(command(), env=nowhere, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert answer(done.stdout)[0] == 1
+
+
+@POSIX
+def test_the_folder_is_its_owners_alone(folder, monkeypatch):
+    fresh(monkeypatch)
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert stat.S_IMODE(kept(folder).stat().st_mode) == 0o600
+    folder.chmod(0o755)  # others could read
+    assert fresh(monkeypatch)[0] == 0
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+
+
+@POSIX
+def test_a_folder_that_others_can_write_to_is_not_used(folder, monkeypatch):
+    fresh(monkeypatch)
+    before = kept(folder).read_bytes()
+    folder.chmod(0o777)
+    compiled, _ = fresh(monkeypatch)
+    assert compiled == 1 and kept(folder).read_bytes() == before
+
+
+@POSIX
+def test_a_folder_of_another_owner_is_not_used(folder, monkeypatch):
+    fresh(monkeypatch)
+    monkeypatch.setattr(os, "geteuid", lambda: folder.stat().st_uid + 1)
+    assert fresh(monkeypatch)[0] == 1
+
+
+@POSIX
+@pytest.mark.skipif(getattr(os, "geteuid", lambda: 1)() == 0, reason="root may write everywhere")
+def test_a_folder_that_cannot_be_written_is_read(folder, monkeypatch):
+    fresh(monkeypatch)
+    folder.chmod(0o500)
+    assert fresh(monkeypatch)[0] == 0
+    folder.chmod(0o700)

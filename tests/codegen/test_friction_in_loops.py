@@ -10,9 +10,8 @@ import pytest
 
 from support import bits, go, journal_in_bearing, lanes, with_settings
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import interpreted
+from vfife.codegen.python import straight_line
 from vfife.codegen.source import Gathered, dispatch
-from vfife.codegen.straight_line import straight_line
 from vfife.errors import SourceError
 from vfife.kernels.arrays import FRICTION_MEMORY, Layout
 from vfife.laws import FrictionLaw, LankaraniNikravesh, LuGre, Stribeck, quantity
@@ -87,7 +86,7 @@ def test_interpreted_is_data_driven():
 
 def test_the_generated_text_is_data_driven():
     runner = lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "interpreted")
-    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    runner.take = straight_line(runner.topology)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(EVERY, INTERPRETED)])
     assert same(plain, computed("data-driven", LANES)[0][: len(plain), :, :1])
 

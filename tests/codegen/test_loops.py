@@ -1,7 +1,10 @@
-"""Data-driven = generated = four lanes = interpreted, to the bit, on runs that are rich in contacts, tables, drivers and frames."""
+"""Data-driven = generated in 1, 2, 4 and 8 lanes = interpreted = JavaScript, to the bit, on runs rich in contacts, tables, drivers and frames."""
 
 import dataclasses
+import json
 import math
+import shutil
+import subprocess
 from functools import cache
 
 import numpy as np
@@ -9,8 +12,8 @@ import pytest
 
 from support import CONTACT_LAWS, SQUARE, bits, contact_law, four_bar, lanes, with_settings
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import interpreted
-from vfife.codegen.straight_line import straight_line
+from vfife.codegen import javascript
+from vfife.codegen.python import straight_line
 from vfife.kernels.arrays import BLOCKS
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
 from vfife.model.drivers import Ramp, Torque
@@ -18,6 +21,7 @@ from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
 LANES = 4
+EIGHT = tuple(k % LANES for k in range(8))
 
 
 def rigid_bars(lane: int) -> Mechanism:
@@ -98,7 +102,8 @@ RUNS = {
 def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]:
     """Rows of so many lanes, all state and extremes, and the rows' names; each lane has its own parameters and step."""
     step, every, outputs, interpreted = RUNS[model]
-    assemblies = [assemble(model(lane), step * (1 - 0.05 * lane), duration=1e-3, force_step=True) for lane in range(width)]
+    chosen = EIGHT[:width]
+    assemblies = [assemble(model(lane), step * (1 - 0.05 * lane), duration=1e-3, force_step=True) for lane in chosen]
     runner = lanes(assemblies, loop)
     start = runner.advance(1, 1)
     rows = runner.advance(every, interpreted if loop == "interpreted" else outputs)
@@ -112,29 +117,59 @@ def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> s
     return {names[k] for k in np.flatnonzero((bits(ours) != bits(theirs)).any(axis=(0, 2)))}
 
 
-@pytest.mark.parametrize("model", [rigid_bars, two_particle_bars], ids=lambda model: model.__name__)
-def test_generated_is_data_driven(model):
-    rows, names = computed(model, "data-driven", LANES)
-    one, _ = computed(model, "generated", 1)
-    assert differing(one, rows[:, :, :1], names) == set()
-
-
 @pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
 def test_the_generated_text_is_data_driven(model):
-    """The straight line run as plain Python, without compilation: its lines, their order and the steps it leaves to the other loop."""
+    """The straight line run as plain Python, without compilation: its lines, their order and the steps that the whole step takes."""
     rows, names = computed(model, "data-driven", LANES)
     step, every, _, outputs = RUNS[model]
     runner = lanes([assemble(model(0), step, duration=1e-3, force_step=True)], "interpreted")
-    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    runner.take = straight_line(runner.topology)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(every, outputs)])
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
 
 
+@pytest.mark.parametrize("width", [1, 2, 4, 8])
 @pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
-def test_four_lanes_are_data_driven_each(model):
+def test_lanes_are_data_driven_each(model, width):
+    """Whatever the width and whatever happens beside it."""
     rows, names = computed(model, "data-driven", LANES)
-    four, _ = computed(model, "generated", LANES)
-    assert differing(four, rows, names) == set()
+    found, _ = computed(model, "generated", width)
+    assert differing(found, rows[:, :, list(EIGHT[:width])], names) == set()
+
+
+SCRIPT = """
+const {{S, T, count, outputs, kept, extremes}} = {given};
+const numbers = (bits) => new Float64Array(BigUint64Array.from(bits.map(BigInt)).buffer);
+const state = numbers(S), tables = numbers(T), rows = [];
+const note = () => rows.push(Array.from(new BigUint64Array(Float64Array.from(kept, (row) => state[row]).buffer), String));
+const take = (n, steps) => {{ for (const row of extremes) state[row] = 0; advance(state, tables, n, steps); note(); }};
+take(0, 1);
+for (let m = 0; m < outputs; m++) take(1 + m * count, count);
+console.log(JSON.stringify(rows));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs node, which runs JavaScript")
+@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+def test_javascript_is_data_driven(model, tmp_path):
+    """The text that a page would run, in the engine of a browser."""
+    rows, names = computed(model, "data-driven", LANES)
+    step, every, outputs, _ = RUNS[model]
+    runner = lanes([assemble(model(0), step, duration=1e-3, force_step=True)], "interpreted")
+
+    def text(values):
+        return [str(int(x)) for x in np.ascontiguousarray(values).view(np.uint64)]
+
+    given = {
+        "S": text(runner.S), "T": text(runner.functions), "count": every, "outputs": outputs, "kept": runner.kept.tolist(),
+        "extremes": runner.extremes.tolist(),
+    }  # fmt: skip
+    path = tmp_path / "run.js"
+    path.write_text(javascript.written(runner.topology) + SCRIPT.format(given=json.dumps(given)))
+    found = subprocess.run(["node", str(path)], capture_output=True, text=True, check=True).stdout
+    there = np.array([[int(x) for x in row] for row in json.loads(found)], dtype=np.uint64).view(np.float64)[:, :, None]
+    assert there.shape[0] == outputs + 1
+    assert differing(there, rows[:, :, :1], names) == set()
 
 
 @pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)

@@ -10,9 +10,10 @@ import pytest
 
 from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import compiled, interpreted
+from vfife.codegen.compile import compiled
+from vfife.codegen.python import straight_line
 from vfife.codegen.source import Gathered, data_driven, dispatch
-from vfife.codegen.straight_line import straight_line
+from vfife.codegen.straight_line import trace
 from vfife.codegen.trace import Branch
 from vfife.errors import LawError, SourceError
 from vfife.kernels.arrays import CONTACT_SLOTS
@@ -81,7 +82,7 @@ def test_a_law_of_selects_goes_into_straight_lines():
     """The generated text, interpreted here (compiling it is other tests' work), takes the step of the data-driven loop."""
     law = select_law()
     runner = lanes([assembled(law)], "interpreted")
-    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    runner.take = straight_line(runner.topology)
     assert (bits(runner.advance(100, 6)) == bits(rows(law, "interpreted"))).all()
 
 
@@ -108,12 +109,12 @@ def test_a_law_that_branches_compiles_beside_others():
 def test_a_law_that_branches_is_no_straight_line():
     """Generated code refuses it and says what to write instead."""
     with pytest.raises(Branch, match="conditional expression"):
-        straight_line(replace(assembled(select_law()).topology, contact_laws=(branch_law(),), contact_form=(0,)), 1)
+        trace(replace(assembled(select_law()).topology, contact_laws=(branch_law(),), contact_form=(0,)))
 
 
 def test_an_unused_law_of_the_user_does_not_stand_in_the_way():
     branch_law()
-    assert "advance" in straight_line(assemble(four_bar("C"), 2e-6, duration=1e-3).topology, 1)
+    assert trace(assemble(four_bar("C"), 2e-6, duration=1e-3).topology).operations
 
 
 def gathered_with(force, slots=("stiffness",)) -> str:

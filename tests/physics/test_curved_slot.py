@@ -10,8 +10,7 @@ from support import bits, go, lanes, order, particle, times
 from vfife.analysis.energy import ledger
 from vfife.analysis.forces import joint_force, normals
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import interpreted
-from vfife.codegen.straight_line import straight_line
+from vfife.codegen.python import straight_line
 from vfife.kinematics.initial import ideal_motion
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 from vfife.model.drivers import ConstantSpeed
@@ -243,7 +242,7 @@ def test_all_loops_agree_to_the_bit(kind, path):
     plain = np.concatenate([runner.advance(1, 1), runner.advance(50, 3)])
     assert (bits(plain) == bits(runs["data-driven"][: len(plain), :, :1])).all()
     runner = lanes(assemblies[:1], "interpreted")
-    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    runner.take = straight_line(runner.topology)
     text = np.concatenate([runner.advance(1, 1), runner.advance(50, 3)])
     assert (bits(text) == bits(plain)).all()
 

@@ -10,8 +10,7 @@ from support import bits, lanes, mirrored, order, with_settings
 from vfife.analysis import ledger
 from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import interpreted
-from vfife.codegen.straight_line import straight_line
+from vfife.codegen.python import straight_line
 from vfife.kernels.arrays import BLOCKS
 from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
 from vfife.model.bodies import Member, Section
@@ -131,7 +130,7 @@ def test_interpreted_is_data_driven(model):
 def test_the_generated_text_is_data_driven(model):
     rows, names = computed(model, "data-driven", 4)
     runner = lanes([assemble(model(0), MODELS[model], duration=0.03, force_step=True)], "interpreted")
-    runner.wide = interpreted(straight_line(runner.topology, 1), "advance")
+    runner.take = straight_line(runner.topology)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(50, 6)])
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
 

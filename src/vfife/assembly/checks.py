@@ -57,7 +57,7 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
         elif spring.turns:
             yield f"spring {name!r}", (spring.first, spring.second)
     for name, driver in mechanism.drivers.items():
-        if not driver.prescribes and not driver.point:
+        if not driver.moves and not driver.point:
             yield f"driver {name!r}", (driven_body(name, driver), driver.against)
     for name, driver in constraint_drivers(mechanism).items():
         if driven_body(name, driver):

@@ -6,17 +6,17 @@ are written under another name and renamed; whatever is wrong with a cached file
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import importlib.util
-import os
 import platform
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from .cache import cache_folder, private
 
 HEADER = '''"""Written by vfife; compiled from its physics. Safe to delete."""
 import math
@@ -27,15 +27,6 @@ jit = numba.njit(forceinline=True, no_cpython_wrapper=True, **lean)
 entry = numba.njit(cache=True, nogil=True, **lean)
 
 '''
-
-
-def cache_folder() -> Path:
-    """Folder of compiled steps: ``VFIFE_CACHE``, else the user's cache folder. It holds nothing that changes a result."""
-    chosen = os.environ.get("VFIFE_CACHE")
-    if chosen:
-        return Path(chosen)
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(base) / "vfife"
 
 
 def key(text: str) -> str:
@@ -53,39 +44,16 @@ def location(text: str) -> Path:
     return cache_folder() / name / f"step_{name}.py"
 
 
-def is_compiled(body: str, name: str) -> bool:
-    """Whether the function ``name`` of a text is in the cache."""
-    return any(location(HEADER + named(body, name)).parent.glob("__pycache__/*.nbi"))
-
-
-def remembered(parts: Iterable[bytes], make: Callable[[], str]) -> str:
-    """The text that ``make`` writes from sources ``parts``, kept in the cache: writing it takes a third of a second."""
-    name = hashlib.sha256(b"\0".join([*parts, sys.version.encode()])).hexdigest()[:24]
-    path = cache_folder() / f"text_{name}.py"
-    try:
-        text, _, seal = path.read_text().rpartition("# ")
-        if seal == hashlib.sha256(text.encode()).hexdigest():
-            return text
-    except OSError:
-        pass
-    text = make()
-    fresh = path.with_name(f"{path.name}.{os.getpid()}")
-    with contextlib.suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        fresh.write_text(f"{text}# {hashlib.sha256(text.encode()).hexdigest()}")
-        fresh.replace(path)
-    return text
-
-
 def place(text: str) -> Path:
     """Writes the text where the cache holds it, or to a folder of this process's own if the cache cannot be written."""
     path = location(text)
-    if path.exists():
+    if private(cache_folder()) and path.exists():
         if path.read_bytes() == text.encode():
             return path
         shutil.rmtree(path.parent, ignore_errors=True)  # cut short by a crash or a full disk
     try:
-        cache_folder().mkdir(parents=True, exist_ok=True)
+        if not private(cache_folder()):
+            raise OSError
         fresh = Path(tempfile.mkdtemp(prefix="new-", dir=cache_folder()))
     except OSError:
         own = Path(tempfile.mkdtemp(prefix="vfife-")) / path.name

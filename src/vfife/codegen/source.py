@@ -7,16 +7,23 @@ decides its bits is in it, its hash is a complete cache key; numba's own cache d
 from __future__ import annotations
 
 import ast
-import inspect
 import math
-import textwrap
 from collections.abc import Callable
 from types import FunctionType
-from typing import Any
+from typing import Any, Protocol
 
 from ..errors import SourceError
 from ..kernels import step as loop
 from ..kernels.arrays import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS, Fields
+from .functiontext import function_tree
+from .lock import WRITING
+
+
+class Collector(Protocol):
+    """Takes the functions that a text calls."""
+
+    def add(self, function: Callable[..., Any], name: str | None = None) -> str:
+        """Takes a function; returns the name by which the text calls it."""
 
 
 class Gathered:
@@ -82,14 +89,10 @@ def global_names(function: Callable[..., Any]) -> list[str]:
 
 def definition(function: Callable[..., Any], name: str) -> str:
     """Source of a function as a jitted definition called ``name``, without decorators, annotations and docstring."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    tree = function_tree(function)
     if not isinstance(tree, ast.FunctionDef):
         raise SourceError(f"{function.__qualname__} is no def")
     tree.name = name
-    tree.decorator_list = []
-    tree.returns = None
-    for argument in [*tree.args.args, *tree.args.kwonlyargs, *tree.args.posonlyargs]:
-        argument.annotation = None
     if ast.get_docstring(tree) is not None:
         tree.body = tree.body[1:] or [ast.Pass()]
     tree = ast.fix_missing_locations(_Literal(function).visit(tree))
@@ -126,7 +129,7 @@ def law_name(kind: str, law: type) -> str:
     return f"{kind}_{(law.__dict__.get('name') or law.__name__).replace('-', '_')}"
 
 
-def dispatch(kind: str, laws: tuple[type, ...], gathered: Gathered) -> str:
+def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
     """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or ``friction_law(kind, ..., S, base, memory)``.
 
     The friction law's memory lies in the rows from ``memory`` and is wiped where no normal force holds the surfaces together.
@@ -161,7 +164,7 @@ def room(kind: str, law: Any) -> tuple[int, int]:
     return count, rows
 
 
-def films(laws: tuple[type, ...], gathered: Gathered) -> str:
+def films(laws: tuple[type, ...], gathered: Collector) -> str:
     """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
     signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
     lines = ["@jit", f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
@@ -176,6 +179,11 @@ def films(laws: tuple[type, ...], gathered: Gathered) -> str:
 
 def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
     """Text of the data-driven loop with an if-chain over the given laws."""
+    with WRITING:
+        return _data_driven(contact_laws, friction_laws)
+
+
+def _data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
     gathered = Gathered()
     gathered.given = {
         "contact_law": dispatch("contact", contact_laws, gathered),

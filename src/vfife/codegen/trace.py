@@ -1,4 +1,4 @@
-"""Straight-line code from the data-driven loop: the same text is run once with symbols for numbers.
+"""The step as data: the kernels are run once with symbols for numbers, and every operation that they do is noted.
 
 Integers (the topology) are known, so every loop over entities and every choice of a kind is carried out; what remains is one long list of
 additions, products, roots and selects in the very order of the data-driven loop, hence the same bits. Terms that the topology makes zero (the
@@ -7,34 +7,90 @@ ground's velocity, the arm of an elastic link's end) drop out, which can change 
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable
-from typing import Any
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
 
-from .schedule import Line
+Operand: TypeAlias = "str | float | bool"  # the name of a symbol, or a constant
+
+COMPARISONS = frozenset((">", "<", ">=", "<=", "==", "!="))
+TRUTHS = COMPARISONS | {"and", "or"}
+OPERATORS = TRUTHS | {"+", "-", "*", "/", "sqrt", "neg", "abs", "select", "round"}
+STEP_NUMBER = "n"  # the name of the number of the step, a whole number as a double
 
 
 class Branch(ValueError):
     """A statement chose its way by a number that is only known in the run; write it as ``a if condition else b``."""
 
 
+class Operation(NamedTuple):
+    """One line: a name is given to what an operator makes of its operands.
+
+    ``round`` gives the nearest whole number (x + 1.5 2^52 - 1.5 2^52), ``select`` its second operand where the first is true, else the third.
+    """
+
+    name: str
+    operator: str
+    operands: tuple[Operand, ...]
+
+    @property
+    def uses(self) -> tuple[str, ...]:
+        """Names of the operands that are symbols."""
+        return tuple(o for o in self.operands if isinstance(o, str))
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A step: its operations in an order in which they can be done, what each row is afterwards, and the condition ``rare``.
+
+    Names: ``v7`` is row 7 before the step, ``n`` the number of the step, ``t...`` the result of an operation. Where ``rare`` is true, the step
+    must not be taken; it is False where that cannot be.
+    """
+
+    operations: tuple[Operation, ...]
+    stores: dict[int, Operand]
+    rare: Operand = False
+
+    @property
+    def truths(self) -> set[str]:
+        """Names that are true or false; all others are numbers."""
+        found: set[str] = set()
+        for name, operator, operands in self.operations:
+            chosen = operator == "select" and all(isinstance(o, bool) or o in found for o in operands[1:])
+            if chosen or operator in TRUTHS:
+                found.add(name)
+        return found
+
+
+def is_row(name: Operand) -> bool:
+    """Whether an operand is a row as it was before the step."""
+    return isinstance(name, str) and name[0] == "v"
+
+
+def rows_used(operations: Iterable[Operation]) -> list[str]:
+    """Names of the rows that operations read."""
+    return sorted({name for operation in operations for name in operation.uses if is_row(name)})
+
+
 class Tape:
-    """Lines of single assignments; equal expressions are written once."""
+    """Operations as they are noted; equal ones are noted once."""
 
     def __init__(self) -> None:
-        self.lines: list[tuple[str, str, tuple[Any, ...]]] = []
+        self.operations: list[Operation] = []
         self.known: dict[tuple[Any, ...], Symbol] = {}
         self.loads: dict[int, Symbol] = {}
         self.rare: list[Any] = []
 
-    def emit(self, pattern: str, *operands: Any) -> Symbol:
-        """A symbol for ``pattern`` with its operands put in."""
-        key = (pattern, *(o.name if isinstance(o, Symbol) else repr(o) for o in operands))
-        if key not in self.known:
-            symbol = Symbol(self, f"t{len(self.lines)}")
-            self.lines.append((symbol.name, pattern, operands))
-            self.known[key] = symbol
-        return self.known[key]
+    def emit(self, operator: str, *operands: Any) -> Symbol:
+        """A symbol for what an operator makes of its operands."""
+        given = tuple(o.name if isinstance(o, Symbol) else o if isinstance(o, bool) else float(o) for o in operands)
+        key = (operator, *(o if isinstance(o, str) or (o and o is not True) else repr(o) for o in given))  # 0.0 is not -0.0, 1.0 not True
+        symbol = self.known.get(key)
+        if symbol is None:
+            symbol = self.known[key] = Symbol(self, f"t{len(self.operations)}")
+            self.operations.append(Operation(symbol.name, operator, given))
+        return symbol
 
     def load(self, row: int) -> Symbol:
         """The value a row has before the step."""
@@ -42,32 +98,15 @@ class Tape:
             self.loads[row] = Symbol(self, f"v{row}")
         return self.loads[row]
 
-    def needed(self, wanted: list[Any]) -> list[Line]:
-        """The lines that ``wanted`` depends on."""
+    def needed(self, wanted: Iterable[Any]) -> tuple[Operation, ...]:
+        """The operations that ``wanted`` depends on."""
         used = {value.name for value in wanted if isinstance(value, Symbol)}
-        kept: list[Line] = []
-        for name, pattern, operands in reversed(self.lines):
-            if name in used:
-                uses = tuple(o.name for o in operands if isinstance(o, Symbol))
-                used.update(uses)
-                kept.append(Line(name, pattern.format(*(text(o) for o in operands)), uses))
-        return kept[::-1]
-
-
-def text(value: Any) -> str:
-    """A symbol's name, or a number as a literal that reads back to the same bits."""
-    if isinstance(value, Symbol):
-        return value.name
-    return repr(value) if value >= 0 else f"({value!r})"
-
-
-def _operator(pattern: str, fold: Callable[[Any, Any], Any] | None = None, swap: bool = False) -> Callable[[Symbol, Any], Any]:
-    def method(self: Symbol, other: Any) -> Any:
-        a, b = (other, self) if swap else (self, other)
-        folded = fold(a, b) if fold else None
-        return self.tape.emit(pattern, a, b) if folded is None else folded
-
-    return method
+        kept: list[Operation] = []
+        for operation in reversed(self.operations):
+            if operation.name in used:
+                used.update(operation.uses)
+                kept.append(operation)
+        return tuple(kept[::-1])
 
 
 def _zero(x: Any) -> bool:
@@ -96,36 +135,47 @@ def _divide(a: Any, b: Any) -> Any:
     return 0.0 if _zero(a) else a if _one(b) else None
 
 
+def _operator(operator: str, fold: Callable[[Any, Any], Any] | None = None, swap: bool = False) -> Callable[[Symbol, Any], Any]:
+    def method(self: Symbol, other: Any) -> Any:
+        a, b = (other, self) if swap else (self, other)
+        folded = fold(a, b) if fold else None
+        return self.tape.emit(operator, a, b) if folded is None else folded
+
+    return method
+
+
 class Symbol:
-    """A number of the run."""
+    """A number of the run, or a truth."""
+
+    __slots__ = ("name", "tape")
 
     def __init__(self, tape: Tape, name: str) -> None:
         self.tape, self.name = tape, name
 
-    __add__ = _operator("{} + {}", _add)
-    __radd__ = _operator("{} + {}", _add, swap=True)
-    __sub__ = _operator("{} - {}", _subtract)
-    __rsub__ = _operator("{} - {}", _subtract, swap=True)
-    __mul__ = _operator("{} * {}", _multiply)
-    __rmul__ = _operator("{} * {}", _multiply, swap=True)
-    __truediv__ = _operator("{} / {}", _divide)
-    __rtruediv__ = _operator("{} / {}", _divide, swap=True)
-    __gt__ = _operator("{} > {}")
-    __lt__ = _operator("{} < {}")
-    __ge__ = _operator("{} >= {}")
-    __le__ = _operator("{} <= {}")
-    __eq__ = _operator("{} == {}")
-    __ne__ = _operator("{} != {}")
+    __add__ = _operator("+", _add)
+    __radd__ = _operator("+", _add, swap=True)
+    __sub__ = _operator("-", _subtract)
+    __rsub__ = _operator("-", _subtract, swap=True)
+    __mul__ = _operator("*", _multiply)
+    __rmul__ = _operator("*", _multiply, swap=True)
+    __truediv__ = _operator("/", _divide)
+    __rtruediv__ = _operator("/", _divide, swap=True)
+    __gt__ = _operator(">")
+    __lt__ = _operator("<")
+    __ge__ = _operator(">=")
+    __le__ = _operator("<=")
+    __eq__ = _operator("==")
+    __ne__ = _operator("!=")
     __hash__ = object.__hash__
 
     def __mod__(self, other: int) -> int:
         return 0 if other == 1 else NotImplemented
 
     def __neg__(self) -> Symbol:
-        return self.tape.emit("-{}", self)
+        return self.tape.emit("neg", self)
 
     def __abs__(self) -> Symbol:
-        return self.tape.emit("abs({})", self)
+        return self.tape.emit("abs", self)
 
     def __bool__(self) -> bool:
         raise Branch("a branch on a number of the run cannot be written into straight-line code; use a conditional expression")
@@ -138,7 +188,7 @@ class Rows:
         self.tape, self.values, self.state = tape, dict(known), state
 
     def __getitem__(self, row: int) -> Any:
-        return self.values.get(row) if row in self.values else self.tape.load(row)
+        return self.values[row] if row in self.values else self.tape.load(row)
 
     def __setitem__(self, row: int, value: Any) -> None:
         self.values[row] = value
@@ -156,10 +206,12 @@ class Rows:
 class Mathematics:
     """Stands for the module math."""
 
+    pi, e, tau, inf, nan = math.pi, math.e, math.tau, math.inf, math.nan
+
     @staticmethod
     def sqrt(x: Any) -> Any:
         """Square root."""
-        return x.tape.emit("math.sqrt({})", x) if isinstance(x, Symbol) else x**0.5
+        return x.tape.emit("sqrt", x) if isinstance(x, Symbol) else math.sqrt(x)
 
 
 def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) -> Any:
@@ -168,55 +220,56 @@ def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) 
         return first() if condition else second()
     a, b = first(), second()
     if isinstance(a, tuple):
-        return tuple(_choose(condition, x, y) for x, y in zip(a, b, strict=True))
-    return _choose(condition, a, b)
+        return tuple(choose(condition, x, y) for x, y in zip(a, b, strict=True))
+    return choose(condition, a, b)
 
 
-def _choose(condition: Symbol, a: Any, b: Any) -> Any:
+def choose(condition: Symbol, a: Any, b: Any) -> Any:
+    """``a`` where the condition is true, else ``b``."""
     same = a is b or (not isinstance(a, Symbol) and not isinstance(b, Symbol) and a == b)
-    return a if same else condition.tape.emit("{} if {} else {}", a, condition, b)
+    return a if same else condition.tape.emit("select", condition, a, b)
 
 
 def both(a: Any, b: Any) -> Any:
     """``a and b``."""
     if isinstance(a, Symbol) and isinstance(b, Symbol):
-        return a.tape.emit("{} & {}", a, b)
+        return a.tape.emit("and", a, b)
     return (b if a else False) if not isinstance(a, Symbol) else (a if b else False)
 
 
 def either(a: Any, b: Any) -> Any:
     """``a or b``."""
     if isinstance(a, Symbol) and isinstance(b, Symbol):
-        return a.tape.emit("{} | {}", a, b)
+        return a.tape.emit("or", a, b)
     return (True if a else b) if not isinstance(a, Symbol) else (True if b else a)
 
 
-class _Conditions(ast.NodeTransformer):
-    """Turns conditional expressions and boolean operators into calls that symbols can pass through."""
+class Seldom:
+    """What stands for ``if seldom(condition): ...`` in a trace.
 
-    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
-        self.generic_visit(node)
-        arms = [ast.Lambda(ast.arguments([], [], None, [], [], None, []), arm) for arm in (node.body, node.orelse)]
-        return ast.Call(ast.Name("select", ast.Load()), [node.test, *arms], [])
+    Left out: the condition is noted on the tape. Written out: the branch is taken, and what it changed is kept where the condition holds.
+    """
 
-    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
-        self.generic_visit(node)
-        name = "both" if isinstance(node.op, ast.And) else "either"
-        result = node.values[0]
-        for value in node.values[1:]:
-            result = ast.Call(ast.Name(name, ast.Load()), [result, value], [])
-        return result
+    def __init__(self, tape: Tape, rows: Rows, taken: bool) -> None:
+        self.tape, self.rows, self.taken = tape, rows, taken
+        self.before: list[tuple[Any, dict[int, Any]]] = []
 
-
-def traced(body: str, tape: Tape) -> dict[str, Any]:
-    """The functions of a gathered text, ready to be run with symbols; branches marked ``seldom`` are noted on the tape and not taken."""
-    tree = ast.fix_missing_locations(_Conditions().visit(ast.parse(body)))
-    space: dict[str, Any] = {"math": Mathematics, "jit": lambda f: f, "select": select, "both": both, "either": either}
-    exec(compile(tree, "<vfife trace>", "exec"), space)  # the text is our own and the user's laws, never a model file's
-
-    def seldom(condition: Any) -> bool:
-        tape.rare.append(condition)
+    def begin(self, condition: Any) -> bool:
+        """Whether the branch is run through; where it is, :meth:`end` follows it."""
+        if isinstance(condition, Symbol) and not self.taken:
+            self.tape.rare.append(condition)
+            return False
+        if isinstance(condition, Symbol) or condition:
+            self.before.append((condition, dict(self.rows.values)))
+            return True
         return False
 
-    space["seldom"] = seldom
-    return space
+    def end(self) -> None:
+        """Chooses between the rows after and before the branch."""
+        condition, before = self.before.pop()
+        if not isinstance(condition, Symbol):
+            return
+        for row, value in list(self.rows.values.items()):
+            old = before[row] if row in before else self.tape.load(row)
+            if value is not old:
+                self.rows[row] = choose(condition, value, old)

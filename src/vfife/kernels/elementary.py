@@ -7,14 +7,17 @@ The functions of the C library differ from machine to machine in the last bit an
 import math
 
 
+def nearest(x):
+    """The nearest whole number, the even one of two, for |x| < 2**51: adding and taking off 1.5 * 2**52, which needs no conversion."""
+    return (x + 6755399441055744.0) - 6755399441055744.0
+
+
 def sincos(angle):
     """Sine and cosine of an angle (rad), error below 1 ulp or so for |angle| < 1e6.
 
     The angle is reduced by quarter turns with a three-part pi/2; the kernels are the polynomials of FreeBSD's msun (k_sin.c, k_cos.c).
-    Adding and taking off 1.5 * 2**52 rounds to the nearest integer without a conversion, which would stop vectorisation.
     """
-    big = 6755399441055744.0
-    k = (angle * 0.6366197723675814 + big) - big
+    k = nearest(angle * 0.6366197723675814)
     r = ((angle - k * 1.57079632673412561417) - k * 6.07710050630396597660e-11) - k * 2.02226624879595063154e-21
     z = r * r
     s = r + r * z * (
@@ -44,7 +47,7 @@ def sincos(angle):
             )
         )
     )
-    m = k - 4.0 * ((k * 0.25 + big) - big)
+    m = k - 4.0 * nearest(k * 0.25)
     odd = m * m == 1.0
     half = m * m == 4.0
     sine = c if odd else s
@@ -100,8 +103,7 @@ def exp2(whole, part):
 
 def exp(x):
     """e**x for |x| < 88; relative error below 1e-15. The multiple of ln 2 is taken off in two parts (msun, e_exp.c)."""
-    big = 6755399441055744.0
-    whole = (x * 1.4426950408889634 + big) - big
+    whole = nearest(x * 1.4426950408889634)
     return two_to(whole) * small_exp((x - whole * 6.93147180369123816490e-01) - whole * 1.90821492927058770002e-10)
 
 
@@ -175,7 +177,6 @@ def power(x, exponent):
     x is brought to [sqrt(1/2), sqrt(2)) by exact powers of two, its logarithm is 2 artanh((m - 1)/(m + 1)). The exponent is split so that
     its product with the integer part of the logarithm is exact.
     """
-    big = 6755399441055744.0
     tiny = x < 2.524354896707238e-29
     m, e = reduced(x)
     s = (m - 1.0) / (m + 1.0)
@@ -187,7 +188,7 @@ def power(x, exponent):
     log2m = 2.8853900817779268 * (s + s * z * (series + q * more))
     coarse = (exponent + 6442450944.0) - 6442450944.0
     rest = (exponent - coarse) * e + exponent * log2m
-    whole = (coarse * e + rest + big) - big
+    whole = nearest(coarse * e + rest)
     r = exp2(whole, (coarse * e - whole) + rest)
     return 0.0 if tiny else r
 

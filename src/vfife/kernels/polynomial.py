@@ -4,7 +4,7 @@ Layout of a table: number of pieces, then their start times, then seven coeffici
 A negative number of pieces says that the function repeats itself; its period follows, before the start times, which lie in [0, period).
 """
 
-INTEGER = 6755399441055744.0  # 1.5 2^52: adding and taking it away rounds to the nearest whole number
+from .elementary import nearest
 
 
 def polynomial(table, start, time):
@@ -15,7 +15,7 @@ def polynomial(table, start, time):
         pieces = -pieces
         period = table[first]
         first += 1
-        time = time - ((time / period - 0.5 + INTEGER) - INTEGER) * period
+        time = time - nearest(time / period - 0.5) * period
     low = 0
     high = pieces - 1
     while low < high:

@@ -1,6 +1,6 @@
 """The data-driven step: any mechanism, compiled once, the topology read from integer tables.
 
-``generate.py`` writes the same step out for one topology; the two must agree to the bit, so each sum here has one fixed order. The step n:
+``codegen`` writes the same step out for one topology; the two must agree to the bit, so each sum here has one fixed order. The step n:
 drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2). Velocities at half steps are algebraically the paper's Eq. 3-5.
 """
 
@@ -30,7 +30,7 @@ from .constraint import ahead, close, fill, levers, reaction, warm_start
 from .contact import contact_geometry, solve_contacts, velocities
 from .elementary import sincos
 from .frame import axial, bending, bending_released, chord, nodal_force, step_turn, turn
-from .geometry import arm
+from .geometry import arm, seldom
 from .polynomial import polynomial
 from .spring import springs
 from .topology import TIME, TURNED
@@ -330,8 +330,11 @@ def joints(S, I, n, start, span, central):
     if I[HEADER.contact_count] > 0:
         velocities(S, I, p, h)
         solve_contacts(S, I, span, central)
-    if I[HEADER.close_again] != 0 or (start and I[HEADER.joint_count] > 0):
+    if I[HEADER.close_again] != 0:
         close(S, I, dt, b, k, False)
+    elif I[HEADER.joint_count] > 0:  # noqa: SIM102 (a rare branch has a condition of its own)
+        if seldom(start):
+            close(S, I, dt, b, k, False)
 
 
 def step(S, I, n, start):

@@ -29,7 +29,7 @@ def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     found: dict[str, Driver] = {}
     for name, driver in mechanism.drivers.items():
         body = driven_body(name, driver)
-        if not driver.prescribes or not body or driver.against != "ground":
+        if not driver.moves or not body or driver.against != "ground":
             continue
         if body in found:
             raise AssemblyError(f"driver {name!r} turns body {body!r}, which another driver turns already; remove one of them")
@@ -40,9 +40,7 @@ def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
 def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     """All other drivers that prescribe a motion, by name: against another body, along a slider, or of a point along a direction."""
     return {
-        name: driver
-        for name, driver in mechanism.drivers.items()
-        if driver.prescribes and (driver.against != "ground" or not driven_body(name, driver))
+        name: driver for name, driver in mechanism.drivers.items() if driver.moves and (driver.against != "ground" or not driven_body(name, driver))
     }
 
 

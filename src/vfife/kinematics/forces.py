@@ -143,7 +143,7 @@ def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
         body, _, pin = one.at.partition(".")
         found.append(Action(one.factor(), NO_BODIES, ((body, pin, (*one.force, one.moment)),), one.follow, one.steady))
     for name, driver in mechanism.drivers.items():
-        if not driver.prescribes:
+        if not driver.moves:
             body = driven_body(name, driver)
             function, depends = _effort(driver, body, datum)
             found.append(Action(function, depends, _sides(driver, body), steady=driver.steady))

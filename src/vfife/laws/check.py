@@ -13,8 +13,10 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ..codegen.source import Gathered, data_driven, law_name
-from ..codegen.trace import Symbol, Tape, traced
+from ..codegen.lock import WRITING
+from ..codegen.source import data_driven
+from ..codegen.trace import Symbol, Tape
+from ..codegen.traceable import Traceable
 from ..errors import LawError, SourceError
 from ..kernels.arrays import CONTACT_SLOTS, FRICTION_SLOTS
 from .law import ContactLaw, Law, Pair, built_in
@@ -41,6 +43,11 @@ def try_out(laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...] = (), f
     own = [(law, pair) for law, pair in laws if not built_in(type(law))]
     if not own:
         return
+    with WRITING:
+        _try_out(own, contacts, frictions)
+
+
+def _try_out(own: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...], frictions: tuple[type, ...]) -> None:
     found: list[str] = []
     for kind in dict.fromkeys(type(law) for law, _ in own):
         found += faults_of_class(kind)
@@ -180,10 +187,10 @@ def faults_of_trace(law: type[Law]) -> list[str]:
     """Whether the function goes into straight-line code; what passes the look at its text hardly ever fails here."""
     kind = kind_of(law)
     try:
-        gathered, tape = Gathered(), Tape()
-        name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
+        tape = Tape()
         symbols = [Symbol(tape, f"x{k}") for k in range(len(ARGUMENTS[kind]) - 1)]
-        traced(gathered.text(), tape)[name](*symbols, tuple(Symbol(tape, f"p{k}") for k in range(len(law.slots))))
+        with WRITING:
+            Traceable(tape)(law.force)(*symbols, tuple(Symbol(tape, f"p{k}") for k in range(len(law.slots))))  # type: ignore[attr-defined]
     except Exception as error:
         return [f"{place(law)}, function force: it cannot be written into the step ({type(error).__name__}: {error}). {REMEDY}"]
     return []

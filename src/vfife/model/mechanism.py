@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar
 
+from ..fields import PLACE, SCALAR, Choice, Each, Entries, Inner, Many, Measure, Names, Text, Whole, described, quantity
 from .bodies import Body, Frame, Link, PointMass, RigidBody
 from .drivers import ConstantSpeed, Driver
 from .joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
 from .loads import PointForce
-from .springs import AnySpring, Bushing, Spring, Stop, TorsionalSpring
+from .springs import AnySpring, Bushing, ForceElement, Spring, Stop, TorsionalSpring
 
 StartMode = Literal["consistent", "rough"]
+STATIC = ("static",)
 Journals = Literal["centred", "seated"]
 AnyBody = TypeVar("AnyBody", bound=Body)
 AnyJoint = TypeVar("AnyJoint", bound=Joint)
@@ -28,8 +30,14 @@ class StartSettings:
     the ideal reaction presses them.
     """
 
-    mode: StartMode = "consistent"
-    journals: Journals = "centred"
+    mode: StartMode = described(
+        Choice(("consistent", "rough")),
+        "consistent: ideal velocities and accelerations, links loaded to match; rough: not loaded",
+        "consistent",
+    )
+    journals: Journals = described(
+        Choice(("centred", "seated")), "journals centred in their bearings, or seated where the ideal reaction presses them", "centred"
+    )
 
 
 Start = StartSettings  # as it was called before
@@ -43,17 +51,29 @@ class Settings:
     at most ``residual`` of the largest force, and kinetic energy at most ``kinetic_energy`` of the largest met, in so many ``iterations``.
     """
 
-    turns: float | None = None
-    duration: float | None = None
-    step: float | Literal["auto"] = "auto"
-    outputs: int = 720
-    damping: float = 0.0
-    path_unit: int = 1
-    analysis: Literal["dynamic", "static"] = "dynamic"
-    load_factors: tuple[float, ...] = (1.0,)
-    residual: float = 1e-6
-    kinetic_energy: float = 1e-10
-    iterations: int = 1_000_000
+    selected_by: ClassVar[str] = "analysis"  # the field that says which others are of use
+
+    turns: float | None = quantity("1", "length of the run in turns of the crank", None, above=0.0)
+    duration: float | None = quantity("s", "length of the run in time, instead of turns", None, above=0.0)
+    step: float | Literal["auto"] = described(
+        Measure("s", above=0.0, words=("auto",)), 'time step, or "auto" for the largest that is stable and accurate', "auto"
+    )
+    outputs: int = described(Whole(1, 100_000_000), "outputs per turn; per run without a crank", 720)
+    damping: float = quantity("1/s", "mass-proportional damping", 0.0, low=0.0)
+    path_unit: int = described(Whole(1, 1_000_000), "steps in a path unit of the elements", 1)
+    analysis: Literal["dynamic", "static"] = described(
+        Choice(("dynamic", "static")), "dynamic: motion over time; static: equilibrium under each of the load factors", "dynamic"
+    )
+    load_factors: tuple[float, ...] = described(
+        Many(SCALAR), "of a static analysis: they take the place of time in loads and drivers", (1.0,), only=STATIC
+    )
+    residual: float = quantity(
+        "1", "of a static analysis: largest unbalanced force, as a share of the largest force", 1e-6, above=0.0, high=0.1, only=STATIC
+    )
+    kinetic_energy: float = quantity(
+        "1", "of a static analysis: largest kinetic energy left, as a share of the largest met", 1e-10, above=0.0, high=0.1, only=STATIC
+    )
+    iterations: int = described(Whole(1, 1_000_000_000), "of a static analysis: most iterations for a load factor", 1_000_000, only=STATIC)
 
 
 @dataclass
@@ -66,18 +86,20 @@ class Mechanism:
     >>> _ = m.revolute("A", "ground.pivot", "rod.start")
     """
 
-    name: str = "mechanism"
-    note: str = ""
-    gravity: tuple[float, float] = (0.0, 0.0)
-    points: dict[str, tuple[float, float]] = field(default_factory=dict)
-    bodies: dict[str, Body] = field(default_factory=dict)
-    joints: dict[str, Joint] = field(default_factory=dict)
-    drivers: dict[str, Driver] = field(default_factory=dict)
-    loads: dict[str, PointForce] = field(default_factory=dict)
-    gears: dict[str, Gear] = field(default_factory=dict)
-    springs: dict[str, AnySpring] = field(default_factory=dict)
-    start: StartSettings = field(default_factory=StartSettings)
-    settings: Settings = field(default_factory=Settings)
+    name: str = described(Text(), "name of the model", "mechanism")
+    note: str = described(Text(), "what a reader should know", "")
+    gravity: tuple[float, float] = described(Each((Measure("m/s^2"), Measure("m/s^2"))), "acceleration of gravity", (0.0, 0.0))
+    points: dict[str, tuple[float, float]] = described(Names(PLACE), "points of the ground", factory=dict, key="ground")
+    bodies: dict[str, Body] = described(Entries(Body), "bodies by name", factory=dict, key="body")
+    joints: dict[str, Joint] = described(Entries(Joint), "joints by name", factory=dict, key="joint")
+    drivers: dict[str, Driver] = described(
+        Entries(Driver), "drivers by name, which is that of the body unless body, slider or point is given", factory=dict, key="driver"
+    )
+    loads: dict[str, PointForce] = described(Entries(PointForce), "loads by name", factory=dict, key="load")
+    gears: dict[str, Gear] = described(Entries(Gear), "gears and belts by name", factory=dict, key="gear")
+    springs: dict[str, AnySpring] = described(Entries(ForceElement), "springs, dampers, stops and bushings by name", factory=dict, key="spring")
+    start: StartSettings = described(Inner(StartSettings), "how a run starts", factory=StartSettings)
+    settings: Settings = described(Inner(Settings), "defaults of a run", factory=Settings, key="run")
     source: str | None = field(default=None, compare=False)
 
     def point(self, name: str, x: float, y: float) -> None:

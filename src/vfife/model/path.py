@@ -97,7 +97,7 @@ def polyline(points: tuple[Point, ...], fillet: float) -> Path:
     their ends. Raises ValueError where points coincide, a corner turns back, or a fillet takes more than the pieces beside it have.
     """
     if len(points) < 2:
-        raise ValueError(f"a path needs two points at least, not {len(points)}")
+        raise ValueError(f"a path needs two points at least, not {len(points)}; give more")
     tangents, lengths = [], []
     for number, (a, b) in enumerate(zip(points, points[1:], strict=False), start=1):
         length = math.dist(a, b)
@@ -125,7 +125,9 @@ def polyline(points: tuple[Point, ...], fillet: float) -> Path:
 def _taken(turn: float, fillet: float, number: int) -> float:
     """Length (m) that the arc in a corner takes of both pieces beside it."""
     if abs(turn) > SHARPEST:
-        raise ValueError(f"the path turns back at point {number}, by {math.degrees(abs(turn)):.4g} degrees; at most 175 can be rounded")
+        raise ValueError(
+            f"the path turns back at point {number}, by {math.degrees(abs(turn)):.4g} degrees; at most 175 can be rounded; move the point"
+        )
     if turn and not fillet > 0.0:
         raise ValueError(f"the path has a corner at point {number} and no fillet to round it; give it a radius above 0 m")
     return fillet * math.tan(0.5 * abs(turn))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,7 @@ from ..kernels.arrays import BLOCKS
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
 from ..solvers.record import Record
-
-if TYPE_CHECKING:
-    from .view import View
+from .view import View
 
 Array = NDArray[np.float64]
 STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")

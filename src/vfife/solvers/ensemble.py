@@ -19,17 +19,17 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import unsound
+from ..codegen.native import widest
+from ..codegen.runner import Runner
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from .arguments import Arguments, Loop
 from .record import Record, recorded_rows
 from .status import Status
-from .transient import LARGEST_STRAIGHT_LINE, SAVED, compilation, entities
+from .transient import choose_loop
 
 Array = NDArray[np.float64]
 
-LANES = 4  # doubles in a vector register
-PREPARATION = threading.Lock()  # steps are written and compiled by one thread at a time: Python 3.11 cannot parse in two
 REPEATED = ("body_alpha", "contact_normal_force")  # beside the extremes, what two turns are compared by
 
 
@@ -63,16 +63,17 @@ def ensemble(
     outputs: int = 720,
     tolerance: float | None = None,
     loop: Loop = "auto",
-    lanes: int = LANES,
+    lanes: int | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
     """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns (all of them without a tolerance).
 
     ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each
-    of ``outputs``. ``workers``: threads, as many as there are cores if not given. ``progress`` is told how many members of how many are done.
-    Raises ModelError with all faults of the arguments, ValueError for a mechanism without a driver, and what
-    :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a turn.
+    of ``outputs``. ``lanes``: simulations side by side in a vector register, as many as this machine's hold if not given. ``workers``: threads,
+    as many as there are cores if not given. ``progress`` is told how many members of how many are done. Raises ModelError with all faults of
+    the arguments, ValueError for a mechanism without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it
+    within a turn.
     """
     given = Arguments("ensemble")
     for k, mechanism in enumerate(mechanisms):
@@ -80,7 +81,7 @@ def ensemble(
     steps, loop = given.each("step", step, len(mechanisms)), given.loop(loop)
     counts = {"turns": turns, "outputs": outputs, "lanes": lanes, "workers": workers}
     for name, value in counts.items():
-        given.count(name, value, optional=name == "workers")
+        given.count(name, value, optional=name in ("lanes", "workers"))
     given.quantity("tolerance", tolerance, "1", zero=True)
     given.callable("progress", progress)
     given.tell()
@@ -102,12 +103,13 @@ def advance(
     *,
     tolerance: float | None = None,
     loop: Loop = "auto",
-    lanes: int = LANES,
+    lanes: int | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
     """As :func:`ensemble`, for mechanisms that are assembled already."""
-    batches = [(choice, batch) for choice, group in _alike(assemblies, loop, lanes) for batch in _cut(group, lanes if choice == "generated" else 1)]
+    lanes = lanes or widest()
+    batches = [(choice, batch) for choice, group in _alike(assemblies, loop) for batch in _cut(group, lanes if choice == "generated" else 1)]
     stop, found = threading.Event(), dict[int, Member]()
 
     def work(choice: str, batch: list[int]) -> list[tuple[int, Member]]:
@@ -130,32 +132,14 @@ def advance(
     return [found[k] for k in range(len(assemblies))]
 
 
-def _alike(assemblies: Sequence[Assembly], loop: Loop, lanes: int) -> Iterator[tuple[str, list[int]]]:
+def _alike(assemblies: Sequence[Assembly], loop: Loop) -> Iterator[tuple[str, list[int]]]:
     """Indices of the assemblies that can share lanes, with the loop for them."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for k, assembly in enumerate(assemblies):
         choice = assembly.choice
         groups.setdefault((assembly.topology, choice.outputs_every, choice.outputs, len(assembly.tables)), []).append(k)
     for group in groups.values():
-        yield _loop([assemblies[k] for k in group], loop, lanes), group
-
-
-def _loop(group: list[Assembly], loop: Loop, lanes: int) -> str:
-    """The loop of a group: straight-line lanes where they save more time than their compilation costs, or are compiled already."""
-    first = group[0]
-    if loop != "auto":
-        return loop
-    if entities(first) > LARGEST_STRAIGHT_LINE or first.topology.path_unit != 1:
-        return "data-driven"
-    saved = SAVED * max(entities(first), 2) * first.choice.steps * len(group)
-    return "generated" if saved > compilation(first) or _compiled(first, lanes) else "data-driven"
-
-
-def _compiled(assembly: Assembly, lanes: int) -> bool:
-    from ..codegen.compile import is_compiled
-    from ..codegen.straight_line import straight_line
-
-    return is_compiled(straight_line(assembly.topology, lanes), "advance")
+        yield choose_loop(assemblies[group[0]], loop), group
 
 
 def _cut(group: list[int], size: int) -> Iterator[list[int]]:
@@ -165,14 +149,11 @@ def _cut(group: list[int], size: int) -> Iterator[list[int]]:
 
 def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> None:
     """Steps a batch turn by turn until every member has ended; lanes without a member repeat the last one."""
-    from ..codegen.runner import Runner
-
     every = [*members, *[members[-1]] * (lanes - len(members))]
     first = members[0].assembly
     states = np.stack([lane.assembly.state for lane in every], axis=1)
-    with PREPARATION:
-        runner = Runner(first.topology, states, np.stack([lane.assembly.tables for lane in every]), loop, recorded_rows(first))
-        start = runner.advance(1, 1)
+    runner = Runner(first.topology, states, np.stack([lane.assembly.tables for lane in every]), loop, recorded_rows(first))
+    start = runner.advance(1, 1)
     for k, lane in enumerate(members):
         lane.start(start[0, :, k])
     count, outputs = first.choice.outputs_every, _per_turn(first)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,26 @@ from ..assembly.assembled import Assembly
 from .status import Status
 
 Rows: TypeAlias = NDArray[np.float64]
+
+
+class Writer(Protocol):
+    """What keeps outputs and checkpoints while a run goes on: a run file."""
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """Steps of the outputs that it has."""
+
+    def later(self) -> Callable[[], Rows]:
+        """What reads the rows of the outputs when they are asked for."""
+
+    def append(self, steps: NDArray[np.int64], rows: Rows) -> None:
+        """Keeps outputs; those from step 0 on begin anew."""
+
+    def checkpoint(self, step: int, state: Rows) -> None:
+        """Keeps the whole state after a step."""
+
+    def event(self, step: int, text: str) -> None:
+        """Notes what happened after a step."""
 
 
 @dataclass

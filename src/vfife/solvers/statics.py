@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +20,9 @@ from ..model.mechanism import Settings
 from .fictitious_mass import extent
 from .loading import Loading
 from .progress import Progress
-from .record import Record, recorded_rows
+from .record import Record, Writer, recorded_rows
 from .relaxation import Relaxation
 from .status import Status
-
-if TYPE_CHECKING:
-    from ..results.runfile import RunFile
 
 Array = NDArray[np.float64]
 
@@ -46,7 +42,7 @@ MEANINGLESS = (
 
 
 def equilibrium(
-    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None
+    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: Writer | None = None
 ) -> Record:
     """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that under factor k.
 

@@ -4,39 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import unsound
+from ..codegen.runner import Runner
+from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .progress import Progress
-from .record import Record, Rows, recorded_rows
+from .record import Record, Rows, Writer, recorded_rows
 from .status import Status
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
-SAVED = 30e-9  # seconds that straight-line code saves for each step and element or joint
-LARGEST_STRAIGHT_LINE = 50  # elements and joints of a topology that is still written out
-
-
-class Writer(Protocol):
-    """What keeps outputs and checkpoints while a run goes on: a run file."""
-
-    @property
-    def steps(self) -> NDArray[np.int64]:
-        """Steps of the outputs that it has."""
-
-    def later(self) -> Callable[[], Rows]:
-        """What reads the rows of the outputs when they are asked for."""
-
-    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
-        """Keeps outputs."""
-
-    def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
-        """Keeps the whole state after a step."""
+LARGEST_STRAIGHT_LINE = 300  # elements and joints of a topology that is still written out
 
 
 def entities(assembly: Assembly) -> int:
@@ -45,30 +27,13 @@ def entities(assembly: Assembly) -> int:
     return len(t.frame_nodes) + len(t.contact_bearing) + len(t.joint_bearing) + len(t.spring_first)
 
 
-def compilation(assembly: Assembly) -> float:
-    """Seconds (measured on one machine, a guess elsewhere) that straight-line code takes to compile: it grows with the square of its lines."""
-    t = assembly.topology
-    lines = 60 * len(t.frame_nodes) + 190 * len(t.contact_bearing) + 150 * len(t.joint_bearing) + 20 * len(t.free)
-    return 1.0 + 3.5e-6 * lines**2
-
-
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
-    """The loop of a run: straight-line code where it saves more time than its compilation costs, or is compiled already."""
+    """The loop of a run: straight-line code for all but large frames, path units of several steps and statics."""
     if assembly.mechanism.settings.analysis == "static":
         return "interpreted" if loop == "interpreted" else "data-driven"
     if loop != "auto":
         return loop
-    if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1:
-        return "data-driven"
-    saved = SAVED * max(entities(assembly), 2) * assembly.choice.steps
-    return "generated" if saved > compilation(assembly) or (saved > 0.2 and _compiled(assembly)) else "data-driven"
-
-
-def _compiled(assembly: Assembly) -> bool:
-    from ..codegen.compile import is_compiled
-    from ..codegen.straight_line import straight_line
-
-    return is_compiled(straight_line(assembly.topology, 1), "advance")
+    return "data-driven" if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1 else "generated"
 
 
 def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: Writer | None = None) -> Record:
@@ -77,9 +42,6 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed
     before is kept.
     """
-    from ..codegen.runner import Runner
-    from ..laws.stored import refuse_recorded
-
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     kept = recorded_rows(assembly)
     chosen = choose_loop(assembly, loop)

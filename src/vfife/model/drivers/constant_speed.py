@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from ..polynomials import Polynomials
 from .driver import Driver
 
@@ -15,8 +16,9 @@ class ConstantSpeed(Driver):
 
     kind: ClassVar[str] = "constant-speed"
     revolves: ClassVar[bool] = True
+    lead: ClassVar[str] = "speed"
 
-    speed: float
+    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added."""

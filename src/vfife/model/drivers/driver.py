@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from ...fields import Direction, Text, described, key_of
 from ..polynomials import Polynomials
 
 Point = tuple[float, float]
@@ -18,14 +20,16 @@ class Driver:
     to another body. Travel and path (m) count from the start.
     """
 
-    body: str = ""
-    slider: str = ""
-    point: str = ""
-    direction: Point = (1.0, 0.0)
-    against: str = "ground"
+    body: str = described(Text("body"), "the body; the name of the table if left out", "")
+    slider: str = described(Text("joint"), 'a joint of kind "slider"', "")
+    point: str = described(Text("pin"), 'the pin, "body.pin"', "")
+    direction: Point = described(Direction(), "direction, fixed in space", (1.0, 0.0))
+    against: str = described(Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground")
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
-    prescribes: ClassVar[bool] = True  # a motion; else a torque or a force
+    lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
+    moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
+    drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
     revolves: ClassVar[bool] = False  # may turn a body round and round
     registry: ClassVar[dict[str, type[Driver]]] = {}
 
@@ -34,6 +38,26 @@ class Driver:
         super().__init_subclass__(**kwargs)
         if cls.__dict__.get("kind"):
             cls.registry[cls.kind] = cls
+
+    @property
+    def target(self) -> str:
+        """What is driven: "body", "slider" or "point"."""
+        return "slider" if self.slider else "point" if self.point else "body"
+
+    @property
+    def lead_key(self) -> str:
+        """What a file calls that which tells the kind."""
+        return self.lead_keys(self.along)
+
+    @classmethod
+    def lead_keys(cls, along: bool) -> str:
+        """The same, about an axis or along a line."""
+        return next((key_of(field, along) for field in dataclasses.fields(cls) if field.name == cls.lead), cls.lead)
+
+    @property
+    def along(self) -> bool:
+        """Whether it acts along a line, in m or N, not about an axis, in rad or N m."""
+        return bool(self.slider or self.point)
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added. TypeError where it prescribes no motion."""
@@ -66,7 +90,7 @@ class Driver:
     @property
     def unit(self) -> str:
         """Unit of what it prescribes."""
-        return "m" if self.slider or self.point else "rad"
+        return "m" if self.along else "rad"
 
     @property
     def words(self) -> str:

@@ -6,8 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from ..polynomials import Polynomials, sine
 from .driver import Driver
+
+MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,9 +19,11 @@ class Harmonic(Driver):
 
     kind: ClassVar[str] = "harmonic"
 
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
+    lead: ClassVar[str] = "amplitude"
+
+    amplitude: float = quantity("rad", MOTION, along=quantity("m", MOTION))
+    frequency: float = quantity("1/s", "frequency of the amplitude", above=0.0)
+    phase: float = quantity("rad", "phase of the amplitude; 0 if left out", 0.0)
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from ..polynomials import Polynomials
 from .driver import Driver
 
@@ -15,9 +16,10 @@ class Ramp(Driver):
 
     kind: ClassVar[str] = "ramp"
     revolves: ClassVar[bool] = True
+    lead: ClassVar[str] = "speed"
 
-    speed: float
-    duration: float
+    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
+    duration: float = quantity("s", "time of a smooth ramp from rest to the speed", above=0.0, key="ramp")
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """The angle w T (5/2 s^4 - 3 s^5 + s^6), s = t/T, then on at w (rad or m), ``offset`` added."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from ..polynomials import Polynomials
 from .driver import Driver
 
@@ -17,9 +18,13 @@ class StepTo(Driver):
 
     kind: ClassVar[str] = "step"
 
-    travel: float
-    duration: float
-    begin: float = 0.0
+    lead: ClassVar[str] = "travel"
+
+    travel: float = quantity(
+        "rad", "angle turned from rest to rest within the duration", along=quantity("m", "way from rest to rest within the duration")
+    )
+    duration: float = quantity("s", "time that the travel takes", above=0.0)
+    begin: float = quantity("s", "when the travel begins; 0 if left out", 0.0)
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added."""

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ...fields import Many, Measure, described
 from ..polynomials import Polynomials, spline
 from ..renamed import renamed
 from .driver import Driver
@@ -21,9 +22,15 @@ class AngleTable(Driver):
 
     kind: ClassVar[str] = "table"
     revolves: ClassVar[bool] = True
+    lead: ClassVar[str] = "values"
 
-    times: tuple[float, ...]
-    values: tuple[float, ...]
+    times: tuple[float, ...] = described(Many(Measure("s")), "times of the values of a table, ascending")
+    values: tuple[float, ...] = described(
+        Many(Measure("rad")),
+        "angles from the start angle: at the times, or of the torques",
+        key="angles",
+        along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
+    )
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added."""

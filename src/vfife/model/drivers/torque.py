@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from ...fields import Many, Measure, described
 from ..polynomials import Polynomials, clamped, constant
 from ..renamed import renamed
 from .driver import Driver
@@ -20,12 +21,29 @@ class Torque(Driver):
     """
 
     kind: ClassVar[str] = "effort"
-    prescribes: ClassVar[bool] = False
+    lead: ClassVar[str] = "value"
+    moves: ClassVar[bool] = False
+    drives: ClassVar[tuple[str, ...]] = ("body", "point")
 
-    value: float | tuple[float, ...]
-    times: tuple[float, ...] | None = None
-    speeds: tuple[float, ...] | None = None
-    angles: tuple[float, ...] | None = None
+    value: float | tuple[float, ...] = described(
+        Measure("N m", series=True),
+        "torque: one, or one for each of the times, speeds or angles",
+        key="torque",
+        along=described(Measure("N", series=True), "force: one, or one for each of the times, speeds or travels", key="force"),
+    )
+    times: tuple[float, ...] | None = described(Many(Measure("s")), "times of the values of a table, ascending", None)
+    speeds: tuple[float, ...] | None = described(
+        Many(Measure("rad/s")),
+        "angular velocities of the torques, ascending: a motor's curve",
+        None,
+        along=described(Many(Measure("m/s")), "velocities of the forces, ascending"),
+    )
+    angles: tuple[float, ...] | None = described(
+        Many(Measure("rad")),
+        "angles from the start angle: at the times, or of the torques",
+        None,
+        along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
+    )
 
     def effort(self) -> Polynomials:
         """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else constant."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from ...laws import Material, Pair
+from ..conflict import Conflict
 from ..strokes import JointSeen, Mark, Stroke, ring, standing
 from ..touching import Touching
 from .contact import Contact
@@ -27,8 +30,15 @@ class ClearanceRevolute(Contact):
     kind: ClassVar[str] = "clearance"
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
 
-    clearance: float
-    bearing_radius: float
+    clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
+    bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """The journal is smaller than its bearing, and something of it remains."""
+        if None not in (self.clearance, self.bearing_radius) and self.clearance >= self.bearing_radius:
+            limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
+            remedy = "check the units of both: clearance is bearing radius less journal radius"
+            yield Conflict("clearance", "as large as the bearing: no journal is left", remedy, limit)
 
     @property
     def landing(self) -> float:

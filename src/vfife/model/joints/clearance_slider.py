@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
+from ..conflict import Conflict
 from ..rows import Across
 from ..strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
 from ..touching import Touching
@@ -28,11 +31,19 @@ class ClearanceSlider(Contact):
     kind: ClassVar[str] = "clearance-slider"
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "length", "height", "corner_radius")
 
-    clearance: float
-    length: float
-    height: float
-    direction: Point = (1.0, 0.0)
-    corner_radius: float = 1e-3
+    clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
+    length: float = quantity("m", "length of the block, along the guide", above=0.0)
+    height: float = quantity("m", "height of the block, across the guide", above=0.0)
+    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
+    corner_radius: float = quantity("m", "radius of the block's corners", 1e-3, above=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Its corners fit on the block."""
+        sizes, r = (self.length, self.height), self.corner_radius
+        if None not in (*sizes, r) and r > 0.5 * min(sizes):
+            what = f"corners of {r:g} m do not fit on a block of {self.length:g} m by {self.height:g} m"
+            limit = f"at most half of the smaller side, {0.5 * min(sizes):g} m"
+            yield Conflict("corner_radius", what, "give a smaller radius, and check the units of all three", limit)
 
     @property
     def landing(self) -> float:

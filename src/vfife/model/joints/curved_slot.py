@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from ...fields import PLACE, Many, described, quantity
 from ...laws import Material, Pair
+from ..conflict import Conflict
 from ..path import Path, circle, polyline
 from ..rows import OnPath, Row
 from ..strokes import Curve, JointSeen, Label, Mark, Stroke, left_of, ring
@@ -17,6 +20,10 @@ from .contact import Contact
 from .joint import Joint, Point
 
 WIDTH = 0.02  # of an ideal slot, as a share of the drawing
+CENTRE = "centre of a round slot, from the bearing's pin in the frame of its body"
+RADIUS = "radius of a round slot; leave it out for one along points"
+POINTS = "points of a slot along a polyline, from the bearing's pin in the frame of its body"
+FILLET = "radius of the arcs that round the corners of a polyline"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,10 +37,14 @@ class CurvedSlot(Joint):
 
     kind: ClassVar[str] = "curved-slot"
 
-    centre: Point = (0.0, 0.0)
-    radius: float | None = None
-    points: tuple[Point, ...] = ()
-    fillet: float = 0.0
+    centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
+    radius: float | None = quantity("m", RADIUS, None, above=0.0)
+    points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
+    fillet: float = quantity("m", FILLET, 0.0, low=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Its sizes make a path."""
+        yield from no_path(self, 0.0)
 
     def rows(self) -> tuple[Row, ...]:
         """A pin on a path."""
@@ -42,7 +53,7 @@ class CurvedSlot(Joint):
     @property
     def path(self) -> Path:
         """The middle of the slot. ValueError where its sizes make none."""
-        return slot_path(self)
+        return slot_path(self, 0.0)
 
     @property
     def first_place(self) -> Point:
@@ -79,23 +90,22 @@ class ClearanceCurvedSlot(Contact):
     kind: ClassVar[str] = "clearance-curved-slot"
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "journal_radius", "radius", "fillet")
 
-    clearance: float
-    journal_radius: float
-    centre: Point = (0.0, 0.0)
-    radius: float | None = None
-    points: tuple[Point, ...] = ()
-    fillet: float = 0.0
+    clearance: float = quantity("m", "gap on each side of the centred pin", above=0.0)
+    journal_radius: float = quantity("m", "radius of the pin", above=0.0)
+    centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
+    radius: float | None = quantity("m", RADIUS, None, above=0.0)
+    points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
+    fillet: float = quantity("m", FILLET, 0.0, low=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Its sizes make a path, with room for walls on both sides."""
+        if None not in (self.journal_radius, self.clearance):
+            yield from no_path(self, self.journal_radius + self.clearance)
 
     @property
     def path(self) -> Path:
         """The middle of the slot. ValueError where its sizes make none, or leave no wall inside an arc."""
-        path, half = slot_path(self), self.journal_radius + self.clearance
-        if not path.sharpest > half:
-            raise ValueError(
-                f"joint {self.name!r}: an arc of radius {path.sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m "
-                "(journal_radius + clearance); take a larger radius or fillet, or a thinner pin"
-            )
-        return path
+        return slot_path(self, self.journal_radius + self.clearance)
 
     @property
     def first_place(self) -> Point:
@@ -152,14 +162,34 @@ class ClearanceCurvedSlot(Contact):
         return tuple(self.path.points()), None, self.journal_radius + self.clearance
 
 
-def slot_path(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
-    """The path of a slot. ValueError where its sizes make none."""
+def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:
+    """The path of a slot of ``half`` its width (m). ValueError where its sizes make none."""
+    for conflict in no_path(slot, half):
+        raise ValueError(f"joint {slot.name!r}: {conflict.what}; {conflict.remedy}")
+    return made(slot)
+
+
+def made(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
+    """The path of a slot. ValueError where it is none."""
+    return polyline(slot.points, slot.fillet) if slot.radius is None else circle(slot.centre, slot.radius)
+
+
+def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Conflict]:
+    """Why the sizes of a slot make no path, or leave no wall of its inside."""
+    if None in (slot.points, slot.fillet, slot.centre):
+        return
     if (slot.radius is None) == (not slot.points):
-        raise ValueError(f"joint {slot.name!r}: give a radius for a round slot, or points for one along a polyline, and not both")
+        yield Conflict("", "a slot is round or runs along a polyline", "give a radius or points, and not both")
+        return
     try:
-        return polyline(slot.points, slot.fillet) if slot.radius is None else circle(slot.centre, slot.radius)
+        sharpest = made(slot).sharpest
     except ValueError as error:
-        raise ValueError(f"joint {slot.name!r}: {error}") from None
+        what, _, remedy = str(error).rpartition("; ")
+        yield Conflict("points", what, remedy)
+        return
+    if not sharpest > half:
+        what = f"an arc of radius {sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m (journal_radius + clearance)"
+        yield Conflict("fillet" if slot.radius is None else "radius", what, "take a larger radius or fillet, or a thinner pin")
 
 
 def walls(seen: JointSeen, path: Path, gap: float) -> list[Stroke]:

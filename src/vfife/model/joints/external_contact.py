@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
+from ..conflict import Conflict
 from ..rows import Across
 from ..strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
 from ..touching import Touching
@@ -25,9 +28,14 @@ class ExternalContact(Contact):
     kind: ClassVar[str] = "contact"
     sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
 
-    journal_radius: float
-    bearing_radius: float | None = None
-    direction: Point = (1.0, 0.0)
+    journal_radius: float = quantity("m", "radius of the round at the journal", above=0.0)
+    bearing_radius: float | None = quantity("m", "radius of the round at the bearing; a straight line if left out", None, above=0.0)
+    direction: Point = described(Direction(), "direction of the line in the frame of the bearing's body; the journal is on its left", (1.0, 0.0))
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """A round has no direction."""
+        if self.bearing_radius is not None and self.direction not in (None, (1.0, 0.0)):
+            yield Conflict("direction", "a round has no direction", "remove it, or remove bearing_radius for a straight line")
 
     @property
     def landing(self) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...fields import Text, described, quantity
 from ..rows import Row, Turn
 from ..strokes import Array, Curve, PairSeen, Stroke, ring, tangent
 
@@ -18,9 +19,9 @@ class Gear:
     """
 
     name: str
-    first: str
-    second: str
-    ratio: float
+    first: str = described(Text("body"), "a body")
+    second: str = described(Text("body"), "another body, which turns by ratio times the angle of the first")
+    ratio: float = quantity("1", "negative for external gears (- teeth of the first / teeth of the second), positive for belts")
 
     def rows(self) -> tuple[Row, ...]:
         """One turn coupled to another."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...fields import Text, described
+from ..conflict import Conflict
 from ..rows import Coincide, Row, place_row
 from ..strokes import JointSeen, Label, Stroke, under
 
@@ -16,8 +19,8 @@ class Joint:
     """Two pins in one place: ``bearing`` and ``journal`` are ``body.pin`` or ``ground.point``."""
 
     name: str
-    bearing: str
-    journal: str
+    bearing: str = described(Text("pin"), 'the bearing side, "body.pin" or "ground.point"')
+    journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
     registry: ClassVar[dict[str, type[Joint]]] = {}
@@ -33,6 +36,10 @@ class Joint:
         """(body, pin) of the bearing and of the journal."""
         bearing, journal = self.bearing.partition("."), self.journal.partition(".")
         return (bearing[0], bearing[2]), (journal[0], journal[2])
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Sizes that do not go together; of what is not known (None) nothing is said."""
+        yield from ()
 
     def rows(self) -> tuple[Row, ...]:
         """What the joint holds; with play: what it would hold without."""

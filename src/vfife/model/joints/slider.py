@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Direction, Switch, described
 from ..rows import Across, Row, Turn
 from ..strokes import BLOCK, Block, JointSeen, Label, Mark, Stroke, beside, rails
 from .joint import Joint, Point
@@ -20,8 +21,8 @@ class Slider(Joint):
 
     kind: ClassVar[str] = "slider"
 
-    direction: Point = (1.0, 0.0)
-    turning: bool = False
+    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
+    turning: bool = described(Switch(), "true: a pin in a slot, free to turn; false: the bodies keep their relative angle", False)
 
     def rows(self) -> tuple[Row, ...]:
         """A pin on a line, and no turning unless it is a pin in a slot."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Each, Measure, described
 from ..strokes import PairSeen, Stroke, ring
 from .force_element import Axes, ForceElement, SpringNumbers
 
@@ -19,8 +20,14 @@ class Bushing(ForceElement):
     kind: ClassVar[str] = "bushing"
     axes: ClassVar[Axes] = "bushing"
 
-    stiffness: tuple[float, float, float]
-    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stiffness: tuple[float, float, float] = described(
+        Each((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))), "stiffness in x, in y, about the axis"
+    )
+    damping: tuple[float, float, float] = described(
+        Each((Measure("N s/m", low=0.0), Measure("N s/m", low=0.0), Measure("N m s/rad", low=0.0))),
+        "damping in x, in y, about the axis",
+        (0.0, 0.0, 0.0),
+    )
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads; it is free of moment at the angle ``start`` (rad)."""

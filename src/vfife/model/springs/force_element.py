@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from ...fields import Text, described
+from ..conflict import Conflict
 from ..strokes import PairSeen, Stroke
 
 Axes = Literal["linear", "torsional", "stop", "bushing"]
@@ -29,8 +32,8 @@ class ForceElement:
     """A massless element between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or bodies where it acts about the axis."""
 
     name: str
-    first: str
-    second: str
+    first: str = described(Text("pin"), 'one end, "body.pin" or "ground.point"')
+    second: str = described(Text("pin"), 'the other end, "body.pin" or "ground.point"')
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
     axes: ClassVar[Axes] = "linear"  # along the line between two pins, about the axis between two bodies, with limits there, or along three axes
@@ -41,6 +44,10 @@ class ForceElement:
         super().__init_subclass__(**kwargs)
         if cls.__dict__.get("kind"):
             cls.registry[cls.kind] = cls
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Sizes that do not go together; of what is not known (None) nothing is said."""
+        yield from ()
 
     @property
     def between_pins(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import quantity
 from ..strokes import Curve, PairSeen, Stroke, zigzag
 from .force_element import Axes, ForceElement, SpringNumbers
 
@@ -20,9 +21,9 @@ class Spring(ForceElement):
     kind: ClassVar[str] = "linear"
     axes: ClassVar[Axes] = "linear"
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    free_length: float | None = None
+    stiffness: float = quantity("N/m", "stiffness", 0.0, low=0.0)
+    damping: float = quantity("N s/m", "damping", 0.0, low=0.0)
+    free_length: float | None = quantity("m", "length without force; that of the start if left out", None, low=0.0)
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads; the free length is ``start`` (m) unless given."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from ...fields import Text, described, quantity
+from ..conflict import Conflict
 from ..strokes import Curve, PairSeen, Stroke, facing
 from .force_element import Axes, ForceElement, SpringNumbers
 
@@ -21,10 +24,17 @@ class Stop(ForceElement):
     kind: ClassVar[str] = "stop"
     axes: ClassVar[Axes] = "stop"
 
-    low: float
-    high: float
-    stiffness: float
-    damping: float = 0.0
+    first: str = described(Text("body"), "a body, or ground")
+    second: str = described(Text("body"), "another body, or ground")
+    low: float = quantity("rad", "least angle of the second body less that of the first")
+    high: float = quantity("rad", "largest angle of the second body less that of the first")
+    stiffness: float = quantity("N m/rad", "stiffness beyond the limits", above=0.0)
+    damping: float = quantity("N m s/rad", "damping beyond the limits", 0.0, low=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """There is room between the limits."""
+        if None not in (self.low, self.high) and self.low >= self.high:
+            yield Conflict("low", "no room between the limits", "exchange them, or move them apart", f"below high = {self.high:g} rad")
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads."""

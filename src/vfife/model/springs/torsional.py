@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ...fields import Text, described, quantity
 from ..strokes import Curve, PairSeen, Stroke
 from .force_element import Axes, ForceElement, SpringNumbers
 
@@ -22,9 +23,11 @@ class TorsionalSpring(ForceElement):
     kind: ClassVar[str] = "torsional"
     axes: ClassVar[Axes] = "torsional"
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    free_angle: float | None = None
+    first: str = described(Text("body"), "a body, or ground")
+    second: str = described(Text("body"), "another body, or ground")
+    stiffness: float = quantity("N m/rad", "stiffness", 0.0, low=0.0)
+    damping: float = quantity("N m s/rad", "damping", 0.0, low=0.0)
+    free_angle: float | None = quantity("rad", "angle of the second less that of the first without moment; that of the start if left out", None)
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads; the free angle is ``start`` (rad) unless given."""

@@ -1,0 +1,70 @@
+"""The straight-line step as JavaScript: a page that is opened from disk, without a server, runs a mechanism with the same bits.
+
+Its numbers are IEEE 754 doubles, its four operations, ``Math.sqrt`` and comparisons are rounded as everywhere, and a trace uses nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.resources import files
+
+from ..kernels.arrays import Layout
+from ..kernels.topology import Topology
+from .schedule import Line, Load, Store, Test, ordered, woven
+from .straight_line import Function, functions, trace
+from .trace import Operand, rows_used
+
+PATTERNS = {
+    "sqrt": "Math.sqrt({})", "neg": "-({})", "abs": "Math.abs({})", "and": "{} && {}", "or": "{} || {}", "select": "{} ? {} : {}",
+    "round": "({} + 6755399441055744) - 6755399441055744", "==": "{} === {}", "!=": "{} !== {}",
+}  # fmt: skip
+DRIVER = files(__package__).joinpath("driver.js")
+
+
+def operand(value: Operand) -> str:
+    """A name, or a number that reads back to the same bits."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value if isinstance(value, str) else f"({value!r})"
+
+
+def line(one: Line) -> str:
+    """A line."""
+    if isinstance(one, Load):
+        return f"const v{one.row} = S[{one.row}];"
+    if isinstance(one, Store):
+        return f"S[{one.row}] = {operand(one.value)};"
+    if isinstance(one, Test):
+        return f"if ({operand(one.condition)}) return false;"
+    pattern = PATTERNS.get(one.operator, f"{{}} {one.operator} {{}}")
+    return f"const {one.name} = {pattern.format(*map(operand, one.operands))};"
+
+
+def searched(found: list[Function], step_row: int) -> Iterable[str]:
+    """Functions at step n, as the data-driven loop has them."""
+    yield f"const dt = S[{step_row}], ahead = n === 0 ? 0 : dt, time = n * dt, after = (n + 1) * dt;"
+    for f in found:
+        yield "{"
+        yield from (f"const {name} = S[{name[1:]}];" for name in rows_used(f.operations))
+        yield from map(line, f.operations)
+        value, rate, acceleration, following = (f"S[{row}]" for row in f.rows)
+        yield f"[{value}, {rate}, {acceleration}] = polynomial(T, {f.table}, {operand(f.argument)});"
+        yield f"{following} = polynomial(T, {f.table}, after)[0];" if f.of_time else f"{following} = {value};"
+        yield "}"
+
+
+def definition(head: str, lines: Iterable[str]) -> str:
+    """A function."""
+    return "\n  ".join([f"function {head} {{", *lines]) + "\n}\n"
+
+
+def written(topology: Topology) -> str:
+    """Text with ``advance(S, T, n0, count)`` for one simulation: S and T are Float64Arrays, the state and its tables."""
+    lean, whole = trace(topology), trace(topology, True)
+    parts = [
+        DRIVER.read_text(),
+        definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
+        definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
+        definition("whole(S, n)", map(line, woven(whole, list(whole.operations)))),
+    ]
+    return "\n".join(parts)

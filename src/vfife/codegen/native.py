@@ -1,0 +1,113 @@
+"""Machine code of the straight-line step, made by LLVM and kept on disk as object code; called without Python's lock."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import platform
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.topology import Topology
+from . import cache
+from .lock import WRITING
+from .source import data_driven
+
+Rows = NDArray[np.float64]
+
+EFFORT = 2  # of LLVM's code generator, as in -O2; nothing of it changes a bit
+POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
+ADVANCE = ctypes.CFUNCTYPE(None, POINTER, POINTER, NUMBER, NUMBER, NUMBER, NUMBER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
+
+
+@lru_cache(maxsize=1)
+def _target() -> Any:
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm
+
+
+def processor() -> tuple[str, str]:
+    """Name and features of this machine's processor, as LLVM has them."""
+    llvm = _target()
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def widest() -> int:
+    """Doubles in a vector register of this machine: 8 with AVX-512, 4 with AVX, else 2."""
+    features = set(processor()[1].split(","))
+    return 8 if "+avx512f" in features else 4 if "+avx" in features else 2
+
+
+def machine(effort: int = EFFORT) -> Any:
+    """LLVM's code generator for this processor."""
+    name, features = processor()
+    target = _target().Target.from_default_triple()
+    return target.create_target_machine(cpu=name, features=features, opt=effort, codemodel="jitdefault", jit=True)
+
+
+def object_code(text: str, effort: int = EFFORT) -> bytes:
+    """Object code of a text."""
+    with WRITING:
+        module = _target().parse_assembly(text)
+        module.verify()
+        code: bytes = machine(effort).emit_object(module)
+    return code
+
+
+def origin(topology: Topology) -> list[bytes]:
+    """All that the text of a topology's step is made from."""
+    laws = topology.contact_laws + topology.friction_laws
+    numbers = {field.name: getattr(topology, field.name) for field in dataclasses.fields(topology)}
+    numbers |= {"contact_laws": "", "friction_laws": ""}
+    own = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
+    names = "" if not own else data_driven(topology.contact_laws, topology.friction_laws)
+    return [cache.sources(), repr(numbers).encode(), repr([f"{law.__module__}.{law.__qualname__}" for law in laws]).encode(), names.encode()]
+
+
+def name_of(topology: Topology, width: int) -> str:
+    """File of the cache with a topology's machine code."""
+    import llvmlite
+
+    parts = (llvmlite.__version__, platform.machine(), *processor(), str(width))
+    return f"step-{cache.digest([*origin(topology), *(part.encode() for part in parts)])}.o"
+
+
+class Loaded:
+    """A step in memory; ``advance`` is called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
+
+    def __init__(self, code: bytes, width: int) -> None:
+        llvm = _target()
+        self.width = width
+        self.engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
+        self.engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        self.engine.finalize_object()
+        self.function = ADVANCE(self.engine.get_function_address("advance"))
+
+    def __call__(self, S: Rows, T: Rows, n0: int, count: int, out: Rows, kept: NDArray[np.uint32], extremes: NDArray[np.uint32]) -> None:
+        """``out.shape[0]`` times ``count`` steps from step ``n0``."""
+        self.function(
+            S.ctypes.data, T.ctypes.data, len(T) // self.width, n0, count, len(out), out.ctypes.data, kept.ctypes.data, len(kept),
+            extremes.ctypes.data, len(extremes),
+        )  # fmt: skip
+
+
+@lru_cache(maxsize=64)
+def straight_line(topology: Topology, width: int) -> Callable[..., None]:
+    """The step of a topology in so many lanes, from the cache or compiled."""
+    with WRITING:
+        name = name_of(topology, width)
+        code = cache.read(name)
+        if code is not None:
+            return Loaded(code, width)
+        from .llvm import written
+
+        code = object_code(written(topology, width))
+        cache.keep(name, code)
+        return Loaded(code, width)

@@ -1,0 +1,86 @@
+"""The straight-line step as plain Python, one lane: slow, and the same bits; to read, to step through, to try a trace without a compiler."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from ..kernels.arrays import Layout
+from ..kernels.elementary import nearest
+from ..kernels.polynomial import polynomial
+from ..kernels.topology import Topology
+from .schedule import Line, Load, Store, Test, ordered, woven
+from .straight_line import Function, functions, trace
+from .trace import Operand, rows_used
+
+PATTERNS = {
+    "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}", "select": "{1} if {0} else {2}", "round": "nearest({})",
+}  # fmt: skip
+
+ADVANCE = """def advance(S, T, n0, count, out, kept, extremes):
+    for m in range(len(out)):
+        for q in extremes:
+            S[q] = 0.0
+        for n in range(n0 + m * count, n0 + (m + 1) * count):
+            functions(S, T, n)
+            if n == 0 or not lean(S, n):
+                whole(S, n)
+        for q in range(len(kept)):
+            out[m, q, 0] = S[kept[q]]
+"""
+
+
+def operand(value: Operand) -> str:
+    """A name, or a number that reads back to the same bits."""
+    return value if isinstance(value, str) else repr(value)
+
+
+def line(one: Line) -> str:
+    """A line."""
+    if isinstance(one, Load):
+        return f"v{one.row} = S[{one.row}]"
+    if isinstance(one, Store):
+        return f"S[{one.row}] = {operand(one.value)}"
+    if isinstance(one, Test):
+        return f"if {operand(one.condition)}: return False"
+    pattern = PATTERNS.get(one.operator, f"{{}} {one.operator} {{}}")
+    return f"{one.name} = {pattern.format(*(f'({o})' if o[0] == '-' else o for o in map(operand, one.operands)))}"
+
+
+def searched(found: list[Function], step_row: int) -> Iterable[str]:
+    """Functions at step n, as the data-driven loop has them."""
+    yield f"dt = S[{step_row}]"
+    yield "ahead = 0.0 if n == 0 else dt"
+    yield "time, after = n * dt, (n + 1) * dt"
+    for f in found:
+        yield from (f"{name} = S[{name[1:]}]" for name in rows_used(f.operations))
+        yield from map(line, f.operations)
+        value, rate, acceleration, following = (f"S[{row}]" for row in f.rows)
+        yield f"{value}, {rate}, {acceleration} = polynomial(T, {f.table}, {operand(f.argument)})"
+        yield f"{following} = polynomial(T, {f.table}, after)[0]" if f.of_time else f"{following} = {value}"
+
+
+def definition(head: str, lines: Iterable[str]) -> str:
+    """A function."""
+    return "\n    ".join([f"def {head}:", *lines]) + "\n"
+
+
+def written(topology: Topology) -> str:
+    """Text with ``advance``; it wants ``sqrt``, ``nearest`` and ``polynomial``."""
+    lean, whole = trace(topology), trace(topology, True)
+    parts = [
+        definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
+        definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
+        definition("whole(S, n)", [*map(line, woven(whole, list(whole.operations))), "return True"]),
+        ADVANCE,
+    ]
+    return "\n\n".join(parts)
+
+
+def straight_line(topology: Topology) -> Callable[..., None]:
+    """``advance`` of a topology as plain Python, called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
+    space: dict[str, Any] = {"sqrt": math.sqrt, "nearest": nearest, "polynomial": polynomial}
+    exec(compile(written(topology), "<vfife straight line>", "exec"), space)  # the text is our own and the user's laws, never a model file's
+    function: Callable[..., None] = space["advance"]
+    return function
