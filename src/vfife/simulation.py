@@ -13,7 +13,6 @@ import numpy as np
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
 from .errors import Fault, ModelError
-from .model.drivers import ConstantSpeed, Torque
 from .model.mechanism import Mechanism
 from .model.validate import validate
 from .result import Result
@@ -72,10 +71,10 @@ def reference_of(mechanism: Mechanism, turns: float | None = None, duration: flo
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
     if mechanism.settings.analysis == "static":
         return None
-    moving = [driver for driver in mechanism.drivers.values() if not isinstance(driver, Torque)]
+    moving = [driver for driver in mechanism.drivers.values() if driver.moves]
     if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
         return None
-    if all(isinstance(driver, ConstantSpeed) for driver in moving):
+    if all(driver.steady_speed is not None for driver in moving):
         turns, duration = 1.0, None
     record = run(assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration))
     if record.status == Status.INTERRUPTED:

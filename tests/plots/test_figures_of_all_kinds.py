@@ -11,9 +11,9 @@ from rich.console import Console
 import vfife
 from mechanisms import everything
 from vfife import gallery
+from vfife.model.strokes import tangent, zigzag
 from vfife.plots import figures
 from vfife.plots.outlines import outline
-from vfife.plots.springsigns import tangent, zigzag
 from vfife.report.summary import show
 from vfife.result import Result
 

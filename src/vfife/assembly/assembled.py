@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
+from ..model.path import Path
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Assembly:
     ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``contacts``, ``ideals``, ``springs`` and ``pivots`` are names
     in the order of the rows of ``contact_*``, ``joint_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
     body; gears and drivers without a pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
-    ``contact_joints`` names the joint of each contact.
+    ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot.
     """
 
     mechanism: Mechanism
@@ -77,6 +78,7 @@ class Assembly:
     choice: StepChoice
     springs: tuple[str, ...] = ()
     contact_joints: tuple[str, ...] = ()
+    contact_paths: tuple[Path | None, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
 

@@ -21,9 +21,8 @@ from ..codegen.graph import tables
 from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.constraint import levers
-from ..kernels.topology import REVOLUTE, WELD, Topology
+from ..kernels.topology import PINNED, Topology
 from ..laws.elasticity import elastic_energy, tangent
-from ..model.joints import ClearanceSlider
 from .assembled import slots_of
 
 if TYPE_CHECKING:
@@ -201,7 +200,7 @@ def contact_stiffness(
 
 def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
     """Stiffness (N/m) with which each contact counts on its bodies: of the four corners of a block in its guide two carry at once."""
-    return [0.5 * k if isinstance(touch.joint, ClearanceSlider) else k for touch, (k, _) in zip(touches, stiffness, strict=True)]
+    return [touch.joint.share * k for touch, (k, _) in zip(touches, stiffness, strict=True)]
 
 
 def contact_periods(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[tuple[str, float]]:
@@ -262,8 +261,8 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     now, before, after = (_constraints(layout, state, topology, angle) for angle in (0.0, -turn, turn))
     left = np.linalg.pinv(now * inverse @ now.T, rcond=1e-10, hermitian=True) @ ((after - before) / (2.0 * turn) * inverse @ now.T)
     quarter = np.zeros_like(left)
-    for kind, first in zip(topology.kinds, topology.constraint_starts, strict=False):
-        if kind in (REVOLUTE, WELD):
+    for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
+        if place == PINNED:
             quarter[first, first + 1], quarter[first + 1, first] = -1.0, 1.0
     return float(np.abs(np.linalg.eigvals(left @ quarter)).max(initial=0.0))
 

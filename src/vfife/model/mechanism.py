@@ -215,16 +215,7 @@ class Mechanism:
             self,
             name=f"{self.name}, ideal",
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
-            joints={name: idealised(joint) for name, joint in self.joints.items() if not isinstance(joint, ExternalContact)},
+            joints={name: ideal for name, joint in self.joints.items() if (ideal := joint.ideal()) is not None},
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
             start=StartSettings(),
         )
-
-
-def idealised(joint: Joint) -> Joint:
-    """The joint without play."""
-    if isinstance(joint, ClearanceRevolute):
-        return IdealRevolute(name=joint.name, bearing=joint.bearing, journal=joint.journal)
-    if isinstance(joint, ClearanceSlider):
-        return Slider(name=joint.name, bearing=joint.bearing, journal=joint.journal, direction=joint.direction)
-    return joint

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import reach
 from ..assembly.stability import element_stiffness, held
 from ..laws.elasticity import tangent
 
@@ -81,5 +80,5 @@ def extent(assembly: Assembly, state: Array) -> float:
     columns = [np.concatenate([place[1:], points[:, axis]]) for axis, place in enumerate(places)]
     box = float(np.hypot(*(column.max() - column.min() for column in columns))) if len(columns[0]) else 0.0
     pins = [float(np.hypot(*at)) for body in assembly.bodies.values() for at in body.pins.values()]
-    bearings = [reach(joint) for joint in assembly.mechanism.contacts.values()]
+    bearings = [joint.reach for joint in assembly.mechanism.contacts.values()]
     return max([box, *pins, *bearings, 1e-9])

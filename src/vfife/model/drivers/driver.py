@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from ...fields import Direction, Text, described, key_of
+from ..polynomials import Polynomials
 
 Point = tuple[float, float]
 
@@ -27,8 +28,9 @@ class Driver:
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
     lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
-    moves: ClassVar[bool] = True  # whether it prescribes a motion
+    moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
     drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
+    revolves: ClassVar[bool] = False  # may turn a body round and round
     registry: ClassVar[dict[str, type[Driver]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -56,3 +58,41 @@ class Driver:
     def along(self) -> bool:
         """Whether it acts along a line, in m or N, not about an axis, in rad or N m."""
         return bool(self.slider or self.point)
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added. TypeError where it prescribes no motion."""
+        raise TypeError(f"{type(self).__name__} prescribes no motion")
+
+    def effort(self) -> Polynomials:
+        """Its torque (N m) or force (N). TypeError where it prescribes a motion."""
+        raise TypeError(f"{type(self).__name__} is no torque and no force")
+
+    @property
+    def over(self) -> Literal["time", "speed", "angle"]:
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        return "time"
+
+    @property
+    def steady(self) -> bool:
+        """Whether its effort does not depend on time."""
+        return True
+
+    @property
+    def largest_speed(self) -> float:
+        """Largest speed (rad/s or m/s) that it asks for."""
+        return 0.0
+
+    @property
+    def steady_speed(self) -> float | None:
+        """Its speed (rad/s or m/s) if that never changes, else None."""
+        return None
+
+    @property
+    def unit(self) -> str:
+        """Unit of what it prescribes."""
+        return "m" if self.along else "rad"
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return self.kind

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from ...fields import quantity
+from ..polynomials import Polynomials, sine
 from .driver import Driver
 
 MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
@@ -22,3 +24,17 @@ class Harmonic(Driver):
     amplitude: float = quantity("rad", MOTION, along=quantity("m", MOTION))
     frequency: float = quantity("1/s", "frequency of the amplitude", above=0.0)
     phase: float = quantity("rad", "phase of the amplitude; 0 if left out", 0.0)
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added."""
+        return sine(self.amplitude, self.frequency, self.phase, offset)
+
+    @property
+    def largest_speed(self) -> float:
+        """Speed in the middle of its swing (rad/s or m/s)."""
+        return 2.0 * math.pi * self.frequency * abs(self.amplitude)
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"harmonic, {self.amplitude:.6g} {self.unit} at {self.frequency:.6g} Hz"

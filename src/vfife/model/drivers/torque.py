@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from ...fields import Many, Measure, described
+from ..polynomials import Polynomials, clamped, constant
 from ..renamed import renamed
 from .driver import Driver
 
@@ -20,7 +21,6 @@ class Torque(Driver):
     """
 
     kind: ClassVar[str] = "effort"
-
     lead: ClassVar[str] = "value"
     moves: ClassVar[bool] = False
     drives: ClassVar[tuple[str, ...]] = ("body", "point")
@@ -44,3 +44,29 @@ class Torque(Driver):
         None,
         along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
     )
+
+    def effort(self) -> Polynomials:
+        """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else constant."""
+        if isinstance(self.value, int | float):
+            return constant(float(self.value))
+        over = self.speeds or self.angles or self.times
+        return constant(float(self.value[0])) if over is None else clamped(over, self.value)
+
+    @property
+    def over(self) -> Literal["time", "speed", "angle"]:
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        return "speed" if self.speeds is not None else "angle" if self.angles is not None else "time"
+
+    @property
+    def steady(self) -> bool:
+        """Whether its effort does not depend on time."""
+        return self.times is None
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        what, newton = ("force", "N") if self.point else ("torque", "N m")
+        over = " over speed" if self.speeds else " over " + ("travel" if self.point else "angle") if self.angles else ""
+        if isinstance(self.value, int | float):
+            return f"{what} {self.value:.6g} {newton}"
+        return f"table of {len(self.value)} {what}s{over}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from .clearance_revolute import ClearanceRevolute
 from .clearance_slider import ClearanceSlider
 from .contact import Contact, FrictionMoment
+from .curved_slot import ClearanceCurvedSlot, CurvedSlot
 from .external_contact import ExternalContact
 from .gear import Gear
 from .ideal_revolute import IdealRevolute
@@ -13,9 +14,11 @@ from .slider import Slider
 from .weld import Weld
 
 __all__ = [
+    "ClearanceCurvedSlot",
     "ClearanceRevolute",
     "ClearanceSlider",
     "Contact",
+    "CurvedSlot",
     "ExternalContact",
     "FrictionMoment",
     "Gear",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from ...fields import Choice, Chosen, Named, described, quantity
 from ...laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
+from ..touching import Touching
 from .joint import Joint
 
 FrictionMoment = Literal["mid-overlap", "surface", "off"]
@@ -34,6 +35,9 @@ class Contact(Joint):
     bearing_material: Material | None = described(Named(Material), "material of the bearing; its body's if left out", None)
     journal_material: Material | None = described(Named(Material), "material of the journal; its body's if left out", None)
 
+    sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
+    share: ClassVar[float] = 1.0  # of its contacts' stiffness that its bodies meet at once
+
     @property
     def landing(self) -> float:
         """Depth (m) at which a first contact may land."""
@@ -41,4 +45,18 @@ class Contact(Joint):
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
+        raise NotImplementedError
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """Where the surfaces can touch; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
+        raise NotImplementedError
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        raise NotImplementedError
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Depth (m) at the start beyond which no contact law has a meaning, and what it is."""
         raise NotImplementedError

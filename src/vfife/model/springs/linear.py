@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...fields import quantity
-from .force_element import ForceElement
+from ..strokes import Curve, PairSeen, Stroke, zigzag
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +19,22 @@ class Spring(ForceElement):
     """
 
     kind: ClassVar[str] = "linear"
+    axes: ClassVar[Axes] = "linear"
 
     stiffness: float = quantity("N/m", "stiffness", 0.0, low=0.0)
     damping: float = quantity("N s/m", "damping", 0.0, low=0.0)
     free_length: float | None = quantity("m", "length without force; that of the start if left out", None, low=0.0)
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads; the free length is ``start`` (m) unless given."""
+        free = start if self.free_length is None else self.free_length
+        return SpringNumbers((self.stiffness, 0.0, 0.0), (self.damping, 0.0, 0.0), free)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"spring, {self.stiffness:.6g} N/m, {self.damping:.6g} N s/m"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """A zigzag."""
+        return [Curve(zigzag(seen.first, seen.second, 0.018 * seen.size), "spring", 1.5, 6.0, sign="spring")]

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from ...errors import Fault, Path, place, suggestion
-from ..joints import IdealRevolute
+from ..joints import Contact
 from ..mechanism import Mechanism
+from ..rows import Coincide, Row
 
 NAME_LIMIT = 64
 MOST_SUGGESTIONS = 40  # looking for names that look alike takes time, and nobody reads so many
@@ -37,7 +38,7 @@ class Checks:
         self.pivots: dict[str, list[str]] = {}
         for name, joint in self.joints.items():
             held = held_by(joint)
-            if isinstance(joint, IdealRevolute) and len(held) == 2 and "ground" in held:
+            if rows_of(joint) == (Coincide(),) and len(held) == 2 and "ground" in held:
                 self.pivots.setdefault(next(iter(held - {"ground"})), []).append(name)
 
     def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
@@ -135,6 +136,14 @@ def ends(joint: Any) -> tuple[str, str]:
 def held_by(joint: Any) -> set[str]:
     """The bodies that a joint holds."""
     return {side.partition(".")[0] for side in ends(joint)}
+
+
+def rows_of(joint: Any) -> tuple[Row, ...]:
+    """What a joint without play holds; nothing where its sizes are wrong, which is told elsewhere."""
+    try:
+        return () if isinstance(joint, Contact) else tuple(joint.rows())
+    except (TypeError, ValueError):
+        return ()
 
 
 def shown_name(name: str) -> str:

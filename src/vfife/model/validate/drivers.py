@@ -6,9 +6,8 @@ import math
 from typing import Any
 
 from ...errors import Path
-from ..drivers import AngleTable, Torque
-from ..joints import Slider, Weld
-from .checks import Checks, held_by, shown_name
+from ..rows import Across, turn_row
+from .checks import Checks, held_by, rows_of, shown_name
 
 
 def check_drivers(checks: Checks) -> None:
@@ -47,8 +46,9 @@ def check_body(checks: Checks, path: Path, name: str, driver: Any) -> None:
 def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
     """The body is free to turn, about one ideal joint where it turns against the ground."""
     for name, joint in checks.joints.items():
-        slides = isinstance(joint, Slider) and joint.turning is not True
-        if held_by(joint) == {body, against} and (slides or isinstance(joint, Weld)):
+        rows = rows_of(joint)
+        if held_by(joint) == {body, against} and turn_row(rows) is not None:
+            slides = any(isinstance(row, Across) for row in rows)
             remedy = "drive the slider itself, with slider = ..., or set turning = true" if slides else "remove one of the two"
             checks.add((*path, ""), f"the {joint.kind} {name} keeps the angle that is to be driven", remedy)
             return
@@ -67,7 +67,7 @@ def dangling(checks: Checks) -> bool:
 
 def check_slider(checks: Checks, path: Path, slider: str) -> None:
     """The joint exists and is a slider."""
-    sliders = [name for name, joint in checks.joints.items() if isinstance(joint, Slider)]
+    sliders = [name for name, joint in checks.joints.items() if any(isinstance(row, Across) for row in rows_of(joint))]
     if slider in sliders or slider in checks.mechanism.joints.keys() - checks.joints.keys():
         return
     if slider in checks.joints:
@@ -81,9 +81,9 @@ def check_slider(checks: Checks, path: Path, slider: str) -> None:
 def check_tables(checks: Checks, path: Path, driver: Any) -> None:
     """Lists that go together are alike."""
     places = "travels" if driver.along else "angles"
-    if isinstance(driver, AngleTable) and None not in (driver.times, driver.values):
+    if driver.lead == "values" and None not in (driver.times, driver.values):
         checks.series(path, (places, driver.values), ("times", driver.times))
-    if isinstance(driver, Torque):
+    if not driver.moves:
         check_effort(checks, path, driver, places)
 
 

@@ -6,10 +6,8 @@ from typing import Any
 
 from ...errors import Path
 from ..bodies import Frame, Link
-from ..joints import ClearanceRevolute, ClearanceSlider, ExternalContact, IdealRevolute, Weld
-from .checks import Checks, ends, held_by, known
-
-HOLDING = (IdealRevolute, Weld)  # two of these between two rigid bodies leave them no motion
+from ..rows import Coincide
+from .checks import Checks, ends, held_by, known, rows_of
 
 
 def check_joints(checks: Checks) -> None:
@@ -19,7 +17,7 @@ def check_joints(checks: Checks) -> None:
     for name, joint in checks.joints.items():
         check_joint(checks, ("joint", name), joint, pairs)
         bodies = frozenset(held_by(joint))
-        if not isinstance(joint, HOLDING) or len(bodies) != 2 or not all(rigid(checks, body) for body in bodies):
+        if Coincide() not in rows_of(joint) or len(bodies) != 2 or not all(rigid(checks, body) for body in bodies):
             continue
         other = held.setdefault(bodies, name)
         if other != name and set(ends(joint)) != set(ends(checks.joints[other])):
@@ -46,22 +44,8 @@ def check_joint(checks: Checks, path: Path, joint: Any, pairs: dict[frozenset[st
         other = pairs.setdefault(frozenset((bearing, journal)), str(path[1]))
         if other != path[1]:
             checks.add((*path, ""), f"joint {other} connects the same two pins already", "remove one of the two")
-    check_sizes(checks, path, joint)
-
-
-def check_sizes(checks: Checks, path: Path, joint: Any) -> None:
-    """The journal is smaller than its bearing and something of it remains; corners fit on the block; a round has no direction."""
-    if isinstance(joint, ClearanceRevolute) and None not in (joint.clearance, joint.bearing_radius) and joint.clearance >= joint.bearing_radius:
-        limit = f"above 0 m and below bearing_radius = {joint.bearing_radius:g} m"
-        remedy = "check the units of both: clearance is bearing radius less journal radius"
-        checks.add((*path, "clearance"), "as large as the bearing: no journal is left", remedy, limit)
-    block: Any = (joint.length, joint.height, joint.corner_radius) if isinstance(joint, ClearanceSlider) else (None,)
-    if None not in block and joint.corner_radius > 0.5 * min(block[:2]):
-        what = f"corners of {joint.corner_radius:g} m do not fit on a block of {joint.length:g} m by {joint.height:g} m"
-        limit = f"at most half of the smaller side, {0.5 * min(block[:2]):g} m"
-        checks.add((*path, "corner_radius"), what, "give a smaller radius, and check the units of all three", limit)
-    if isinstance(joint, ExternalContact) and joint.bearing_radius is not None and joint.direction not in (None, (1.0, 0.0)):
-        checks.add((*path, "direction"), "a round has no direction", "remove it, or remove bearing_radius for a straight line")
+    for conflict in joint.conflicts():
+        checks.add((*path, conflict.key), conflict.what, conflict.remedy, conflict.limit)
 
 
 def check_gears(checks: Checks) -> None:

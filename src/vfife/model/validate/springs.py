@@ -6,7 +6,6 @@ from typing import Any
 
 from ...errors import Path
 from ...fields import Text, described_fields, value_of
-from ..springs import Spring, Stop
 from .checks import Checks, known, shown_name
 from .joints import rigid
 
@@ -21,7 +20,7 @@ def check_springs(checks: Checks) -> None:
                 (checks.side if value.refers == "pin" else checks.body)((*path, field.name), getattr(spring, field.name))
         one, two = ((end or "").partition(".")[0] for end in (spring.first, spring.second))
         # A spring may brace a body that deforms.
-        if one and one == two and (not isinstance(spring, Spring) or spring.first == spring.second or rigid(checks, one)):
+        if one and one == two and (spring.axes != "linear" or spring.first == spring.second or rigid(checks, one)):
             what = "both ends are on the ground" if one == "ground" else f"both ends are on {shown_name(one)}, and do nothing there"
             checks.add((*path, "second"), what, "name another body")
         check_strength(checks, path, spring)
@@ -32,5 +31,5 @@ def check_strength(checks: Checks, path: Path, spring: Any) -> None:
     strength = [spring.stiffness, spring.damping]
     if None not in strength and not any(any(one) if isinstance(one, tuple) else one for one in strength):
         checks.add((*path, ""), "neither a stiffness nor a damping: it does nothing", "give one of the two, or remove it")
-    if isinstance(spring, Stop) and None not in (spring.low, spring.high) and spring.low >= spring.high:
-        checks.add((*path, "low"), "no room between the limits", "exchange them, or move them apart", f"below high = {spring.high:g} rad")
+    for conflict in spring.conflicts():
+        checks.add((*path, conflict.key), conflict.what, conflict.remedy, conflict.limit)
