@@ -24,6 +24,7 @@ from ..kernels.constraint import levers
 from ..kernels.topology import REVOLUTE, WELD, Topology
 from ..laws.elasticity import elastic_energy, tangent
 from ..model.joints import ClearanceSlider
+from .assembled import slots_of
 
 if TYPE_CHECKING:
     from .entities import Touch
@@ -190,8 +191,8 @@ def contact_stiffness(
     """Tangent (N/m) of each contact's law under twice the force that it is expected to carry, and the mobility (1/kg) that it meets."""
     found = []
     for index, touch in enumerate(touches):
-        law, row = touch.joint.contact, layout.row("contact_slots", index)
-        slots = tuple(float(v) for v in state[row : row + len(law.slots)])
+        law = touch.joint.contact
+        slots = slots_of(layout, state, index, len(law.slots))
         mobility = joint_mobility(layout, state, topology, index)
         force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(law, slots, state, layout, mobility)
         found.append((tangent(law, slots, force)[1], mobility))
