@@ -10,6 +10,7 @@ import numpy as np
 from ..laws import Ambrosio, LankaraniNikravesh
 from ..model.drivers import ConstantSpeed
 from ..model.mechanism import Mechanism
+from ..model.options import ClearanceSliderOptions
 from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run
@@ -91,7 +92,8 @@ def guide_with_play(nudge: Nudge) -> Rows:
     speeds = {"crank": (0.0, 0.0765 * spin, spin), "rod": (0.0, 0.1530 * (spin - 75.0), -75.0), "block": (0.0, 0.1530 * (spin - 150.0), 0.0)}
     for name, velocity in speeds.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
-    options = {"contact": LankaraniNikravesh(restitution=0.4), "friction": Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2), "corner_radius": 1e-4}
+    friction = Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2)
+    options: ClearanceSliderOptions = {"contact": LankaraniNikravesh(restitution=0.4), "friction": friction, "corner_radius": 1e-4}
     m.clearance_slider("S", "ground.O", "block.center", clearance=c * nudge("clearance"), length=0.1, height=0.05, **options)
     seen = run(m, step=5e-7, duration=0.02, outputs=4000)
     time, corner = first_contact(c)
