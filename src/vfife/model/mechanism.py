@@ -104,6 +104,8 @@ class Mechanism:
 
     def point(self, name: str, x: float, y: float) -> None:
         """A point of the ground (m)."""
+        if name in self.points:
+            raise ValueError(f"there is a point called {name!r} already")
         self.points[name] = (float(x), float(y))
 
     def link(self, name: str, *, length: float, **options: Any) -> Link:
@@ -171,6 +173,8 @@ class Mechanism:
 
     def drive(self, body: str, *, speed: float) -> ConstantSpeed:
         """Turns a body at constant speed (rad/s) about its ideal joint to the ground; other drivers go to :attr:`drivers`."""
+        if body in self.drivers:
+            raise ValueError(f"there is a driver called {body!r} already")
         driver = ConstantSpeed(body=body, speed=speed)
         self.drivers[body] = driver
         return driver

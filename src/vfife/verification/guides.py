@@ -121,17 +121,23 @@ def first_contact(clearance: float) -> tuple[float, int]:
     return float(times[first]), 1 if height[first] > 0.0 else 3
 
 
+def _block_on_arm(name: str, mass: float, distance: float, speed: float) -> Mechanism:
+    """A block (kg) that slides along an arm, which turns at a constant speed (rad/s)."""
+    m = Mechanism(name)
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("arm", mass=1.0, inertia=0.2)
+    m.revolute("O", "ground.O", "arm.center")
+    m.rigid_body("block", mass=mass, inertia=1e-3, position=(distance, 0.0))
+    m.slider("S", "arm.center", "block.center")
+    m.drive("arm", speed=speed)
+    return m
+
+
 @verified("Slider on a rotating arm", "closed form: r = r₀ cosh ωt, N = 2 m ω r', torque N r", nudges={"speed": 1.005, "mass": 1.02})
 def slider_on_rotating_arm(nudge: Nudge) -> Rows:
     """A block free along an arm that turns at constant speed: distance, force of the guide (Coriolis), torque of the driver."""
     w, r0, mass = 8.0, 0.1, 0.7
-    m = Mechanism("slider on an arm")
-    m.point("O", 0.0, 0.0)
-    m.rigid_body("arm", mass=1.0, inertia=0.2)
-    m.revolute("O", "ground.O", "arm.center")
-    m.rigid_body("block", mass=mass * nudge("mass"), inertia=1e-3, position=(r0, 0.0))
-    m.slider("S", "arm.center", "block.center")
-    m.drive("arm", speed=w * nudge("speed"))
+    m = _block_on_arm("slider on an arm", mass * nudge("mass"), r0, w * nudge("speed"))
     time = 0.3
     seen = run(m, duration=time, step=1e-5, outputs=5000)
     r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))
@@ -211,13 +217,7 @@ def quick_return(nudge: Nudge) -> Rows:
 def driven_travel(nudge: Nudge) -> Rows:
     """A block pushed along a turning arm at constant speed: path and force of the driver, m r ω²."""
     w, v, r0, mass = 6.0, 0.4, 0.2, 0.5
-    m = Mechanism("driven travel")
-    m.point("O", 0.0, 0.0)
-    m.rigid_body("arm", mass=1.0, inertia=0.2)
-    m.revolute("O", "ground.O", "arm.center")
-    m.rigid_body("block", mass=mass * nudge("mass"), inertia=1e-3, position=(r0, 0.0))
-    m.slider("S", "arm.center", "block.center")
-    m.drive("arm", speed=w)
+    m = _block_on_arm("driven travel", mass * nudge("mass"), r0, w)
     m.drivers["push"] = ConstantSpeed(slider="S", speed=v * nudge("speed"))
     seen = run(m, duration=0.5, step=2e-5, outputs=5000)
     r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))
