@@ -256,9 +256,10 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with the angle, and the quarter turn Q of
     the forces of joints, which stay in space while the bodies turn.
     """
-    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
+    joined = sorted({*topology.joint_bearing, *topology.joint_journal})
+    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
     turn = 1e-6
-    now, before, after = (_constraints(layout, state, topology, angle) for angle in (0.0, -turn, turn))
+    now, before, after = (_constraints(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
     left = np.linalg.pinv(now * inverse @ now.T, rcond=1e-10, hermitian=True) @ ((after - before) / (2.0 * turn) * inverse @ now.T)
     quarter = np.zeros_like(left)
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
@@ -267,21 +268,21 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     return float(np.abs(np.linalg.eigvals(left @ quarter)).max(initial=0.0))
 
 
-def _constraints(layout: Layout, state: Array, topology: Topology, turn: float) -> Array:
-    """Rows of all constraints on (x, y, theta) of the particles, as the step has them, all bodies turned by an angle (rad)."""
+def _constraints(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float) -> Array:
+    """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies turned by an angle (rad)."""
     integers, _, rows = tables(topology)
     S = np.zeros(rows)
     S[: layout.rows] = state
     angle = np.where(np.arange(topology.particles) > 0, state[layout["particle_theta"]] + turn, 0.0)[list(topology.bound)]
     S[layout["c"]], S[layout["s"]] = np.cos(angle), np.sin(angle)
     levers(S, [int(value) for value in integers])
-    starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], topology.particles, 3))
+    starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], len(joined), 3))
     for joint, (bearing, journal) in enumerate(zip(topology.joint_bearing, topology.joint_journal, strict=True)):
         for k in range(starts[joint], starts[joint + 1]):
             row = layout.record("constraint", k)
             nx, ny, jb, jk = (S[row + field] for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk))
-            found[k, bearing] -= nx, ny, jb
-            found[k, journal] += nx, ny, jk
+            found[k, joined.index(bearing)] -= nx, ny, jb
+            found[k, joined.index(journal)] += nx, ny, jk
     return found.reshape(len(found), -1)
 
 
