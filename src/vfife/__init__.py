@@ -51,7 +51,7 @@ from .model.bodies import Frame, Link, Member, PointMass, RigidBody, Section
 from .model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from .model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact, Gear, IdealRevolute, Slider, Weld
 from .model.loads import PointForce
-from .model.mechanism import Mechanism, Settings, Start, StartSettings
+from .model.mechanism import Mechanism, Settings, StartSettings
 from .model.springs import Bushing, Spring, Stop, TorsionalSpring
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "simulate": "simulation",
 }
-_FORMER = {"load": "load_model"}  # what a name of version 0.1 is called now
+_FORMER = {"Start": "StartSettings", "load": "load_model"}  # what a name of version 0.1 is called now
 
 
 def __dir__() -> list[str]:
@@ -98,7 +98,7 @@ def __getattr__(name: str) -> Any:
 
         now = _FORMER[name]
         warnings.warn(f"vfife.{name} is called vfife.{now} now; the old name goes with the next version", DeprecationWarning, stacklevel=2)
-        return __getattr__(now)
+        return globals()[now] if now in globals() else __getattr__(now)
     if name in _LAZY:
         from importlib import import_module
 
@@ -165,7 +165,6 @@ __all__ = [
     "Settings",
     "Slider",
     "Spring",
-    "Start",
     "StartSettings",
     "Status",
     "StepTo",

@@ -23,7 +23,7 @@ from ..modelfile import dump, loads
 from ..solvers.record import Record, Rows
 from ..solvers.status import Status
 from .runfile import RunFile
-from .start import assembly_of, kept_assembly, present_name
+from .start import assembly_of, kept_assembly, present_name, state_of
 
 
 def versions() -> dict[str, str]:
@@ -102,6 +102,13 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, wher
         raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
     wall, loop, message = float(meta.get("wall", 0.0)), str(meta.get("loop", "")), str(meta.get("message", ""))
     return Record(assembly, steps, rows, kept, wall, loop, status_of(meta, where), message=message)
+
+
+def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where: str) -> Rows | None:
+    """S of a checkpoint; None where a file of version 0.1 has another number of rows than the model has today."""
+    if "assembly" in meta:
+        return state_of(assembly.layout, meta["assembly"]["blocks"], values, where)
+    return values if len(values) == assembly.layout.rows else None
 
 
 def status_of(meta: Mapping[str, Any], where: str) -> Status:

@@ -20,7 +20,7 @@ from ..model.mechanism import Settings
 from .fictitious_mass import extent
 from .loading import Loading
 from .progress import Progress
-from .record import Record, Writer, recorded_rows
+from .record import Record, Writer, lasting_rows, recorded_rows
 from .relaxation import Relaxation
 from .status import Status
 
@@ -51,7 +51,7 @@ def equilibrium(
     away "diverged", after Ctrl-C "interrupted"; the message says where, and the equilibria found are kept.
     """
     settings = assembly.mechanism.settings
-    kept = recorded_rows(assembly)
+    kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     loading = Loading(assembly)
     force = loading.force([0.0, *settings.load_factors], extent(assembly, assembly.state))
     relaxation = Relaxation(assembly, force, "interpreted" if loop == "interpreted" else "data-driven")
@@ -70,7 +70,7 @@ def equilibrium(
             rows.append(_at_rest(assembly, relaxation, stage)[kept])
             if file is not None:
                 file.append(np.array([k], dtype=np.int64), rows[-1][None, :])
-                file.checkpoint(k, relaxation.state)
+                file.checkpoint(k, relaxation.state[lasting])
             old = factor
     except KeyboardInterrupt:
         record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."

@@ -13,7 +13,7 @@ from ..codegen.runner import Runner
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .progress import Progress
-from .record import Record, Rows, Writer, recorded_rows
+from .record import Record, Rows, Writer, lasting_rows, recorded_rows
 from .status import Status
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
@@ -43,7 +43,7 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     before is kept.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
-    kept = recorded_rows(assembly)
+    kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     chosen = choose_loop(assembly, loop)
     runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
     choice = assembly.choice
@@ -71,7 +71,7 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
             sound = int(np.argmax(broken)) if broken.any() else len(rows)
             keep(done + 1, rows[:sound])
             if file is not None:
-                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[:, 0])
+                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[lasting, 0])
             done += sound
             if sound < some:
                 status = Status.DIVERGED
