@@ -69,7 +69,7 @@ def test_the_distance_from_a_path_is_that_of_its_nearest_point():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({}, "give a radius .* or points"),
+        ({}, "give a radius or points"),
         ({"points": ((0, 0), (1, 0), (1, 1))}, "corner at point 2 and no fillet"),
         ({"points": ((0, 0), (1, 0), (1, 1)), "fillet": 2.0}, "take 2 m of the 1 m between points 1 and 2"),
         ({"points": ((0, 0), (0, 0))}, "make no straight piece"),

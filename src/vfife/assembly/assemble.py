@@ -16,7 +16,7 @@ from ..kinematics.initial import Given, ideal_motion, seated
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..laws.check import try_out
 from ..model.functions import Polynomials
-from ..model.joints import ClearanceRevolute
+from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
 from .assembled import Assembly
@@ -162,7 +162,7 @@ def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np
     return tuple(starts), np.concatenate(parts)
 
 
-def refitted(assembly: Assembly, joints: Mapping[str, ClearanceRevolute]) -> Assembly:
+def refitted(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble`` gives with the same step, sooner.
 
     ``joints``: all of the mechanism's clearance joints. Raises ValueError where something else would change too: the kinds of the laws, or

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from .drivers import Driver, Torque
+from .drivers import Driver
 from .mechanism import Mechanism
 from .polynomials import Polynomials, clamped, constant, spline
 
@@ -14,7 +14,7 @@ def motion_function(driver: Driver, offset: float = 0.0) -> Polynomials:
     return driver.motion(offset)
 
 
-def torque_function(driver: Torque) -> Polynomials:
+def torque_function(driver: Driver) -> Polynomials:
     """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever the driver has; else constant."""
     return driver.effort()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import quantity
 from ..polynomials import Polynomials
@@ -15,6 +15,7 @@ class ConstantSpeed(Driver):
     """speed t; rad/s or m/s."""
 
     kind: ClassVar[str] = "constant-speed"
+    sample: ClassVar[dict[str, Any]] = {"speed": 5.0}
     revolves: ClassVar[bool] = True
     lead: ClassVar[str] = "speed"
 

@@ -27,6 +27,7 @@ class Driver:
     against: str = described(Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground")
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
     lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
     moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
     drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on

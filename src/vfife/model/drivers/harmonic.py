@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import quantity
 from ..polynomials import Polynomials, sine
@@ -18,6 +18,7 @@ class Harmonic(Driver):
     """amplitude [sin(2 pi frequency t + phase) - sin(phase)]; rad or m, Hz, rad."""
 
     kind: ClassVar[str] = "harmonic"
+    sample: ClassVar[dict[str, Any]] = {"amplitude": 0.2, "frequency": 3.0}
 
     lead: ClassVar[str] = "amplitude"
 

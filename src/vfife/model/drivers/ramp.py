@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import quantity
 from ..polynomials import Polynomials
@@ -15,6 +15,7 @@ class Ramp(Driver):
     """From rest to ``speed`` (rad/s, m/s) within ``duration`` (s): the speed is a fifth-order step, 10 s^3 - 15 s^4 + 6 s^5, then constant."""
 
     kind: ClassVar[str] = "ramp"
+    sample: ClassVar[dict[str, Any]] = {"speed": 5.0, "duration": 0.1}
     revolves: ClassVar[bool] = True
     lead: ClassVar[str] = "speed"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import quantity
 from ..polynomials import Polynomials
@@ -17,6 +17,7 @@ class StepTo(Driver):
     """From 0 to ``travel`` (rad, m) between ``begin`` and ``begin + duration`` (s), by the step 10 s^3 - 15 s^4 + 6 s^5; at rest else."""
 
     kind: ClassVar[str] = "step"
+    sample: ClassVar[dict[str, Any]] = {"travel": 0.5, "duration": 0.1}
 
     lead: ClassVar[str] = "travel"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class AngleTable(Driver):
     """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
 
     kind: ClassVar[str] = "table"
+    sample: ClassVar[dict[str, Any]] = {"times": (0.0, 0.1, 0.3), "values": (0.0, 0.2, 0.1)}
     revolves: ClassVar[bool] = True
     lead: ClassVar[str] = "values"
 

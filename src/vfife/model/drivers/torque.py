@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from ...fields import Many, Measure, described
 from ..polynomials import Polynomials, clamped, constant
@@ -21,6 +21,7 @@ class Torque(Driver):
     """
 
     kind: ClassVar[str] = "effort"
+    sample: ClassVar[dict[str, Any]] = {"value": 2.0}
     lead: ClassVar[str] = "value"
     moves: ClassVar[bool] = False
     drives: ClassVar[tuple[str, ...]] = ("body", "point")

@@ -9,7 +9,7 @@ from .curved_slot import ClearanceCurvedSlot, CurvedSlot
 from .external_contact import ExternalContact
 from .gear import Gear
 from .ideal_revolute import IdealRevolute
-from .joint import Joint, Point
+from .joint import Joint
 from .slider import Slider
 from .weld import Weld
 
@@ -24,7 +24,6 @@ __all__ = [
     "Gear",
     "IdealRevolute",
     "Joint",
-    "Point",
     "Slider",
     "Weld",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import quantity
 from ...laws import Material, Pair
@@ -28,6 +28,7 @@ class ClearanceRevolute(Contact):
     """
 
     kind: ClassVar[str] = "clearance"
+    sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "bearing_radius": 0.02}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
 
     clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)

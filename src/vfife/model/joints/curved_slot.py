@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class CurvedSlot(Joint):
     """
 
     kind: ClassVar[str] = "curved-slot"
+    sample: ClassVar[dict[str, Any]] = {"points": ((0.0, 0.0), (0.2, -0.1), (0.4, 0.0)), "fillet": 0.1}
 
     centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
     radius: float | None = quantity("m", RADIUS, None, above=0.0)
@@ -88,6 +89,7 @@ class ClearanceCurvedSlot(Contact):
     """
 
     kind: ClassVar[str] = "clearance-curved-slot"
+    sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "journal_radius": 0.01, "radius": 0.3}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "journal_radius", "radius", "fillet")
 
     clearance: float = quantity("m", "gap on each side of the centred pin", above=0.0)

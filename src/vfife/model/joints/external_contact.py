@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
@@ -26,6 +26,7 @@ class ExternalContact(Contact):
     """
 
     kind: ClassVar[str] = "contact"
+    sample: ClassVar[dict[str, Any]] = {"journal_radius": 0.05}
     sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
 
     journal_radius: float = quantity("m", "radius of the round at the journal", above=0.0)

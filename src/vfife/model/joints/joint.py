@@ -23,6 +23,7 @@ class Joint:
     journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
     registry: ClassVar[dict[str, type[Joint]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import Each, Measure, described
 from ..strokes import PairSeen, Stroke, ring
@@ -18,6 +18,7 @@ class Bushing(ForceElement):
     """
 
     kind: ClassVar[str] = "bushing"
+    sample: ClassVar[dict[str, Any]] = {"stiffness": (1e3, 1e3, 1.0)}
     axes: ClassVar[Axes] = "bushing"
 
     stiffness: tuple[float, float, float] = described(

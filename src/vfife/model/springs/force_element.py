@@ -36,6 +36,7 @@ class ForceElement:
     second: str = described(Text("pin"), 'the other end, "body.pin" or "ground.point"')
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
     axes: ClassVar[Axes] = "linear"  # along the line between two pins, about the axis between two bodies, with limits there, or along three axes
     registry: ClassVar[dict[str, type[ForceElement]]] = {}
 

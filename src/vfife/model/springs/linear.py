@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...fields import quantity
 from ..strokes import Curve, PairSeen, Stroke, zigzag
@@ -19,6 +19,7 @@ class Spring(ForceElement):
     """
 
     kind: ClassVar[str] = "linear"
+    sample: ClassVar[dict[str, Any]] = {"stiffness": 100.0}
     axes: ClassVar[Axes] = "linear"
 
     stiffness: float = quantity("N/m", "stiffness", 0.0, low=0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ class Stop(ForceElement):
     """
 
     kind: ClassVar[str] = "stop"
+    sample: ClassVar[dict[str, Any]] = {"low": -0.5, "high": -0.2, "stiffness": 10.0}
     axes: ClassVar[Axes] = "stop"
 
     first: str = described(Text("body"), "a body, or ground")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class TorsionalSpring(ForceElement):
     """
 
     kind: ClassVar[str] = "torsional"
+    sample: ClassVar[dict[str, Any]] = {"stiffness": 10.0}
     axes: ClassVar[Axes] = "torsional"
 
     first: str = described(Text("body"), "a body, or ground")
