@@ -30,7 +30,11 @@ class QuantityError(VfifeError):
 
 
 class LawError(VfifeError):
-    """A law of the user's own that cannot be used: which law, in which file and line, why, and what to do."""
+    """A law that cannot be used: which law, which parameter (``faults``) or in which file and line, why, and what to do."""
+
+    def __init__(self, message: str, faults: Sequence[Fault] = ()) -> None:
+        super().__init__(message)
+        self.faults = tuple(faults)
 
 
 class SourceError(VfifeError):

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError
-from .results.provenance import keep_reference, provenance, restored
+from .results.provenance import final_state, keep_reference, provenance, restored
 from .results.runfile import RunFile
 from .results.view import View
-from .solvers.record import Record
+from .solvers.record import Record, lasting_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,15 +52,17 @@ class Result(View):
         os.replace(part, path)
 
     def finish(self, file: RunFile) -> None:
-        """Ends a run file: what it does not have yet of the model, the outputs and the reference, how the run ended, and its summary."""
+        """Ends a run file: what it does not have yet of the model, outputs, last state and reference, how the run ended, and its summary."""
         record = self.record
         missing = slice(len(file.steps), None)
         if missing.start < len(record.steps):
             file.append(record.steps[missing], record.rows[missing])
+        if record.final is not None and (file.last_checkpoint() or (None,))[0] != record.steps[-1]:
+            file.checkpoint(int(record.steps[-1]), record.final[lasting_rows(record.assembly.layout)])
         if self.reference is not None and not file.has_reference:
             keep_reference(file, self.reference.record)
         meta = {} if file.knows("kept") else provenance(record.assembly, record.kept, record.loop)
-        file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop)
+        file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop, message=record.message)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -70,10 +72,10 @@ class Result(View):
         """
         with RunFile.open(path) as file:
             where = str(file.path)
-            result = cls(restored(file.meta, file.steps, file.rows, where))
-            last = file.last_checkpoint()
-            if last is not None and last[0] == file.steps[-1] and len(last[1]) == result.record.assembly.layout.rows:
-                result.record.final = last[1]
+            meta, last = file.meta, file.last_checkpoint()
+            result = cls(restored(meta, file.steps, file.rows, where))
+            if last is not None and last[0] == result.record.steps[-1]:
+                result.record.final = final_state(meta, result.record.assembly, last[1], where)
             kept = file.reference()
             if kept is not None:
                 result.reference = cls(restored(*kept, where=where))

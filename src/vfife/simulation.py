@@ -12,9 +12,9 @@ import numpy as np
 
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
-from .model.drivers import ConstantSpeed, Torque
+from .errors import Fault, ModelError
 from .model.mechanism import Mechanism
-from .modelfile import examined
+from .model.validate import validate
 from .result import Result
 from .results.provenance import keep_reference, provenance
 from .results.restart import restart_record, restarted, same_layout
@@ -71,10 +71,10 @@ def reference_of(mechanism: Mechanism, turns: float | None = None, duration: flo
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
     if mechanism.settings.analysis == "static":
         return None
-    moving = [driver for driver in mechanism.drivers.values() if not isinstance(driver, Torque)]
+    moving = [driver for driver in mechanism.drivers.values() if driver.moves]
     if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
         return None
-    if all(isinstance(driver, ConstantSpeed) for driver in moving):
+    if all(driver.steady_speed is not None for driver in moving):
         turns, duration = 1.0, None
     record = run(assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration))
     if record.status == Status.INTERRUPTED:
@@ -120,8 +120,11 @@ def simulate(
 
 def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True, start: StartFrom | None = None) -> Prepared:
     """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`."""
-    examined(mechanism)
+    validate(mechanism)
     if mechanism.settings.analysis == "static":
+        if start is not None:
+            fault = Fault("start", "a static analysis begins at the mechanism's own start, without loads", remedy="leave it out")
+            raise ModelError([fault], "simulate()")
         given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
         return Prepared(assemble(still), None, asked.loop, lambda _: assemble(still))

@@ -14,7 +14,7 @@ from vfife.assembly.assemble import assemble
 from vfife.model.drivers import Ramp
 from vfife.model.joints import ClearanceRevolute
 from vfife.model.mechanism import Mechanism
-from vfife.modelfile import examined
+from vfife.model.validate import validate
 from vfife.simulation import assembled_at
 
 CRANK = """name = "slider-crank"
@@ -183,7 +183,7 @@ NOUNS = {
 def test_python_hears_the_sentences_of_files(case: str) -> None:
     change, words = NOUNS[case]
     m = pendulum()
-    examined(m)
+    validate(m)
     change(m)
     with pytest.raises(ValueError) as told:
         vfife.simulate(m, duration=0.01)

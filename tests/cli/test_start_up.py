@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
-HEAVY = {"numba", "llvmlite", "matplotlib", "xarray", "scipy", "pandas", "plotly"}
+HEAVY = {"numba", "llvmlite", "matplotlib", "xarray", "scipy", "pandas"}
 LISTED = """
 import sys
 sys.argv = ["vfife", *{words!r}]

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rigid import Drive, Pin
 from vfife.errors import AssemblyError
 from vfife.kinematics.mobility import mobility
-from vfife.kinematics.solve import Drive, Pin, RigidSystem, accelerations, close, velocities
+from vfife.kinematics.solve import RigidSystem, accelerations, close, velocities
 
 GRAVITY = 9.81
 
@@ -93,7 +94,7 @@ def left_over(system, position, acceleration, force, reactions, torque):
             total[body, :2] += sign * reaction[:2]
             total[body, 2] += sign * (arm.real * reaction[1] - arm.imag * reaction[0])
     for drive, moment in zip(system.drives, torque, strict=True):
-        total[drive.body, 2] += moment
+        total[drive.body_b, 2] += moment
     inertial = np.column_stack([system.mass, system.mass, system.inertia]) * acceleration
     return (total - inertial)[1:]
 

@@ -125,7 +125,8 @@ ONE_FAULT = {
                  "[joint.b]", "joints elbow and b both hold arm and bar: together they weld"),
     "turning": ("direction = [0, 1]\n[joint.clamp]", 'turning = "yes"\n[joint.clamp]', "[joint.guide] turning", "true or false"),
     "key of another kind": ('kind = "weld"', 'kind = "weld"\ndirection = [1, 0]', "[joint.clamp] direction", 'Set kind = "slider"'),
-    "clearance of a slider": ('kind = "slider"', 'kind = "slider"\nclearance = 1e-4', "[joint.guide] clearance", 'Set kind = "clearance"'),
+    "clearance of a slider": (
+        'kind = "slider"', 'kind = "slider"\nclearance = 1e-4', "[joint.guide] clearance", 'Set kind = "clearance-slider" (or clearance, '),
     "kind": ('kind = "weld"', 'kind = "wield"', "[joint.clamp] kind", 'Did you mean "weld"?'),
     "block": ('height = "20 mm"', 'height = "1 mm"', "[joint.rail] corner_radius", "do not fit on a block of 0.05 m by 0.001 m"),
     "no height": ('height = "20 mm"', "", "[joint.rail] height", "missing"),

@@ -25,7 +25,8 @@ from vfife.model.bodies import RigidBody, Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.modelfile import dump, examined, loads
+from vfife.model.validate import validate
+from vfife.modelfile import dump, loads
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 
@@ -179,7 +180,7 @@ def mechanisms(draw: st.DrawFn, kinds: tuple[str, ...] = IDEAL, *, loops: bool =
 def built(m: Mechanism, step: float = STEP) -> Assembly:
     """The assembled mechanism; one that cannot be is refused in words that name something of it."""
     try:
-        examined(m)
+        validate(m)
         assembly = assemble(m, step, duration=STEPS * step, outputs=STEPS // 10, force_step=True)
     except ValueError as error:
         named = [*m.bodies, *m.joints, *m.gears, *m.drivers, *m.springs, *m.loads]

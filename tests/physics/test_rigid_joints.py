@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rigid import Drive, Gear, Pin, Slide, Travel, Weld
 from vfife.errors import AssemblyError
-from vfife.kinematics.constraints import Drive, Gear, Pin, Slide, Travel, Weld
 from vfife.kinematics.mobility import mobility
 from vfife.kinematics.solve import RigidSystem, accelerations, close, velocities
 
@@ -33,7 +33,7 @@ def left_over(s, position, acceleration, force, reactions, driving):
         total[body] += [*f, arm[0] * f[1] - arm[1] * f[0] + m]
 
     for one, (fx, fy, m) in zip(s.joints, reactions, strict=True):
-        if isinstance(one, Gear):
+        if one.turns:
             total[one.body_b, 2] += m
             total[one.body_a, 2] -= one.ratio * m
             continue
@@ -41,12 +41,12 @@ def left_over(s, position, acceleration, force, reactions, driving):
         push(one.body_b, at, np.array([fx, fy]), m)
         push(one.body_a, at, -np.array([fx, fy]), -m)
     for one, value in zip(s.drives, driving, strict=True):
-        if isinstance(one, Drive):
+        if one.turns:
             total[one.body_b, 2] += value
             total[one.body_a, 2] -= value
             continue
         at = position[one.body_b, :2] + turned(position[one.body_b, 2], one.point_b)
-        f = value * turned(position[one.body_a, 2], one.axis_a)
+        f = value * turned(position[one.body_a, 2], one.place.unit())
         push(one.body_b, at, f, 0.0)
         push(one.body_a, at, -f, 0.0)
     return (total - np.column_stack([s.mass, s.mass, s.inertia]) * acceleration)[1:]
@@ -232,7 +232,7 @@ def test_random_mechanisms_balance_and_stay_closed_to_third_order(case):
         gaps = [one.rows(there, velocity, 1.0).phi for one in s.joints]
         assert max(np.abs(gap).max() for gap in gaps) < 3.0 * h**3 * bound + 1e-13
         for one in s.drives:
-            value = one.angle + h * one.speed + 0.5 * h**2 * one.acceleration
+            value = one.aim + h * one.speed + 0.5 * h**2 * one.acceleration
             assert there[one.body_b, 2] - there[one.body_a, 2] == pytest.approx(value, abs=1e-10)
 
 

@@ -9,49 +9,13 @@ import pytest
 from rich.console import Console
 
 import vfife
+from mechanisms import everything
 from vfife import gallery
-from vfife.model.bodies import Section
-from vfife.model.drivers import Torque
-from vfife.model.loads import PointForce
-from vfife.model.mechanism import Mechanism
+from vfife.model.strokes import tangent, zigzag
 from vfife.plots import figures
 from vfife.plots.outlines import outline
-from vfife.plots.springsigns import tangent, zigzag
 from vfife.report.summary import show
 from vfife.result import Result
-
-
-def everything() -> Mechanism:
-    """Every kind of joint, spring, gear and load beside each other."""
-    m = Mechanism("everything", gravity=(0.0, -9.81))
-    for name, x, y in (("A", 0.0, 0.0), ("B", 1.0, 0.0), ("C", 2.0, 0.0), ("W", 0.0, -0.5), ("G", 1.5, -0.8), ("E", 0.3, 0.8), ("F", 0.6, 0.8)):
-        m.point(name, x, y)
-    m.link("one", length=0.3, mass=1.0, angle=-0.3)
-    m.link("two", length=0.3, mass=1.0, angle=0.5)
-    m.revolute("a", "ground.A", "one.start")
-    m.revolute("b", "ground.B", "two.start")
-    m.gear("wheels", "one", "two", ratio=-0.5)
-    for name, at in (("e", "E"), ("f", "F")):
-        m.rigid_body(name, mass=1.0, inertia=0.01, position=m.points[at])
-        m.revolute(name, f"ground.{at}", f"{name}.center")
-    m.gear("belt", "e", "f", ratio=2.0)
-    m.spring("coil", "one.end", "two.end", stiffness=300.0, damping=2.0, free_length=0.9)
-    m.torsional_spring("spiral", "ground", "two", stiffness=2.0, damping=0.01)
-    m.link("beam", length=0.5, model="elastic", elements=3, section=Section.round(0.004))
-    m.weld("clamp", "ground.C", "beam.start")
-    m.rigid_body("tip", mass=0.2, inertia=1e-3, position=(2.5, 0.0), pins={"q": (0.05, 0.02)})
-    m.bushing("rubber", "beam.end", "tip.center", stiffness=(2e4, 2e4, 5.0), damping=(3.0, 3.0, 0.01))
-    m.rigid_body("ball", mass=0.5, inertia=2e-4, position=(0.1, -0.44), velocity=(0.5, 0.0, 0.0))
-    m.rigid_body("other", mass=0.5, inertia=2e-4, position=(0.5, -0.44), velocity=(-0.5, 0.0, 0.0))
-    m.external_contact("floor", "ground.W", "ball.center", journal_radius=0.05, direction=(1.0, 0.0))
-    m.external_contact("ledge", "ground.W", "other.center", journal_radius=0.05, direction=(1.0, 0.0))
-    m.external_contact("balls", "ball.center", "other.center", journal_radius=0.05, bearing_radius=0.05)
-    m.rigid_body("block", mass=0.5, inertia=1e-3, position=(1.5, -0.8))
-    m.clearance_slider("guide", "ground.G", "block.center", clearance=1e-3, length=0.1, height=0.06)
-    m.stop("cheeks", "ground", "one", low=-0.5, high=-0.2, stiffness=50.0, damping=0.1)
-    m.loads["f"] = PointForce(name="f", at="tip.q", force=(0.0, 3.0), moment=0.1)
-    m.drivers["one"] = Torque(body="one", value=(1.0, 0.0), speeds=(0.0, 50.0))
-    return m
 
 
 @cache
@@ -105,7 +69,7 @@ def test_forces_of_a_loose_guide_and_moments_of_gears_have_panels():
 def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
     result = vfife.simulate(gallery.williams_toggle(elements=60, drops=(0.05,)), loop="data-driven")
     assert words(result) == {"toggle", "weld", "load"}
-    chain = Mechanism("chain", gravity=(0.0, -9.81))
+    chain = vfife.Mechanism("chain", gravity=(0.0, -9.81))
     chain.point("O", 0.0, 0.0)
     for k in range(20):
         chain.link(f"l{k}", length=0.1, mass=0.1)

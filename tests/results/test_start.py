@@ -48,30 +48,43 @@ def test_a_run_goes_on_from_its_file(result: vfife.Result, tmp_path: Path) -> No
         first = vfife.simulate(mechanism, duration=1e-4, step=1e-6, outputs=400, loop="data-driven", reference=False, file=file)
         first.finish(file)
     options = {"duration": 2e-5, "step": 1e-6, "outputs": 400, "loop": "data-driven", "reference": False}
-    one, other = vfife.simulate(mechanism, start=first, **options), vfife.simulate(mechanism, start=tmp_path, **options)
-    assert (bits(one.record.rows) == bits(other.record.rows)).all()
+    first.save(tmp_path / "saved.sqlite")
+    one = vfife.simulate(mechanism, start=first, **options)
+    for start in (tmp_path, tmp_path / "saved.sqlite"):
+        assert (bits(vfife.simulate(mechanism, start=start, **options).record.rows) == bits(one.record.rows)).all()
 
 
 @pytest.mark.parametrize("change", ["a block that is gone", "a block that is new", "another order"])
 def test_later_layouts_do_not_matter(result: vfife.Result, tmp_path: Path, change: str) -> None:
-    """What another version's layout would be: blocks are found by their names."""
+    """What another version's layout would be: blocks of the start and of the last state are found by their names."""
     path = tmp_path / "run.sqlite"
     result.save(path)
     with RunFile.open(path) as file:
-        meta = file.meta
-    blocks, start, at = meta["assembly"]["blocks"], meta["start"], 0
-    parts = {name: start[(at := at + count) - count : at] for name, count in blocks}
-    if change == "a block that is gone":
-        parts["contact_colour"] = np.arange(3.0)
-    elif change == "a block that is new":
-        del parts["body_alpha_max"]
-    else:
-        parts = dict(reversed(parts.items()))
-    meta["assembly"]["blocks"] = [[name, len(values)] for name, values in parts.items()]
-    meta["start"] = np.concatenate(list(parts.values()))
+        meta, (step, last) = file.meta, file.last_checkpoint()
+
+    def changed(values: np.ndarray) -> dict[str, np.ndarray]:
+        at = 0
+        parts = {name: values[(at := at + count) - count : at] for name, count in meta["assembly"]["blocks"]}
+        if change == "a block that is gone":
+            return {"contact_colour": np.arange(3.0)} | parts
+        if change == "a block that is new":
+            return {name: part for name, part in parts.items() if name != "body_alpha_max"}
+        return dict(reversed(parts.items()))
+
+    start, state = changed(meta["start"]), changed(last)
     with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file._transaction():
-        file._put(meta)
-    assert vfife.load_result(path).data.identical(result.data)
+        file._put({
+            "start": np.concatenate(list(start.values())),
+            "assembly": meta["assembly"] | {"blocks": [[name, len(values)] for name, values in start.items()]},
+        })  # fmt: skip
+    with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file:
+        file.checkpoint(step, np.concatenate(list(state.values())))
+    again = vfife.load_result(path)
+    assert again.data.identical(result.data)
+    for block in BLOCKS:
+        if block.role in ("state", "memory"):
+            rows = again.record.assembly.layout.rows_of(block.name)
+            assert (bits(again.record.final[rows]) == bits(result.record.final[rows])).all()
 
 
 def test_a_start_that_does_not_fit_is_told(result: vfife.Result, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels import frame
 from ..laws.elasticity import elastic_energy
 from ..solvers.record import Record
 from .motion import AXES, is_free, velocities
@@ -95,7 +96,7 @@ def kinetic(record: Record) -> Array:
 
 
 def strain(record: Record) -> Array:
-    """Strain energy of the elements (J): N^2 l/(2 E A) + l/(6 E I) (m_1^2 - m_1 m_2 + m_2^2).
+    """Strain energy of the elements (J): N^2 l/(2 E A) + (m_1 theta_1 + m_2 theta_2)/2 = N^2 l/(2 E A) + l/(6 E I) (m_1^2 - m_1 m_2 + m_2^2).
 
     With one end released its moment is zero, and what is left, l m^2/(6 E I), is the energy of the condensed
     stiffness 3 E I/l.
@@ -105,8 +106,10 @@ def strain(record: Record) -> Array:
     length = record.block("reference_length")
     n, m1, m2 = (record.block(f"frame_{name}") for name in ("axial_force", "moment_1", "moment_2"))
     axial, bending = record.parameter("frame_axial_stiffness"), record.parameter("frame_bending_stiffness")
-    flexible = np.where(bending > 0.0, bending, np.inf)
-    energy = n**2 * length / (2.0 * axial) + length / (6.0 * flexible) * (m1**2 - m1 * m2 + m2**2)
+    flexible = np.where(bending > 0.0, bending, 1.0)  # without bending stiffness there is no moment
+    along = frame.stiffness(1.0 / length, axial, flexible)[0]
+    theta_1, theta_2 = frame.end_rotations(m1, m2, 1.0 / length, flexible)
+    energy = 0.5 * (n**2 / along + m1 * theta_1 + m2 * theta_2)
     return np.asarray(energy.sum(axis=1), dtype=float)
 
 
@@ -119,9 +122,7 @@ def contact(record: Record) -> Array:
     depth = np.maximum(record.block("contact_penetration"), 0.0)
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        row = assembly.layout.row("contact_slots", index)
-        slots = tuple(float(value) for value in assembly.state[row : row + len(law.slots)])
-        total += elastic_energy(law, depth[:, index], slots)
+        total += elastic_energy(law, depth[:, index], assembly.contact_slots(index))
     return total
 
 

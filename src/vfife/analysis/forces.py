@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.path import Path
 from ..solvers.record import Record
 from .motion import seen
 
 Array = NDArray[np.float64]
 FREE_FLIGHT, IMPACT, CONTINUOUS_CONTACT = 0, 1, 2
-KINDS = ("bearing", "round", "line")  # of contacts, in the order of their numbers
+KINDS = ("bearing", "round", "line", "slot")  # of contacts, in the order of their numbers
 MODES = ("free_flight", "impact", "continuous_contact")  # their names, in this order
 
 
@@ -37,7 +38,8 @@ def eccentricity(record: Record) -> Array:
 def normals(record: Record) -> Array:
     """Unit vector of each contact against which its normal force acts on the journal, shape (outputs, contacts, 2): Eq. 24.
 
-    From the bearing's centre to the journal's; outside, from the journal's to the bearing's; on a line, into its material.
+    From the bearing's centre to the journal's; outside, from the journal's to the bearing's; on a line, into its material;
+    in a slot, from its middle to the journal's.
     """
     topology = record.assembly.topology
     away = eccentricity(record)
@@ -49,7 +51,20 @@ def normals(record: Record) -> Array:
         angle = record.block("particle_theta")[:, [topology.contact_bearing[k] for k in lines]]
         x, y = (record.parameter(f"contact_line_{axis}")[lines] for axis in "xy")
         n[:, lines] = np.stack([np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y], axis=2)
+    for k in np.flatnonzero(kind == KINDS.index("slot")):
+        angle = record.block("particle_theta")[:, topology.contact_bearing[k]]
+        n[:, k] = _off_the_path(away[:, k], angle, record.assembly.contact_paths[k])
     return np.asarray(n, dtype=float)
+
+
+def _off_the_path(away: Array, angle: Array, path: Path | None) -> Array:
+    """Unit vectors (outputs, 2) from the middle of a slot to the journal, which is at ``away`` (m) from the bearing's pin."""
+    found = np.zeros_like(away)
+    for row, ((x, y), c, s) in enumerate(zip(away, np.cos(angle), np.sin(angle), strict=True)):
+        distance, nx, ny = (0.0, 0.0, 0.0) if path is None else path.seen(c * x + s * y, c * y - s * x)
+        side = 1.0 if distance >= 0.0 else -1.0
+        found[row] = side * (c * nx - s * ny), side * (s * nx + c * ny)
+    return found
 
 
 def joint_force(record: Record) -> Array:

@@ -16,12 +16,12 @@ from ..kinematics.initial import Given, ideal_motion, seated
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..laws.check import try_out
 from ..model.functions import Polynomials
-from ..model.joints import ClearanceRevolute
+from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
 from .assembled import Assembly
 from .checks import refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck
-from .entities import Parts, in_bearing, parts_of, turning
+from .entities import Parts, parts_of, touches_of, turning
 from .fill import Filler, touch_rows
 from .numbering import Numbering
 from .prestress import prestress, wanted
@@ -78,6 +78,7 @@ def assemble(
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)
+    filler.paths(parts.paths)
     refuse_deep(filler, parts.touches)
     filler.springs(parts.springs)
     filler.drivers_and_loads(parts.loads)
@@ -102,7 +103,8 @@ def assemble(
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
         tuple(j.name for j in parts.ideals),
-        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches), motion.mobility, cautions(mechanism),
+        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
+        tuple(t.touching.path for t in parts.touches), motion.mobility, cautions(mechanism),
     )  # fmt: skip
 
 
@@ -110,6 +112,7 @@ def topology_of(
     mechanism: Mechanism, numbering: Numbering, parts: Parts, laws: list[tuple[type[Law], ...]], functions: tuple[int, ...]
 ) -> Topology:
     """The integers that say what is joined to what."""
+    paths = parts.numbered()
     return Topology(
         particles=numbering.count,
         free=tuple(numbering.free),
@@ -119,11 +122,15 @@ def topology_of(
         contact_bearing=tuple(t.bearing[0] for t in parts.touches),
         contact_journal=tuple(t.journal[0] for t in parts.touches),
         contact_kind=tuple(t.kind for t in parts.touches),
+        contact_path=paths[len(parts.ideals) :],
         contact_form=tuple(laws[0].index(t.joint.contact.form()) for t in parts.touches),
         friction_form=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
         joint_bearing=tuple(j.bearing[0] for j in parts.ideals),
         joint_journal=tuple(j.journal[0] for j in parts.ideals),
-        joint_kind=tuple(j.kind for j in parts.ideals),
+        joint_place=tuple(j.place for j in parts.ideals),
+        joint_turn=tuple(j.turn for j in parts.ideals),
+        joint_path=paths[: len(parts.ideals)],
+        path_pieces=tuple(len(path.pieces) for path in parts.paths),
         joint_function=tuple(j.function for j in parts.ideals),
         spring_first=tuple(s[2][0] for s in parts.springs),
         spring_second=tuple(s[3][0] for s in parts.springs),
@@ -155,7 +162,7 @@ def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np
     return tuple(starts), np.concatenate(parts)
 
 
-def refitted(assembly: Assembly, joints: Mapping[str, ClearanceRevolute]) -> Assembly:
+def refitted(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble`` gives with the same step, sooner.
 
     ``joints``: all of the mechanism's clearance joints. Raises ValueError where something else would change too: the kinds of the laws, or
@@ -170,7 +177,7 @@ def refitted(assembly: Assembly, joints: Mapping[str, ClearanceRevolute]) -> Ass
         if kinds != (joint.contact.form(), joint.friction.form()) or joint.sides != mechanism.joints[name].sides:
             raise ValueError(f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the mechanism anew")
         nowhere = (0, (0.0, 0.0))
-        for row, values in touch_rows(mechanism, assembly.layout, in_bearing(joint, nowhere, nowhere), index):
+        for row, values in touch_rows(mechanism, assembly.layout, touches_of(name, joint, nowhere, nowhere, 0.0)[0], index):
             state[row : row + len(values)] = values
     fitted = dataclasses.replace(mechanism, joints={**mechanism.joints, **joints})
     return dataclasses.replace(assembly, mechanism=fitted, state=state)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
+from ..model.path import Path
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Assembly:
     ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``contacts``, ``ideals``, ``springs`` and ``pivots`` are names
     in the order of the rows of ``contact_*``, ``joint_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
     body; gears and drivers without a pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
-    ``contact_joints`` names the joint of each contact.
+    ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot.
     """
 
     mechanism: Mechanism
@@ -77,5 +78,16 @@ class Assembly:
     choice: StepChoice
     springs: tuple[str, ...] = ()
     contact_joints: tuple[str, ...] = ()
+    contact_paths: tuple[Path | None, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
+
+    def contact_slots(self, index: int) -> tuple[float, ...]:
+        """Parameters of the law of a contact."""
+        return slots_of(self.layout, self.state, index, len(self.mechanism.contacts[self.contact_joints[index]].contact.slots))
+
+
+def slots_of(layout: Layout, state: NDArray[np.float64], index: int, count: int) -> tuple[float, ...]:
+    """So many parameters of the law of a contact, from its record."""
+    row = layout.row("contact_slots", index)
+    return tuple(float(value) for value in state[row : row + count])

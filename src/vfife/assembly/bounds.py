@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.joints import ClearanceRevolute, ClearanceSlider, Contact
 from .assembled import Assembly
 
 STRETCH = 5.0  # of an element's first length, or its inverse
@@ -22,17 +21,10 @@ def unsound(assembly: Assembly, kept: NDArray[np.uint32], rows: NDArray[np.float
         column = {int(row): k for k, row in enumerate(kept)}
         for index, name in enumerate(assembly.contact_joints):
             k = column[assembly.layout.row("contact_penetration", index)]
-            bad[:, k] |= rows[:, k] > reach(assembly.mechanism.contacts[name])
+            bad[:, k] |= rows[:, k] > assembly.mechanism.contacts[name].reach
         if assembly.topology.frame_nodes:
             lengths = assembly.layout["reference_length"]
             columns = [column[int(row)] for row in lengths]
             ratio = rows[:, columns] / assembly.state[lengths]
             bad[:, columns] |= (ratio > STRETCH) | (ratio < 1.0 / STRETCH)
     return bad
-
-
-def reach(joint: Contact) -> float:
-    """Depth (m) that no contact has: the size of the bearing, the block or the round."""
-    if isinstance(joint, ClearanceRevolute):
-        return joint.bearing_radius
-    return joint.height if isinstance(joint, ClearanceSlider) else joint.journal_radius  # type: ignore[attr-defined]

@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..kernels.topology import LINE, ROUND
 from ..kinematics.drives import constraint_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..model.bodies import Link, PointMass
-from ..model.drivers import ConstantSpeed, Torque
-from ..model.joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, Weld
 from ..model.mechanism import Mechanism
-from ..model.springs import Bushing, Spring
+from ..model.rows import Coincide, Turn
 
 if TYPE_CHECKING:
     from ..kinematics.initial import Motion
@@ -40,7 +37,7 @@ def refuse_idle(mechanism: Mechanism) -> None:
                     "remove the release"
                 )
     for name, joint in mechanism.joints.items():
-        for body, pin in joint.sides if isinstance(joint, Weld) else ():
+        for body, pin in joint.sides if {Coincide(), Turn()} <= {*joint.rows()} else ():
             if released.get(body) in (pin, "both"):
                 faults.append(
                     f"weld {name!r} holds {body}.{pin}, an end that is released, not the link: take an ideal joint, or remove the release"
@@ -54,14 +51,13 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
     for name, gear in mechanism.gears.items():
         yield f"gear {name!r}", (gear.first, gear.second)
     for name, spring in mechanism.springs.items():
-        if isinstance(spring, Bushing):
-            if spring.stiffness[2] or spring.damping[2]:
-                points = [end.partition(".") for end in (spring.first, spring.second)]
-                yield f"bushing {name!r}", tuple(body for body, _, _ in points if isinstance(mechanism.bodies.get(body), PointMass))
-        elif not isinstance(spring, Spring):
+        if spring.turns and spring.between_pins:
+            points = [end.partition(".") for end in (spring.first, spring.second)]
+            yield f"{spring.kind} {name!r}", tuple(body for body, _, _ in points if isinstance(mechanism.bodies.get(body), PointMass))
+        elif spring.turns:
             yield f"spring {name!r}", (spring.first, spring.second)
     for name, driver in mechanism.drivers.items():
-        if isinstance(driver, Torque) and not driver.point:
+        if not driver.moves and not driver.point:
             yield f"driver {name!r}", (driven_body(name, driver), driver.against)
     for name, driver in constraint_drivers(mechanism).items():
         if driven_body(name, driver):
@@ -81,23 +77,11 @@ def refuse_infinite(motion: Motion) -> None:
             )
 
 
-def deepest_start(joint: Contact) -> tuple[float, str]:
-    """Depth (m) beyond which no contact law has a meaning, and what it is."""
-    if isinstance(joint, ExternalContact):
-        radius = joint.journal_radius if joint.bearing_radius is None else min(joint.journal_radius, joint.bearing_radius)
-        return 0.5 * radius, f"half the radius of {radius:g} m"
-    if isinstance(joint, ClearanceSlider):
-        return 0.5 * joint.height, f"half the block's height of {joint.height:g} m"
-    if isinstance(joint, ClearanceRevolute):
-        return 0.5 * joint.bearing_radius, f"half the bearing's radius of {joint.bearing_radius:g} m"
-    return math.inf, ""
-
-
 def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
     """ValueError, all at once, for contacts that start so deep that a body stands in another."""
     faults = []
     for touch in touches:
-        depth, (limit, told) = start_depth(filler, touch), deepest_start(touch.joint)
+        depth, (limit, told) = start_depth(filler, touch), touch.joint.deepest_start
         if depth > limit:
             bearing, journal = touch.joint.bearing, touch.joint.journal
             faults.append(
@@ -112,13 +96,9 @@ def start_depth(filler: Filler, touch: Touch) -> float:
     """Penetration (m) at the start, negative where the surfaces are apart."""
     (bx, by), (kx, ky) = filler.seen(touch.bearing), filler.seen(touch.journal)
     ex, ey = kx - bx, ky - by
-    if touch.kind == LINE:
-        angle = float(filler.state[filler.layout.row("particle_theta", touch.bearing[0])])
-        c, s = math.cos(angle), math.sin(angle)
-        x, y = touch.line
-        return (c * x - s * y) * ex + (s * x + c * y) * ey - touch.size
-    beyond = math.hypot(ex, ey) - touch.size
-    return -beyond if touch.kind == ROUND else beyond
+    angle = float(filler.state[filler.layout.row("particle_theta", touch.bearing[0])])
+    c, s = math.cos(angle), math.sin(angle)
+    return touch.touching.depth(c * ex + s * ey, c * ey - s * ex)
 
 
 def refuse_stuck(motion: Motion) -> None:
@@ -148,12 +128,13 @@ def refuse_static(mechanism: Mechanism) -> None:
         faults.append(f"step = {settings.step} has no meaning, since iterations have a step of their own: leave it out")
     widest = max((abs(b - a) for a, b in pairwise((0.0, *settings.load_factors))), default=0.0)
     for name, driver in mechanism.drivers.items():
-        if not isinstance(driver, ConstantSpeed) or driver.slider or driver.point:
+        speed = driver.steady_speed
+        if speed is None or driver.slider or driver.point:
             continue
-        way = widest * abs(driver.speed)
+        way = widest * abs(speed)
         if way > WHOLE_TURN * (1.0 + 1e-9):
             faults.append(
-                f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {driver.speed:.4g} rad/s, the load factor being the "
+                f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {speed:.4g} rad/s, the load factor being the "
                 f"time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer together, or a "
                 "dynamic analysis"
             )

@@ -2,65 +2,94 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from ..kernels.topology import (
-    ANGLE,
+    ACROSS,
+    ALONG,
     BEARING,
     BUSHING,
-    GEAR,
+    FREE,
+    GEARED,
+    KEPT,
     LINE,
-    REVOLUTE,
+    NOWHERE,
+    ON_PATH,
+    PINNED,
     ROUND,
-    SLIDER,
     SLOT,
-    TRAVEL,
-    WELD,
 )
-from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
-from ..kinematics.forces import actions, driven_body, kind_of_spring, unit
+from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers, spinless
+from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
-from ..model.drivers import ConstantSpeed
-from ..model.functions import motion_function
-from ..model.joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, IdealRevolute, Joint, Slider, Weld
-from ..model.mechanism import Mechanism, idealised
-from ..model.springs import Bushing, Spring
+from ..model.joints import Contact
+from ..model.mechanism import Mechanism
+from ..model.path import Path
+from ..model.rows import Across, Along, Coincide, Guided, OnPath, Row, Turn, loosened, place_row, turn_row
+from ..model.springs import AnySpring
+from ..model.touching import Touching
 from .numbering import Numbering, Place
 
-FACING = (1.0, 0.0)
+PLACES = {type(None): NOWHERE, Coincide: PINNED, Across: ACROSS, Along: ALONG, OnPath: ON_PATH}
+GEOMETRIES = {"bearing": BEARING, "round": ROUND, "line": LINE, "slot": SLOT}
 
 
 @dataclass(frozen=True)
 class Ideal:
-    """An ideal joint, gear or prescribed travel: kind, its two places, direction of a guide in the bearing's frame, ratio and function."""
+    """An ideal joint, gear or prescribed motion: the rows it holds, its two places and the function of a prescribed motion."""
 
     name: str
-    kind: int
+    rows: tuple[Row, ...]
     bearing: Place
     journal: Place
-    direction: tuple[float, float] = FACING
-    ratio: float = 1.0
     function: int = -1
+
+    @property
+    def place(self) -> int:
+        """What place it holds, as the kernels call it."""
+        return PLACES[type(place_row(self.rows))]
+
+    @property
+    def turn(self) -> int:
+        """Whether it holds a turn, and of which ratio."""
+        row = turn_row(self.rows)
+        if row is None:
+            return FREE
+        return GEARED if row.ratio != 1.0 or (self.place == NOWHERE and self.function < 0) else KEPT  # a gear's ratio is data, also at 1
+
+    @property
+    def ratio(self) -> float:
+        """Turns of the journal's body for one of the bearing's."""
+        return 1.0 if (row := turn_row(self.rows)) is None else row.ratio
+
+    @property
+    def direction(self) -> tuple[float, float]:
+        """Direction of a guide, in the bearing's frame."""
+        row = place_row(self.rows)
+        return row.unit() if isinstance(row, Guided) else (1.0, 0.0)
+
+    @property
+    def path(self) -> Path | None:
+        """The path that it keeps to."""
+        row = place_row(self.rows)
+        return row.path if isinstance(row, OnPath) else None
 
 
 @dataclass(frozen=True)
 class Touch:
-    """One contact: the joint it belongs to, kind, places, and where it is a line the direction into its material, in the bearing's frame.
-
-    ``size`` is the distance of the centres where they begin to touch; ``arms`` those of friction on bearing and journal (m).
-    """
+    """One contact: its name, the joint it belongs to, its two places, and what its noun says of it."""
 
     name: str
     joint: Contact
-    kind: int
     bearing: Place
     journal: Place
-    size: float
-    arms: tuple[float, float]
-    line: tuple[float, float] = FACING
+    touching: Touching
+
+    @property
+    def kind(self) -> int:
+        """Its geometry, as the kernels call it."""
+        return GEOMETRIES[self.touching.geometry]
 
 
 @dataclass(frozen=True)
@@ -81,84 +110,48 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
     for joint in mechanism.joints.values():
         if joint.name not in pivots and not isinstance(joint, Contact):
             bearing, journal = (numbering.place(side) for side in joint.sides)
-            direction = unit(joint.direction) if isinstance(joint, Slider) else FACING
-            kind = kind_of_joint(joint)
-            if points & {side[0] for side in joint.sides}:  # there is no angle to keep
-                kind = {WELD: REVOLUTE, SLIDER: SLOT}.get(kind, kind)
-            found.append(Ideal(joint.name, kind, bearing, journal, direction))
+            idle = points & {side[0] for side in joint.sides}  # there is no angle to keep
+            found.append(Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal))
     for gear in mechanism.gears.values():
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
-        found.append(Ideal(gear.name, GEAR, ends[0], ends[1], ratio=gear.ratio))
+        found.append(Ideal(gear.name, gear.rows(), ends[0], ends[1]))
     for name, driver in constraint_drivers(mechanism).items():
-        function = numbering.function(motion_function(driver, 0.0))
-        if driver.slider:
-            joint = idealised(mechanism.joints[driver.slider])
-            bearing, journal = (numbering.place(side) for side in joint.sides)
-            found.append(Ideal(name, TRAVEL, bearing, journal, unit(joint.direction), function=function))  # type: ignore[attr-defined]
+        function = numbering.function(driver.motion(0.0))
+        if driver.slider and (guided := guide_of(mechanism, driver.slider)):
+            bearing, journal = (numbering.place(side) for side in guided[0].sides)
+            found.append(Ideal(name, (Along(guided[1].direction),), bearing, journal, function))
         elif driver.point:
             body, _, pin = driver.point.partition(".")
-            found.append(Ideal(name, TRAVEL, (0, (0.0, 0.0)), numbering.place((body, pin)), unit(driver.direction), function=function))
+            found.append(Ideal(name, (Along(driver.direction),), (0, (0.0, 0.0)), numbering.place((body, pin)), function))
         else:
             ends = [(numbering.particle(body), (0.0, 0.0)) for body in (driver.against, driven_body(name, driver))]
-            found.append(Ideal(name, ANGLE, ends[0], ends[1], function=function))
+            found.append(Ideal(name, (Turn(),), ends[0], ends[1], function))
     return found
-
-
-def kind_of_joint(joint: Joint) -> int:
-    """Its constraints."""
-    if isinstance(joint, Slider):
-        return SLOT if joint.turning else SLIDER
-    if isinstance(joint, Weld):
-        return WELD
-    if isinstance(joint, IdealRevolute):
-        return REVOLUTE
-    raise TypeError(f"joint {joint.name!r}: {type(joint).__name__} is no ideal joint")
 
 
 def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Touch]:
-    """Every place where journal and bearing can touch: one for a round joint, four for a block in a guide."""
+    """Every place where journal and bearing can touch; where a joint has several they are numbered, ``joint.1`` and on."""
     found = []
     for name, joint in mechanism.contacts.items():
         bearing, journal = (numbering.place(side) for side in joint.sides)
-        if isinstance(joint, ClearanceSlider):
-            found += corners(joint, bearing, journal, motion)
-        elif isinstance(joint, ExternalContact):
-            r = joint.journal_radius
-            if joint.bearing_radius is None:
-                x, y = unit(joint.direction)
-                found.append(Touch(name, joint, LINE, bearing, journal, -r, (0.0, r), (y, -x)))
-            else:
-                found.append(Touch(name, joint, ROUND, bearing, journal, joint.bearing_radius + r, (-joint.bearing_radius, r)))
-        else:
-            found.append(in_bearing(joint, bearing, journal))  # type: ignore[arg-type]
+        angles = [0.0 if side[0] == "ground" else float(motion.of(side[0])[0][2]) for side in joint.sides]
+        found += touches_of(name, joint, bearing, journal, angles[0] - angles[1])
     return found
 
 
-def in_bearing(joint: ClearanceRevolute, bearing: Place, journal: Place) -> Touch:
-    """A journal in its bearing."""
-    c, big = joint.clearance, joint.bearing_radius
-    return Touch(joint.name, joint, BEARING, bearing, journal, c, (big, big - c))
-
-
-def corners(joint: ClearanceSlider, bearing: Place, journal: Place, motion: Motion) -> list[Touch]:
-    """The four corners of a block, rear and front, at the wall to the left of the guide's direction and at that to its right."""
-    x, y = unit(joint.direction)
-    angles = [0.0 if side[0] == "ground" else float(motion.of(side[0])[0][2]) for side in joint.sides]
-    c, s = np.cos(angles[0] - angles[1]), np.sin(angles[0] - angles[1])
-    ax, ay = float(c * x - s * y), float(s * x + c * y)  # the guide in the frame of the block's body
-    r, found = joint.corner_radius, []
-    half, rise = 0.5 * joint.length - r, 0.5 * joint.height
-    for number, (along, side) in enumerate(((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)), start=1):
-        p, q = along * half, side * (rise - r)
-        at = (journal[1][0] + p * ax - q * ay, journal[1][1] + p * ay + q * ax)
-        wall = rise + joint.clearance
-        found.append(Touch(f"{joint.name}.{number}", joint, LINE, bearing, (journal[0], at), wall - r, (wall, r), (-side * y, side * x)))
+def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned: float) -> list[Touch]:
+    """The contacts of a joint at two places; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
+    all_of_them = joint.touchings(turned)
+    found = []
+    for number, one in enumerate(all_of_them, start=1):
+        at = (journal[0], (journal[1][0] + one.offset[0], journal[1][1] + one.offset[1]))
+        found.append(Touch(f"{name}.{number}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
     return found
 
 
-def spring_places(numbering: Numbering, spring: Any) -> tuple[Place, Place]:
+def spring_places(numbering: Numbering, spring: AnySpring) -> tuple[Place, Place]:
     """Pins of a spring or bushing, or the particles that stand for two bodies."""
-    if isinstance(spring, (Spring, Bushing)):
+    if spring.between_pins:
         first, second = (numbering.place((body, pin)) for body, _, pin in (end.partition(".") for end in (spring.first, spring.second)))
         return first, second
     return (numbering.particle(spring.first), (0.0, 0.0)), (numbering.particle(spring.second), (0.0, 0.0))
@@ -170,9 +163,21 @@ class Parts:
 
     ideals: list[Ideal]
     touches: list[Touch]
-    springs: list[tuple[Any, int, Place, Place]]
+    springs: list[tuple[AnySpring, int, Place, Place]]
     driven: tuple[int, ...]
     loads: list[Load]
+
+    @property
+    def paths(self) -> list[Path]:
+        """The paths of ideal joints, then those of contacts."""
+        kept = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
+        return [path for path in kept if path is not None]
+
+    def numbered(self) -> tuple[int, ...]:
+        """Index of the path of each ideal joint, then of each contact; -1 for none."""
+        count = itertools.count()
+        kept = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
+        return tuple(-1 if path is None else next(count) for path in kept)
 
 
 def parts_of(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> Parts:
@@ -193,7 +198,7 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     places += [place for touch in touches for place in (touch.bearing, touch.journal)]
     places += [place for spring in springs for place in spring[2:4]] + [load.place for load in applied]
     armed = {p for p, at in places if p and at != (0.0, 0.0)}
-    armed |= {j.bearing[0] for j in ideals if j.kind in (SLIDER, SLOT, TRAVEL)} | {t.bearing[0] for t in touches if t.kind == LINE}
+    armed |= {j.bearing[0] for j in ideals if j.place in (ACROSS, ALONG, ON_PATH)} | {t.bearing[0] for t in touches if t.kind in (LINE, SLOT)}
     armed |= {s[2][0] for s in springs if s[1] == BUSHING} | {load.place[0] for load in applied if load.follow}
     armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {numbering.held(name) for name in numbering.driven}
     return tuple(sorted(armed - {0}))
@@ -202,9 +207,9 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
 def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, name: str) -> int:
     """Function of a driven body's angle; -1 at constant speed."""
     driver = kinematic_drivers(mechanism)[name]
-    if isinstance(driver, ConstantSpeed):
+    if driver.steady_speed is not None:
         return -1
-    return numbering.function(motion_function(driver, motion.datum.angle.get(name, mechanism.bodies[name].angle)))
+    return numbering.function(driver.motion(motion.datum.angle.get(name, mechanism.bodies[name].angle)))
 
 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import GEAR, LINE, LINEAR, REVOLUTE, ROUND, SLOT, TRAVEL
+from ..kernels.topology import ALONG, FREE, LINEAR
 from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
-from ..model.drivers import ConstantSpeed
 from ..model.mechanism import Mechanism
+from ..model.path import Path
+from ..model.springs import AnySpring
 from ..model.surfaces import surfaces
 from .assembled import BodyMap
 from .numbering import Numbering, Place
@@ -127,12 +128,12 @@ class Filler:
             self.put("joint_offset", self._offset(joint, tables), index)
 
     def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> float:
-        if joint.kind in (REVOLUTE, SLOT):
+        if joint.turn == FREE and joint.place != ALONG:
             return 0.0
         angles = [float(self.state[self.layout.row("particle_theta", end[0])]) for end in (joint.bearing, joint.journal)]
         begin = 0.0 if joint.function < 0 else self._function(joint.function, tables)
-        if joint.kind != TRAVEL:
-            return angles[1] - (joint.ratio if joint.kind == GEAR else 1.0) * angles[0] - begin
+        if joint.place != ALONG:
+            return angles[1] - joint.ratio * angles[0] - begin
         c, s = math.cos(angles[0]), math.sin(angles[0])
         dx, dy = c * joint.direction[0] - s * joint.direction[1], s * joint.direction[0] + c * joint.direction[1]
         (bx, by), (kx, ky) = self.seen(joint.bearing), self.seen(joint.journal)
@@ -157,7 +158,13 @@ class Filler:
             for row, values in touch_rows(self.mechanism, self.layout, touch, index):
                 self.state[row : row + len(values)] = values
 
-    def springs(self, springs: Sequence[tuple[Any, int, Place, Place]]) -> None:
+    def paths(self, paths: Sequence[Path]) -> None:
+        """Pieces of the paths of joints and contacts, one path after the other."""
+        for index, numbers in enumerate(numbers for path in paths for numbers in path.numbers()):
+            start = self.layout.record("piece", index)
+            self.state[start : start + len(numbers)] = numbers
+
+    def springs(self, springs: Sequence[tuple[AnySpring, int, Place, Place]]) -> None:
         """Stiffness, damping and free lengths; those that are not given are what the start has."""
         for index, (spring, kind, first, second) in enumerate(springs):
             self._pins("spring", index, (first, second), ("first", "second"))
@@ -191,7 +198,7 @@ class Filler:
                 mesh = self.numbering.meshes[name]
                 mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
             self.put("driven_angle", self.motion.datum.angle.get(name, self.mechanism.bodies[name].angle), index)
-            self.put("driven_speed", driver.speed if isinstance(driver, ConstantSpeed) else 0.0, index)
+            self.put("driven_speed", driver.steady_speed or 0.0, index)
             self.put("driven_inertia", inertia, index)
             self.put("driven_moment_x", mass * rx, index)
             self.put("driven_moment_y", mass * ry, index)
@@ -206,15 +213,13 @@ class Filler:
 def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
     """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
     joint, pair = touch.joint, surfaces(mechanism, touch.joint)
-    arms = touch.arms
-    if joint.friction_moment == "off" or joint.contact.film:
-        # At the centres, which are in one place but in a line or round outside: there both forces act at the journal's, lest they make a couple.
-        arms = ({LINE: 1.0, ROUND: -1.0}.get(touch.kind, 0.0) * touch.size, 0.0)
+    touching = touch.touching
+    arms = touching.centred if joint.friction_moment == "off" or joint.contact.film else touching.arms
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
     numbers = {
-        "contact_size": (touch.size,),
-        "contact_line_x": (touch.line[0],),
-        "contact_line_y": (touch.line[1],),
+        "contact_size": (touching.size,),
+        "contact_line_x": (touching.normal[0],),
+        "contact_line_y": (touching.normal[1],),
         "contact_arm_bearing": (arms[0],),
         "contact_arm_journal": (arms[1],),
         "contact_arm_overlap": (overlap,),

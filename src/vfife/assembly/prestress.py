@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels import frame
 from ..kinematics.initial import Datum, Motion, Seat, datum_of, ideal_motion, kinematic_drivers, pivot_of
 from ..model.bodies import Body, Link, RigidBody
 from ..model.functions import turn_of
-from ..model.lumping import Mesh, mesh, section_of
+from ..model.lumping import Mesh, mesh
 from ..model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
@@ -113,7 +114,7 @@ def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Arra
 
 def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array) -> Shape:
     """Element forces in equilibrium with the motion, ``extra`` (k + 1, 3) acceleration added, and the shape that they make."""
-    lumps, section = mesh(link), section_of(link)
+    lumps = mesh(link)
     position, _, acceleration = particle_motion(motion, held, shape)
     acceleration = acceleration + extra
     ends = end_forces(mechanism, motion, link.name)
@@ -134,17 +135,17 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
         before = -m2[e]
     if link.release == "both" and k == 1:
         m1[:], m2[:] = 0.0, 0.0
-    stiffness = link.material.youngs_modulus * link.stiffness_factor
-    shape = _shape(size, axial / (stiffness * section.area), axial, m1, m2, size / (6.0 * stiffness * section.second_moment))
+    longer = axial / frame.stiffness(1.0 / size, lumps.axial, lumps.bending)[0]
+    shape = _shape(size + longer, axial, m1, m2, frame.end_rotations(m1, m2, 1.0 / size, lumps.bending))
     if link.name not in kinematic_drivers(mechanism):
         return _turned(shape, np.arctan2(shape.local[-1, 1], shape.local[-1, 0]))
     pin = next(side[1] for side in pivot_of(mechanism, link.name).sides if side[0] == link.name)
     return _turned(shape, shape.local[0 if pin == "start" else -1, 2])
 
 
-def _shape(size: float, stretch: Array, axial: Array, m1: Array, m2: Array, flexibility: float) -> Shape:
-    """The chain laid out from its start with the end rotations of its elements."""
-    first, second = flexibility * (2.0 * m1 - m2), flexibility * (2.0 * m2 - m1)
+def _shape(length: Array, axial: Array, m1: Array, m2: Array, rotations: tuple[Array, Array]) -> Shape:
+    """The chain laid out from its start with the lengths and end rotations of its elements."""
+    first, second = rotations
     k = len(axial)
     local = np.zeros((k + 1, 3))
     direction = 0.0
@@ -152,8 +153,8 @@ def _shape(size: float, stretch: Array, axial: Array, m1: Array, m2: Array, flex
     for e in range(k):
         if e:
             direction = local[e, 2] - first[e]
-        length = size * (1.0 + stretch[e])
-        local[e + 1] = local[e, 0] + length * np.cos(direction), local[e, 1] + length * np.sin(direction), direction + second[e]
+        x, y = local[e, 0] + length[e] * np.cos(direction), local[e, 1] + length[e] * np.sin(direction)
+        local[e + 1] = x, y, direction + second[e]
     return Shape(local, axial, m1, m2)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..results.folder import numbered, refuse_foreign
 from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .progress import ProgressLine
@@ -100,16 +101,8 @@ def named(text: str | None, kind: str) -> list[Any]:
 def folder_for(asked: Path | None, model: Path) -> Path:
     """The folder to write into. Raises ValueError for one that holds something else."""
     if asked is None:
-        first = path = Path("runs") / f"{model.stem}-compare"
-        number = 1
-        while path.exists():
-            number += 1
-            path = first.with_name(f"{first.name}-{number}")
-        return path
-    if asked.exists() and not asked.is_dir():
-        raise ValueError(f"-o {asked}: this is a file; name a folder")
-    if asked.exists() and any(asked.iterdir()) and not (asked / SUMMARY).is_file():
-        raise ValueError(f"-o {asked}: the folder holds files that are no comparison of vfife; name another one, or one that is empty")
+        return next(path for path in numbered(Path("runs") / f"{model.stem}-compare") if not path.exists())
+    refuse_foreign(asked, SUMMARY, "comparison")
     return asked
 
 

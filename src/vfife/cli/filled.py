@@ -1,65 +1,63 @@
-"""Defaults of a model file that were filled in, found by comparing the file with its schema."""
+"""Defaults of a model file that were filled in, found by comparing the file with the fields of its nouns."""
 
 from __future__ import annotations
 
-import dataclasses
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pydantic import BaseModel
+    from ..modelfile.tables import Table
 
 Filled = dict[str, Any]
-
-NOUNS = ("material", "body", "joint", "gear", "spring", "driver", "load")
 
 
 def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken instead."""
+    from ..fields import Chosen
+    from ..model.mechanism import Mechanism
     from ..modelfile.override import override
-    from ..modelfile.schema import STATIC_ONLY, LinkTable, ModelFile
-    from ..modelfile.tables import IDLE_KEYS
+    from ..modelfile.reader import Written
+    from ..modelfile.tables import Table
 
     raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    override(raw, items)
-    model = ModelFile.model_validate(raw)
-    found = [*table("", model), *table("run", model.run), *table("start", model.start)]
-    if model.run.analysis != "static":
-        found = [one for one in found if one["path"] not in {f"run.{key}" for key in STATIC_ONLY}]
-    for section in NOUNS:
-        for name, entry in getattr(model, section).items():
-            unused = IDLE_KEYS.get(entry.model, ()) if isinstance(entry, LinkTable) else ()
-            found += [one for one in table(f"{section}.{name}", entry) if one["path"].rpartition(".")[2] not in unused]
-            if section == "joint" and hasattr(entry, "contact"):
-                found += [*law(f"joint.{name}", "contact", entry.contact), *law(f"joint.{name}", "friction", entry.friction)]
+    _, given = override(raw, items)
+    reading = Written(raw, given)
+    reading.mechanism()
+    found = list(left_out("", Table(Mechanism), raw))
+    for place, what, holder in sorted(reading.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
+        if len(place) > 2:
+            continue
+        found += left_out(".".join(map(str, place)), what, holder)
+        for key in what.fields:
+            if isinstance(held := what.value(key), Chosen):
+                found += law(".".join(map(str, (*place, key))), held.word, holder.get(key, {}))
     return found
 
 
-def table(path: str, model: BaseModel) -> Iterator[Filled]:
+def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Filled]:
     """Keys with a default value that a table leaves out; empty tables and values that are derived are none."""
-    for key, field in type(model).model_fields.items():
-        told = key in model.model_fields_set or field.is_required() or field.default is None
-        if not told and not hasattr(field.default, "model_fields_set") and field.default not in ({}, "", ()):
-            meaning = field.description or ""
-            yield {"path": f"{path}.{key}".lstrip("."), "value": field.default, "unit": unit(field), "meaning": meaning}
+    from ..fields import meaning_of
 
-
-def unit(field: Any) -> str:
-    """SI unit of a key, "1" where it has none."""
-    return next((entry.unit for entry in field.metadata if hasattr(entry, "unit")), "1")
+    if what.tag and what.optional and what.tag not in holder:
+        yield {"path": f"{path}.{what.tag}", "value": what.word, "unit": "1", "meaning": f"the {what.tag} of it"}
+    for key, field in what.fields.items():
+        default = getattr(field.default_factory, "name", field.default)  # of a material, its name
+        if key not in holder and isinstance(default, str | float | int | tuple) and default not in ("", ()) and not what.idle(key, holder):
+            unit = getattr(what.value(key), "unit", "1")
+            yield {"path": f"{path}.{key}".lstrip("."), "value": default, "unit": unit, "meaning": meaning_of(field, what.along)}
 
 
 def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
     """The law and its parameters that a joint leaves out."""
+    from ..fields import described_fields
     from ..modelfile.lawtables import DEFAULTS
     from ..modelfile.tables import LAWS
 
     name = given.get("law", DEFAULTS[kind].name)
     if "law" not in given:
-        yield {"path": f"{path}.{kind}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
-    for field in dataclasses.fields(LAWS[kind].registry[name]):
-        if field.name not in given and field.default not in (None, dataclasses.MISSING):
-            told = {key: field.metadata[key] for key in ("unit", "meaning")}
-            yield {"path": f"{path}.{kind}.{field.name}", "value": field.default, **told}
+        yield {"path": f"{path}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
+    for one in described_fields(LAWS[kind].known()[name]):
+        if one.name not in given and isinstance(one.default, str | float | int):
+            yield {"path": f"{path}.{one.name}", "value": one.default, **{key: one.metadata[key] for key in ("unit", "meaning")}}

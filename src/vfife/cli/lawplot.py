@@ -34,14 +34,17 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
 
 def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
     """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is wrong."""
+    from ..errors import Fault
     from ..laws.check import try_out
-    from ..modelfile.lawtables import read_law, senseless
+    from ..model.validate.laws import senseless
+    from ..modelfile.lawtables import read_law
     from ..modelfile.override import parsed
 
     holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
-    found, faults = read_law(kind, holder, (), set())
-    if found is None or faults:
-        raise ValueError("\n".join(f"--set {fault}".replace("--set [] ", "--set ") for fault in faults))
+    found, refused = read_law(kind, holder)
+    if found is None or refused:
+        faults = [Fault(str(path[-1]), one.what, one.value, one.limit, one.remedy) for path, one in refused]
+        raise ValueError("\n".join(f"--set {fault}" for fault in faults))
     if what := senseless(found, pair):
         raise ValueError(f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or --material")
     try_out([(found, pair)])

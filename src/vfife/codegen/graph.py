@@ -27,7 +27,7 @@ from ..kernels.arrays import (
     TILE_INDEX,
     Layout,
 )
-from ..kernels.topology import IDEAL_ROWS, REVOLUTE, Topology
+from ..kernels.topology import FREE, PINNED, Topology
 
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
@@ -154,19 +154,27 @@ class Lists:
         return self.records(
             "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
             t.contact_form, t.friction_form, ahead, film, t.contact_kind or [0] * len(t.contact_bearing),
+            *self.paths(t.contact_path, len(t.contact_bearing)),
         )  # fmt: skip
+
+    def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
+        """First row and number of the pieces of the path of each joint or contact, 0 for none."""
+        found = self.t.pieces(paths, count)
+        return [self.layout.record("piece", first) if many else 0 for first, many in found], [many for _, many in found]
 
     def constraints(self) -> dict[str, Any]:
         """Ideal joints, their rows, and which rows meet at a body; two revolutes meet in one entry."""
         t, graph, low, row = self.t, self.graph, self.low, self.row
         starts, body = t.constraint_starts, self.body
         ends = [pair for k, pair in enumerate(zip(t.joint_bearing, t.joint_journal, strict=True)) for _ in range(starts[k + 1] - starts[k])]
-        pins = [part for kind in t.kinds for part in ((1, 2) if kind == REVOLUTE else (0,) * IDEAL_ROWS[kind])]
+        counts = np.diff(starts)
+        pins = [part for held, rows in zip(t.held, counts, strict=True) for part in ((1, 2) if held == (PINNED, FREE) else (0,) * int(rows))]
         lever = {False: CONSTRAINT.jb, True: CONSTRAINT.jk}
         return {
             "joint": self.records(
-                "joint", self.bodies(t.joint_bearing), self.bodies(t.joint_journal), t.kinds, [row(k) if self.count else 0 for k in starts[:-1]],
-                [self.y + k for k in starts[:-1]], self.function(t.joint_function or [-1] * len(t.joint_bearing)), np.diff(starts),
+                "joint", self.bodies(t.joint_bearing), self.bodies(t.joint_journal), *(np.array(t.held, dtype=int).reshape(-1, 2).T),
+                [row(k) if self.count else 0 for k in starts[:-1]], [self.y + k for k in starts[:-1]],
+                self.function(t.joint_function or [-1] * len(t.joint_bearing)), counts, *self.paths(t.joint_path, len(t.joint_bearing)),
             ),
             "constraint": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k]) for k in range(self.count)],
             "couple": [

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..kernels import step as loop
 from ..kernels.arrays import PARTICLE, Layout
-from ..kernels.topology import REVOLUTE, SLOT, TIME, Topology
+from ..kernels.topology import ALONG, FREE, TIME, Topology
 from .graph import tables
 from .lock import WRITING
 from .source import dispatch, films
@@ -56,8 +56,8 @@ def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[i
         for joint, body in enumerate(getattr(topology, f"{kind}_{side}")):
             if body not in armed and body != 0:
                 known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
-    for joint, kind_of_joint in enumerate(topology.kinds):
-        if kind_of_joint in (REVOLUTE, SLOT):
+    for joint, (place, turn) in enumerate(topology.held):
+        if place != ALONG and turn == FREE:
             known[layout.row("joint_offset", joint)] = 0.0
     return known
 

@@ -169,7 +169,7 @@ BLOCKS: tuple[Block, ...] = (
         contact_journal_y | m | journal centre in its body's frame
         contact_line_x | 1 | on a line: direction into its material, in the bearing's frame
         contact_line_y | 1 | on a line: direction into its material, in the bearing's frame
-        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing, R_B + R_J outside, -R_J on a line
+        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing or slot, R_B + R_J outside, -R_J on a line
         contact_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
         contact_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
         contact_arm_overlap | 1 | share of the penetration by which the arms change
@@ -186,6 +186,17 @@ BLOCKS: tuple[Block, ...] = (
         joint_direction_y | 1 | direction of a guide, in the bearing body's frame
         joint_offset | rad or m | angle, or travel, between the bodies at the start
         joint_ratio | 1 | turns of the journal's body for one of the bearing's"""),
+    *_blocks("parameter", "piece", """
+        piece_x | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
+        piece_y | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
+        piece_cosine | 1 | direction there
+        piece_sine | 1 | direction there
+        piece_curvature | 1/m | curvature, positive to the left
+        piece_opens | 1 | 0 where the piece goes on before its begin, else 1
+        piece_end_x | m | end of the piece
+        piece_end_y | m | end of the piece
+        piece_end_cosine | 1 | direction there, 0 where the piece goes on beyond its end
+        piece_end_sine | 1 | direction there, 0 where the piece goes on beyond its end"""),
     *_blocks("parameter", "spring", """
         spring_first_x | m | pin in the first body's frame
         spring_first_y | m | pin in the first body's frame
@@ -252,7 +263,7 @@ BLOCKS: tuple[Block, ...] = (
 )  # fmt: skip
 
 BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
-ENTITIES = ("system", "particle", "frame", "unit", "contact", "joint", "constraint", "spring", "driven", "load", "body", "function")
+ENTITIES = ("system", "particle", "frame", "unit", "contact", "joint", "constraint", "spring", "driven", "load", "body", "function", "piece")
 
 
 def _fields(*entities: str) -> Fields:
@@ -261,14 +272,16 @@ def _fields(*entities: str) -> Fields:
 
 # Rows of each entity's record; PARTICLE is that of a bound particle, whose first PLAIN rows are those of a plain one.
 RECORDS = {entity: _fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES}
-SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, JOINT, CONSTRAINT, SPRING, DRIVEN, LOAD, BODY, FUNCTION = RECORDS.values()
+SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, JOINT, CONSTRAINT, SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE = RECORDS.values()
 PLAIN = _fields("particle").SIZE
 
 
 # Records of the integer array: rows of S and kinds.
 FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
-CONTACT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "film", "kind"))
-JOINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "kind", "first", "y", "function", "rows"))
+CONTACT_INDEX = Fields(
+    (name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "film", "kind", "piece", "pieces")
+)
+JOINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces"))
 CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
 SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))

@@ -4,15 +4,17 @@ For two particles alone the block of a revolute is (1/m_B + 1/m_J) and its solut
 let positions drift, so the reaction at t_n is the one that closes the joint at t_(n+1) (SHAKE: Ryckaert, Ciccotti and Berendsen 1977). Where
 bodies carry several joints the rows couple; they are factored along the profile of the joint graph, never as a matrix of the mechanism.
 
-A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b. Revolutes have a row for x and one for y, a slider
-one across its guide and one for the angle, a weld all three, gears and prescribed angles one for the angle with n = 0.
+A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b. A joint holds a place, a turn or both: a revolute has
+a row for x and one for y, a slider one across its guide and one for the turn, a weld all three, a pin on a path one across it, gears and
+prescribed angles one for the turn with n = 0.
 """
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, COUPLE_INDEX, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE
 from .central_difference import larger
 from .elementary import sincos, small_turn
 from .geometry import arm
-from .topology import ANGLE, GEAR, REVOLUTE, SLIDER, TRAVEL, WELD
+from .path import from_path
+from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED
 
 SINGULAR = 64.0  # pivot in squared turns of a step (of what it was before elimination) below which its correction is damped: eight steps away
 COARSE = 1e-3  # the largest such pivot
@@ -26,6 +28,32 @@ def row(S, q, nx, ny, jb, jk):
     S[q + CONSTRAINT.jk] = jk
 
 
+def lever(rx, ry, nx, ny):
+    """Moment of a unit force along n at (rx, ry)."""
+    return rx * ny - ry * nx
+
+
+def placed(S, place, piece, pieces, c, s, dx, dy, ex, ey):
+    """What a row along or across a guide, or from a path, measures (m), and its direction in space.
+
+    (ex, ey) is the journal's pin seen from the bearing's, in space; (c, s) the direction of the bearing's body, (dx, dy) that of the guide in it.
+    """
+    if place == ON_PATH:
+        measured, nx, ny = from_path(S, piece, pieces, c * ex + s * ey, c * ey - s * ex)
+        nx, ny = arm(c, s, nx, ny)
+    else:
+        ux, uy = arm(c, s, dx, dy)
+        nx = ux if place == ALONG else -uy
+        ny = uy if place == ALONG else ux
+        measured = ex * nx + ey * ny
+    return measured, nx, ny
+
+
+def relative_turn(bearing, journal, ratio):
+    """What a row of the turn measures (rad)."""
+    return journal - ratio * bearing
+
+
 def levers(S, I):
     """Directions and levers of all constraints at t_n."""
     for m in range(I[HEADER.joint_count]):
@@ -34,28 +62,25 @@ def levers(S, I):
         b = I[r + JOINT_INDEX.bearing]
         k = I[r + JOINT_INDEX.journal]
         q = I[r + JOINT_INDEX.first]
-        kind = I[r + JOINT_INDEX.kind]
-        if kind == GEAR:
-            row(S, q, 0.0, 0.0, S[i + JOINT.ratio], 1.0)
-        elif kind == ANGLE:
-            row(S, q, 0.0, 0.0, 1.0, 1.0)
-        else:
+        place = I[r + JOINT_INDEX.place]
+        turn = I[r + JOINT_INDEX.turn]
+        if place != NOWHERE:
             bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[i + JOINT.bearing_x], S[i + JOINT.bearing_y])
             kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[i + JOINT.journal_x], S[i + JOINT.journal_y])
-            if kind == REVOLUTE or kind == WELD:
+            if place == PINNED:
                 row(S, q, 1.0, 0.0, -by, -ky)
                 row(S, q + CONSTRAINT.SIZE, 0.0, 1.0, bx, kx)
-                if kind == WELD:
-                    row(S, q + 2 * CONSTRAINT.SIZE, 0.0, 0.0, 1.0, 1.0)
             else:
-                dx, dy = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[i + JOINT.direction_x], S[i + JOINT.direction_y])
-                nx = dx if kind == TRAVEL else -dy
-                ny = dy if kind == TRAVEL else dx
                 rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
                 ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
-                row(S, q, nx, ny, rx * ny - ry * nx, kx * ny - ky * nx)
-                if kind == SLIDER:
-                    row(S, q + CONSTRAINT.SIZE, 0.0, 0.0, 1.0, 1.0)
+                _, nx, ny = placed(
+                    S, place, I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces], S[b + PARTICLE.c], S[b + PARTICLE.s],
+                    S[i + JOINT.direction_x], S[i + JOINT.direction_y], rx - bx, ry - by,
+                )  # fmt: skip
+                row(S, q, nx, ny, lever(rx, ry, nx, ny), lever(kx, ky, nx, ny))
+        if turn != FREE:
+            q = q + CONSTRAINT.SIZE * (I[r + JOINT_INDEX.rows] - 1)
+            row(S, q, 0.0, 0.0, S[i + JOINT.ratio] if turn == GEARED else 1.0, 1.0)
 
 
 def ahead(S, I, after):
@@ -208,8 +233,7 @@ def warm_start(S, I):
         b = I[r + JOINT_INDEX.bearing]
         k = I[r + JOINT_INDEX.journal]
         q = I[r + JOINT_INDEX.first]
-        kind = I[r + JOINT_INDEX.kind]
-        if kind == REVOLUTE:
+        if I[r + JOINT_INDEX.place] == PINNED and I[r + JOINT_INDEX.turn] == FREE:
             fx = guess(S, q)
             fy = guess(S, q + CONSTRAINT.SIZE)
             hang(S, q, b, k, fx, fy)
@@ -240,32 +264,29 @@ def residual(S, I):
         q = I[r + JOINT_INDEX.journal]
         y = I[r + JOINT_INDEX.y]
         f = I[r + JOINT_INDEX.function]
-        kind = I[r + JOINT_INDEX.kind]
+        place = I[r + JOINT_INDEX.place]
+        turn = I[r + JOINT_INDEX.turn]
         aim = S[i + JOINT.offset]
         if f != 0:
             aim += S[f + FUNCTION.next]
-        if kind == GEAR:
-            S[y] = (S[q + PARTICLE.tn] - S[i + JOINT.ratio] * S[p + PARTICLE.tn]) - aim
-        elif kind == ANGLE:
-            S[y] = (S[q + PARTICLE.tn] - S[p + PARTICLE.tn]) - aim
-        else:
+        if place != NOWHERE:
             bx, by = arm(S[p + PARTICLE.cn], S[p + PARTICLE.sn], S[i + JOINT.bearing_x], S[i + JOINT.bearing_y])
             kx, ky = arm(S[q + PARTICLE.cn], S[q + PARTICLE.sn], S[i + JOINT.journal_x], S[i + JOINT.journal_y])
             ex = (S[q + PARTICLE.xn] + kx) - (S[p + PARTICLE.xn] + bx)
             ey = (S[q + PARTICLE.yn] + ky) - (S[p + PARTICLE.yn] + by)
-            if kind == REVOLUTE or kind == WELD:
+            if place == PINNED:
                 S[y] = ex
                 S[y + 1] = ey
-                if kind == WELD:
-                    S[y + 2] = (S[q + PARTICLE.tn] - S[p + PARTICLE.tn]) - aim
             else:
-                dx, dy = arm(S[p + PARTICLE.cn], S[p + PARTICLE.sn], S[i + JOINT.direction_x], S[i + JOINT.direction_y])
-                if kind == TRAVEL:
-                    S[y] = (ex * dx + ey * dy) - aim
-                else:
-                    S[y] = ey * dx - ex * dy
-                if kind == SLIDER:
-                    S[y + 1] = (S[q + PARTICLE.tn] - S[p + PARTICLE.tn]) - aim
+                measured, _, _ = placed(
+                    S, place, I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces], S[p + PARTICLE.cn], S[p + PARTICLE.sn],
+                    S[i + JOINT.direction_x], S[i + JOINT.direction_y], ex, ey,
+                )  # fmt: skip
+                S[y] = measured - aim if place == ALONG else measured
+        if turn != FREE:
+            y = y + (I[r + JOINT_INDEX.rows] - 1)
+            ratio = S[i + JOINT.ratio] if turn == GEARED else 1.0
+            S[y] = relative_turn(S[p + PARTICLE.tn], S[q + PARTICLE.tn], ratio) - aim
 
 
 def close(S, I, dt, b, k, fresh):
@@ -285,7 +306,7 @@ def close(S, I, dt, b, k, fresh):
         k_ = I[r + JOINT_INDEX.journal]
         q = I[r + JOINT_INDEX.first]
         at = I[r + JOINT_INDEX.y]
-        if I[r + JOINT_INDEX.kind] == REVOLUTE:
+        if I[r + JOINT_INDEX.place] == PINNED and I[r + JOINT_INDEX.turn] == FREE:
             hang(S, q, b_, k_, scale * S[at], scale * S[at + 1])
         else:
             for c in range(I[r + JOINT_INDEX.rows]):
@@ -303,20 +324,15 @@ def reaction(S, I, r):
     """Force and moment on the journal at t_n, from the constraints of a joint."""
     i = I[r + JOINT_INDEX.row]
     q = I[r + JOINT_INDEX.first]
-    kind = I[r + JOINT_INDEX.kind]
-    force = S[q + CONSTRAINT.force]
-    if kind == GEAR or kind == ANGLE:
-        turn_with(S, i, force)
-    elif kind == REVOLUTE or kind == WELD:
-        S[i + JOINT.fx] = force
+    place = I[r + JOINT_INDEX.place]
+    if place == PINNED:
+        S[i + JOINT.fx] = S[q + CONSTRAINT.force]
         S[i + JOINT.fy] = S[q + CONSTRAINT.SIZE + CONSTRAINT.force]
-        if kind == WELD:
-            turn_with(S, i, S[q + 2 * CONSTRAINT.SIZE + CONSTRAINT.force])
-    else:
-        S[i + JOINT.fx] = force * S[q + CONSTRAINT.nx]
-        S[i + JOINT.fy] = force * S[q + CONSTRAINT.ny]
-        if kind == SLIDER:
-            turn_with(S, i, S[q + CONSTRAINT.SIZE + CONSTRAINT.force])
+    elif place != NOWHERE:
+        S[i + JOINT.fx] = S[q + CONSTRAINT.force] * S[q + CONSTRAINT.nx]
+        S[i + JOINT.fy] = S[q + CONSTRAINT.force] * S[q + CONSTRAINT.ny]
+    if I[r + JOINT_INDEX.turn] != FREE:
+        turn_with(S, i, S[q + CONSTRAINT.SIZE * (I[r + JOINT_INDEX.rows] - 1) + CONSTRAINT.force])
 
 
 def spread(S, I, w, y, b, k, fx, fy, mk, mb):

@@ -1,6 +1,7 @@
 """Contacts at a step: where journal and bearing stand, whether a contact begins, and the force that answers (paper Eq. 18-33).
 
-A journal meets the bearing around it, a round beside it, or a straight line (the wall of a guide, met by the corners of a block).
+A journal meets the bearing around it, a round beside it, a straight line (the wall of a guide, met by the corners of a block), or the wall of a
+slot along a path, the one on its side.
 
 Damping and friction are stiff: both act on the velocity at t_n, which a central difference does not know yet, so each joint solves for its
 force in closed form. Joints that share a body are visited in turn, from the last step's forces.
@@ -10,7 +11,8 @@ from .arrays import CONTACT, CONTACT_INDEX, HEADER, PARTICLE, SYSTEM
 from .central_difference import larger
 from .constraint import apply_response, joint_compliance
 from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
-from .topology import LINE, ROUND
+from .path import in_slot
+from .topology import LINE, ROUND, SLOT
 
 contact_law = friction_law = film_law = None  # written by source.py for the laws at hand
 
@@ -76,10 +78,16 @@ def contact_geometry(S, I, start, p, h):
         ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
         kind = I[r + CONTACT_INDEX.kind]
         along = 0.0
+        beyond = 0.0
         if kind == LINE:
             nx, ny = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[j + CONTACT.line_x], S[j + CONTACT.line_y])
             depth = (nx * ex + ny * ey) - S[j + CONTACT.size]
             along = nx * ey - ny * ex
+        elif kind == SLOT:
+            away, nx, ny = in_slot(S, I[r + CONTACT_INDEX.piece], I[r + CONTACT_INDEX.pieces], S[b + PARTICLE.c], S[b + PARTICLE.s], ex, ey)
+            depth = away - S[j + CONTACT.size]
+            along = nx * ey - ny * ex
+            beyond = (nx * ex + ny * ey) - away
         else:
             depth, nx, ny = eccentricity(ex, ey, S[j + CONTACT.size])
             if kind == ROUND:
@@ -92,7 +100,7 @@ def contact_geometry(S, I, start, p, h):
         S[j + CONTACT.jn] = kx * ny - ky * nx
         S[j + CONTACT.bn] = bx * ny - by * nx - along
         S[j + CONTACT.jt] = kx * nx + ky * ny + (S[j + CONTACT.arm_journal] - overlap)
-        S[j + CONTACT.bt] = bx * nx + by * ny + (S[j + CONTACT.arm_bearing] + overlap)
+        S[j + CONTACT.bt] = bx * nx + by * ny + (S[j + CONTACT.arm_bearing] + overlap) + beyond
         touching = depth > 0.0
         if seldom(touching and S[j + CONTACT.slowness] <= 0.0):
             onset(S, j, b, k, depth, start, p, h)

@@ -48,3 +48,22 @@ def nodal_force(c, s, inverse, n, m1, m2):
     """Force (N) of the element on the particle at its first node; the second takes the opposite. Shear from Eq. 11: -(m1 + m2)/l."""
     q = (m1 + m2) * inverse
     return c * n + s * q, s * n - c * q
+
+
+def stiffness(ila, axial_stiffness, bending_stiffness):
+    """Of the element with both ends held: along EA/l, across 12EI/l^3 (N/m), moment at an end for its turn 4EI/l, for the other's 2EI/l (N m)."""
+    near, far = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
+    m1, m2 = bending(ila, ila, ila, 0.0, 0.0, bending_stiffness)
+    return axial(1.0, 0.0, ila, 0.0, axial_stiffness), (m1 + m2) * ila, near, far
+
+
+def stiffness_released(ila, bending_stiffness):
+    """With one end released: across (N/m) 3EI/l^3, and moment at the other end for its own turn 3EI/l (N m)."""
+    return bending_released(ila, ila, 0.0, bending_stiffness) * ila, bending_released(1.0, ila, 0.0, bending_stiffness)
+
+
+def end_rotations(m1, m2, ila, bending_stiffness):
+    """Rotations (rad) of both ends under moments (N m) on them, ``bending`` solved for them: l/6EI (2 m1 - m2) and l/6EI (2 m2 - m1)."""
+    near, far = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
+    inverse = 1.0 / (near * near - far * far)
+    return (near * m1 - far * m2) * inverse, (near * m2 - far * m1) * inverse

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-# Kinds of ideal joints (rows 2, 2, 1, 3, 1, 1, 1), of contacts, springs and arguments of functions.
-REVOLUTE, SLIDER, SLOT, WELD, GEAR, ANGLE, TRAVEL = range(7)
-IDEAL_ROWS = (2, 2, 1, 3, 1, 1, 1)
-BEARING, ROUND, LINE = range(3)
+# What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1) and the turn of one body with the other (0, 1, 1); then kinds of contacts, springs
+# and arguments of functions. A revolute pins a place, a slider lets it go along a line and keeps the turn, a gear couples turns alone.
+NOWHERE, PINNED, ACROSS, ALONG, ON_PATH = range(5)
+FREE, KEPT, GEARED = range(3)
+PLACE_ROWS, TURN_ROWS = (0, 2, 1, 1, 1), (0, 1, 1)
+BEARING, ROUND, LINE, SLOT = range(4)
 LINEAR, TORSIONAL, STOP, BUSHING = range(4)
 TIME, TURNED, SPEED = range(3)
 
@@ -17,7 +19,8 @@ TIME, TURNED, SPEED = range(3)
 class Topology:
     """Integers that say what is joined to what. Two models with equal topology share one generated step.
 
-    Particle 0 is the ground. Each tuple has one entry per entity.
+    Particle 0 is the ground. Each tuple has one entry per entity. ``contact_path`` and ``joint_path`` are indices of
+    paths, -1 for none; ``path_pieces`` the number of pieces of each.
     """
 
     particles: int
@@ -28,11 +31,14 @@ class Topology:
     contact_bearing: tuple[int, ...] = ()
     contact_journal: tuple[int, ...] = ()
     contact_kind: tuple[int, ...] = ()
+    contact_path: tuple[int, ...] = ()
     contact_form: tuple[int, ...] = ()
     friction_form: tuple[int, ...] = ()
     joint_bearing: tuple[int, ...] = ()
     joint_journal: tuple[int, ...] = ()
-    joint_kind: tuple[int, ...] = ()
+    joint_place: tuple[int, ...] = ()
+    joint_turn: tuple[int, ...] = ()
+    joint_path: tuple[int, ...] = ()
     joint_function: tuple[int, ...] = ()
     spring_first: tuple[int, ...] = ()
     spring_second: tuple[int, ...] = ()
@@ -42,6 +48,7 @@ class Topology:
     load_particle: tuple[int, ...] = ()
     load_function: tuple[int, ...] = ()
     load_follow: tuple[bool, ...] = ()
+    path_pieces: tuple[int, ...] = ()
     body_nodes: tuple[tuple[int, int], ...] = ()
     function_start: tuple[int, ...] = ()
     function_argument: tuple[tuple[int, int, int], ...] = ()
@@ -52,17 +59,22 @@ class Topology:
     friction_laws: tuple[type, ...] = ()
 
     @property
-    def kinds(self) -> tuple[int, ...]:
-        """Kinds of the ideal joints, revolutes unless said."""
-        return self.joint_kind or (REVOLUTE,) * len(self.joint_bearing)
+    def held(self) -> tuple[tuple[int, int], ...]:
+        """What each ideal joint holds, place and turn; revolutes unless said."""
+        count = len(self.joint_bearing)
+        return tuple(zip(self.joint_place or (PINNED,) * count, self.joint_turn or (FREE,) * count, strict=True))
 
     @property
     def constraint_starts(self) -> tuple[int, ...]:
         """First constraint row of each ideal joint, and the number of rows."""
         starts = [0]
-        for kind in self.kinds:
-            starts.append(starts[-1] + IDEAL_ROWS[kind])
+        for place, turn in self.held:
+            starts.append(starts[-1] + PLACE_ROWS[place] + TURN_ROWS[turn])
         return tuple(starts)
+
+    def pieces(self, paths: tuple[int, ...], count: int) -> list[tuple[int, int]]:
+        """First piece and number of pieces of the path of each of ``count`` joints or contacts; (0, 0) for those without one."""
+        return [(sum(self.path_pieces[:path]), self.path_pieces[path]) if path >= 0 else (0, 0) for path in paths or (-1,) * count]
 
     @cached_property
     def bound(self) -> tuple[int, ...]:
@@ -87,5 +99,6 @@ class Topology:
             "load": len(self.load_particle),
             "body": len(self.body_nodes),
             "function": len(self.function_start),
+            "piece": sum(self.path_pieces),
             "system": 1,
         }

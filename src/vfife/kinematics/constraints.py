@@ -1,26 +1,35 @@
-"""Constraints between planar rigid bodies: pins, guides, welds, gears and prescribed motions, each with phi, its derivatives and its reaction.
+"""Constraints between planar rigid bodies: what joints, gears and drivers hold, each with phi, its derivatives and its reaction.
 
-A body's motion is (x, y, theta) of its centre of mass; body 0 is the ground.  Points and axes are in a body's own axes, points in m from its centre
-of mass (for the ground: from the origin).  Rows that are angles are multiplied by a length L, 1/L^2 = 1/l_b^2 + (ratio/l_a)^2 with l the reaches of
-the two bodies (none for the ground), so that a row of G in (x, y, l theta) has unit length.
+A body's motion is (x, y, theta) of its centre of mass; body 0 is the ground.  Points and directions are in a body's own axes, points in m from its
+centre of mass (for the ground: from the origin).  What a row measures, which way it pulls and on which lever is the text of the step,
+:mod:`vfife.kernels.constraint`, run as plain Python; gamma comes from the same text, run on numbers that carry their derivatives in time.
+Rows that are angles are multiplied by a length L, 1/L^2 = 1/l_b^2 + (ratio/l_a)^2 with l the reaches of the two bodies (none for the ground), so
+that a row of G in (x, y, l theta) has unit length.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..kernels import constraint, geometry, path
+from ..kernels.topology import ACROSS, ALONG, ON_PATH
+from ..model.rows import Across, Along, Coincide, Guided, OnPath, Row, Turn, place_row, turn_row
+from .taylor import Taylor, lifted
+
 Array = NDArray[np.float64]
 MIRROR = np.array([1.0, -1.0])
+KERNEL = lifted(geometry, path, constraint)  # arm, lever, placed and relative_turn, as the step has them
 
 
-@dataclass(frozen=True)
-class Rows:
+class Rows(NamedTuple):
     """phi [r] (m), blocks of G for bodies a and b [r, 3] (1 or m), and gamma [r] (m/s2): what G a must be, without a drive's own acceleration."""
 
     phi: Sequence[float]
@@ -29,255 +38,149 @@ class Rows:
     gamma: Sequence[float]
 
 
+@dataclass(frozen=True, eq=False)
 class Constraint:
-    """Two bodies, and the rows that tie them."""
+    """Two bodies, a point of each, and the rows that tie them: a place, a turn or both.
+
+    ``aim`` is what the row of the turn (rad) or along a guide (m) keeps. A drive prescribes it at the instant, with its ``speed`` and
+    ``acceleration``.
+    """
 
     name: str
     body_a: int
     body_b: int
-    point_a: ArrayLike
-    point_b: ArrayLike
-    count: ClassVar[int] = 1
-    turned: ClassVar[tuple[str, ...]] = ("offset",)
+    held: tuple[Row, ...]
+    point_a: ArrayLike = (0.0, 0.0)
+    point_b: ArrayLike = (0.0, 0.0)
+    aim: float = 0.0
+    speed: float = 0.0
+    acceleration: float = 0.0
+    driven: bool = False
+
+    def __post_init__(self) -> None:
+        place = self.place
+        if isinstance(place, Guided):
+            try:
+                place.unit()
+            except ValueError as error:
+                raise ValueError(f"{self.name}: {error}") from None
+
+    @cached_property
+    def place(self) -> Coincide | Across | Along | OnPath | None:
+        """The row that holds a place, if there is one."""
+        return place_row(self.held)
+
+    @cached_property
+    def turn(self) -> Turn | None:
+        """The row that holds the turn, if there is one."""
+        return turn_row(self.held)
 
     @property
-    def size(self) -> int:
-        """Number of rows."""
-        return self.count
+    def turns(self) -> bool:
+        """Whether it holds nothing but a turn."""
+        return self.place is None
+
+    @property
+    def pinned(self) -> bool:
+        """Whether it holds two pins in one place, and no turn."""
+        return self.held == (Coincide(),)
 
     @property
     def lengths(self) -> int:
         """Rows that are distances; those after them are angles."""
-        return min(2, self.size)
+        return 0 if self.place is None else 2 if isinstance(self.place, Coincide) else 1
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return self.lengths + (self.turn is not None)
 
     @property
     def ratio(self) -> float:
         """By how much the angle of body a is multiplied in a row of angles."""
-        return 1.0
+        return 1.0 if self.turn is None else self.turn.ratio
 
-    def rows(self, p: Array, v: Array, length: float) -> Rows:
-        """phi, G and gamma at position p and velocity v, both [n, 3]; rows of angles times ``length`` (m)."""
-        raise NotImplementedError
+    def rows(self, p: Array, v: Array | None, length: float) -> Rows:
+        """phi, G and gamma (zero without ``v``) at position p and velocity v, both [n, 3]; rows of angles times ``length`` (m)."""
+        a, b = p[self.body_a].tolist(), p[self.body_b].tolist()
+        (ax, ay), (bx, by) = self._arms(_facing(a), _facing(b))
+        phi, seen = self._places((ax, ay), (bx, by), a, b, _facing(a))
+        foot = (ax, ay) if isinstance(self.place, Coincide) else (bx + b[0] - a[0], by + b[1] - a[1])
+        on_a = [(-nx, -ny, -KERNEL.lever(*foot, nx, ny)) for nx, ny in seen]
+        on_b = [(nx, ny, KERNEL.lever(bx, by, nx, ny)) for nx, ny in seen]
+        gamma = [0.0] * len(phi)
+        if v is not None and phi:
+            gamma = self._gamma(a, b, v[self.body_a].tolist(), v[self.body_b].tolist())
+        if isinstance(self.place, Along):
+            phi = [phi[0] - self.aim]
+        if self.turn is not None:
+            phi = [*phi, length * (KERNEL.relative_turn(a[2], b[2], self.ratio) - self.aim)]
+            on_a, on_b = [*on_a, (0.0, 0.0, -length * self.ratio)], [*on_b, (0.0, 0.0, length)]
+            gamma = [*gamma, 0.0]
+        return Rows(phi, on_a, on_b, gamma)
+
+    def _gamma(self, a: list[float], b: list[float], va: list[float], vb: list[float]) -> list[float]:
+        """- dG/dt v: the second derivatives of phi with all accelerations zero, turned round."""
+        moving = [[Taylor(x, u) for x, u in zip(at, speed, strict=True)] for at, speed in ((a, va), (b, vb))]
+        faces = []
+        for at, speed in ((a, va), (b, vb)):
+            (c, s), w = _facing(at), speed[2]
+            faces.append((Taylor(c, -s * w, -c * w * w), Taylor(s, c * w, -s * w * w)))
+        phi, _ = self._places(*self._arms(*faces), moving[0], moving[1], faces[0])
+        return [-one.second for one in phi]
+
+    def _arms(self, face_a: Any, face_b: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+        (ax, ay), (bx, by) = self._points
+        return KERNEL.arm(*face_a, ax, ay), KERNEL.arm(*face_b, bx, by)
+
+    @cached_property
+    def _points(self) -> tuple[list[float], list[float]]:
+        return np.asarray(self.point_a, dtype=float).tolist(), np.asarray(self.point_b, dtype=float).tolist()
+
+    @cached_property
+    def _guide(self) -> tuple[int, list[float], int, float, float]:
+        """Kind of the row, numbers and count of the pieces of a path, direction of a guide."""
+        if isinstance(self.place, OnPath):
+            numbers = self.place.path.numbers()
+            return ON_PATH, [value for piece in numbers for value in piece], len(numbers), 1.0, 0.0
+        dx, dy = self.place.unit() if isinstance(self.place, Guided) else (1.0, 0.0)
+        return ACROSS if isinstance(self.place, Across) else ALONG, [], 0, dx, dy
+
+    def _places(self, arm_a: Any, arm_b: Any, a: Any, b: Any, face: Any) -> tuple[list[Any], list[tuple[Any, Any]]]:
+        """What the rows of a place measure, and their directions in space; of floats, or of numbers with derivatives."""
+        if self.place is None:
+            return [], []
+        ex, ey = (b[0] + arm_b[0]) - (a[0] + arm_a[0]), (b[1] + arm_b[1]) - (a[1] + arm_a[1])
+        if isinstance(self.place, Coincide):
+            return [ex, ey], [(1.0, 0.0), (0.0, 1.0)]
+        kind, pieces, count, dx, dy = self._guide
+        measured, nx, ny = KERNEL.placed(pieces, kind, 0, count, *face, dx, dy, ex, ey)
+        return [measured], [(nx, ny)]
 
     def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
         """Force (N) on body b at its point, and moment (N m) on it; body a has the opposite at the same place."""
-        raise NotImplementedError
+        rows = self.rows(p, None, length).b[: self.lengths]
+        fx, fy = (float(sum(row[axis] * float(value) for row, value in zip(rows, multiplier, strict=False))) for axis in (0, 1))
+        return fx, fy, 0.0 if self.turn is None else length * float(multiplier[-1])
 
-    def mirrored(self) -> Any:
+    def at(self, p: Array) -> float:
+        """Where the point of body b is along the guide (m) at position p [n, 3]."""
+        return float(dataclasses.replace(self, aim=0.0).rows(p, None, 1.0).phi[0])
+
+    def mirrored(self) -> Constraint:
         """The constraint with y and every angle turned round."""
-        changed: dict[str, Any] = {}
-        for field in dataclasses.fields(self):  # type: ignore[arg-type]
-            value = getattr(self, field.name)
-            if field.name in ("point_a", "point_b", "axis_a"):
-                changed[field.name] = np.asarray(value) * MIRROR
-            elif field.name in self.turned:
-                changed[field.name] = -value
-        return dataclasses.replace(self, **changed)  # type: ignore[type-var]
-
-
-def turned(p: Array, body: int, point: ArrayLike) -> tuple[float, float]:
-    """A vector of a body's axes in space."""
-    c, s = float(np.cos(p[body, 2])), float(np.sin(p[body, 2]))
-    x, y = np.asarray(point, dtype=float).tolist()
-    return c * x - s * y, s * x + c * y
-
-
-@dataclass(frozen=True, eq=False)
-class Pin(Constraint):
-    """Ideal revolute joint: point_a (2,) of body_a lies on point_b (2,) of body_b.
-
-    phi = (r + A s)_b - (r + A s)_a and gamma = (w^2 A s)_b - (w^2 A s)_a.
-    """
-
-    name: str
-    body_a: int
-    point_a: ArrayLike
-    body_b: int
-    point_b: ArrayLike
-    count = 2
-
-    def rows(self, p: Array, v: Array, length: float) -> Rows:
-        a, b = self.body_a, self.body_b
-        (ax, ay), (bx, by) = turned(p, a, self.point_a), turned(p, b, self.point_b)
-        wa, wb = v[a, 2] ** 2, v[b, 2] ** 2
-        return Rows(
-            (p[b, 0] + bx - p[a, 0] - ax, p[b, 1] + by - p[a, 1] - ay),
-            ((-1.0, 0.0, ay), (0.0, -1.0, -ax)),
-            ((1.0, 0.0, -by), (0.0, 1.0, bx)),
-            (wb * bx - wa * ax, wb * by - wa * ay),
+        sign = -1.0 if self.turn is not None else 1.0
+        return dataclasses.replace(
+            self,
+            held=tuple(row.mirrored() for row in self.held),
+            point_a=np.asarray(self.point_a) * MIRROR,
+            point_b=np.asarray(self.point_b) * MIRROR,
+            aim=sign * self.aim,
+            speed=sign * self.speed,
+            acceleration=sign * self.acceleration,
         )
 
-    def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
-        return float(multiplier[0]), float(multiplier[1]), 0.0
 
-
-@dataclass(frozen=True, eq=False)
-class Weld(Pin):
-    """Rigid joint: a pin whose bodies also keep theta_b - theta_a = offset (rad)."""
-
-    offset: float = 0.0
-    count = 3
-
-    def rows(self, p: Array, v: Array, length: float) -> Rows:
-        return _with_angle(super().rows(p, v, length), p, self, length)
-
-    def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
-        return float(multiplier[0]), float(multiplier[1]), length * float(multiplier[2])
-
-
-def _with_angle(rows: Rows, p: Array, joint: Any, length: float) -> Rows:
-    """The rows, and one that keeps the relative angle."""
-    phi = length * (p[joint.body_b, 2] - p[joint.body_a, 2] - joint.offset)
-    return Rows((*rows.phi, phi), (*rows.a, (0.0, 0.0, -length)), (*rows.b, (0.0, 0.0, length)), (*rows.gamma, 0.0))
-
-
-@dataclass(frozen=True, eq=False)
-class Guided(Constraint):
-    """A point of body b seen from a guide of body a: through point_a, along the unit vector t, n the normal on its left."""
-
-    name: str
-    body_a: int
-    point_a: ArrayLike
-    axis_a: ArrayLike
-    body_b: int
-    point_b: ArrayLike
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "axis_a", unit(self.axis_a, self.name))
-
-    def row(self, p: Array, v: Array, across: bool) -> Rows:
-        """phi = e . d, d = (r + A s)_b - (r + A s)_a, with e = n ``across`` the guide and e = t along it; both turn with body a.
-
-        With g = e turned by a right angle, phi' = w_a g . d + e . d' and gamma = e . (w_b^2 A s_b - w_a^2 A s_a + w_a^2 d) - 2 w_a g . d'.
-        """
-        a, b = self.body_a, self.body_b
-        (ax, ay), (bx, by), (ex, ey) = turned(p, a, self.point_a), turned(p, b, self.point_b), turned(p, a, self.axis_a)
-        if across:
-            ex, ey = -ey, ex
-        gx, gy = -ey, ex
-        wa, wb = v[a, 2], v[b, 2]
-        dx, dy = p[b, 0] + bx - p[a, 0] - ax, p[b, 1] + by - p[a, 1] - ay
-        ux, uy = v[b, 0] - wb * by - v[a, 0] + wa * ay, v[b, 1] + wb * bx - v[a, 1] - wa * ax
-        turning = gx * (dx + ax) + gy * (dy + ay)
-        gamma = ex * (wb**2 * bx + wa**2 * (dx - ax)) + ey * (wb**2 * by + wa**2 * (dy - ay)) - 2.0 * wa * (gx * ux + gy * uy)
-        return Rows((ex * dx + ey * dy,), ((-ex, -ey, turning),), ((ex, ey, -gx * bx - gy * by),), (gamma,))
-
-    @property
-    def lengths(self) -> int:
-        return 1
-
-
-def unit(axis: ArrayLike, name: str) -> Array:
-    """A direction of length 1; ValueError where it has none."""
-    vector = np.asarray(axis, dtype=float)
-    size = float(np.hypot(*vector)) if vector.shape == (2,) else 0.0
-    if not 0.0 < size < np.inf:
-        raise ValueError(f"{name}: the direction {np.round(vector, 6).tolist()} has no length; give two numbers (x, y) that are not both zero")
-    return vector / size
-
-
-@dataclass(frozen=True, eq=False)
-class Slide(Guided):
-    """Guide: point_b of body_b lies on the line through point_a along axis_a (2,) of body_a.
-
-    Unless ``turning``, theta_b - theta_a = offset (rad) too.
-    """
-
-    turning: bool = False
-    offset: float = 0.0
-
-    @property
-    def size(self) -> int:
-        return 1 if self.turning else 2
-
-    def rows(self, p: Array, v: Array, length: float) -> Rows:
-        line = self.row(p, v, across=True)
-        return line if self.turning else _with_angle(line, p, self, length)
-
-    def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
-        tx, ty = turned(p, self.body_a, self.axis_a)
-        moment = 0.0 if self.turning else length * float(multiplier[1])
-        return -ty * float(multiplier[0]), tx * float(multiplier[0]), moment
-
-
-@dataclass(frozen=True, eq=False)
-class Gear(Constraint):
-    """theta_b - ratio theta_a = offset (rad).  Its moment m acts on body b, and -ratio m on body a."""
-
-    name: str
-    body_a: int
-    body_b: int
-    ratio: float = 1.0
-    offset: float = 0.0
-
-    @property
-    def lengths(self) -> int:
-        return 0
-
-    def rows(self, p: Array, v: Array, length: float) -> Rows:
-        phi = length * (p[self.body_b, 2] - self.ratio * p[self.body_a, 2] - self.offset)
-        return Rows((phi,), ((0.0, 0.0, -self.ratio * length),), ((0.0, 0.0, length),), (0.0,))
-
-    def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
-        return 0.0, 0.0, length * float(multiplier[0])
-
-
-@dataclass(frozen=True, eq=False)
-class Drive(Constraint):
-    """Prescribed angle (rad), its rate (rad/s) and acceleration (rad/s2) of a body, relative to body ``against``, at the instant."""
-
-    body: int
-    angle: float
-    speed: float = 0.0
-    acceleration: float = 0.0
-    against: int = 0
-    name: str = ""
-    turned = ("angle", "speed", "acceleration")
-
-    @property
-    def body_a(self) -> int:  # type: ignore[override]
-        """The body it is driven against."""
-        return self.against
-
-    @property
-    def body_b(self) -> int:  # type: ignore[override]
-        """The driven body."""
-        return self.body
-
-    @property
-    def value(self) -> float:
-        """What is prescribed."""
-        return self.angle
-
-    @property
-    def lengths(self) -> int:
-        return 0
-
-    def rows(self, p: Array, v: Array, length: float) -> Rows:
-        phi = length * (p[self.body_b, 2] - p[self.body_a, 2] - self.angle)
-        return Rows((phi,), ((0.0, 0.0, -length),), ((0.0, 0.0, length),), (0.0,))
-
-
-@dataclass(frozen=True, eq=False)
-class Travel(Guided):
-    """Prescribed place `value` (m), its rate and acceleration (m/s, m/s2) of point_b of body_b along the guide of body_a.
-
-    With body_a the ground it is the path of a point along a fixed direction.
-    """
-
-    value: float = 0.0
-    speed: float = 0.0
-    acceleration: float = 0.0
-    turned = ()
-
-    def rows(self, p: Array, v: Array, length: float) -> Rows:
-        line = self.row(p, v, across=False)
-        return dataclasses.replace(line, phi=(line.phi[0] - self.value,))
-
-    def place(self, p: Array) -> float:
-        """Where point_b is along the guide (m) at position p [n, 3]."""
-        return float(self.row(p, np.zeros_like(p), across=False).phi[0])
-
-
-AnyJoint = Pin | Slide | Weld | Gear
-AnyDrive = Drive | Travel
+def _facing(at: list[float]) -> tuple[float, float]:
+    """Cosine and sine of a body's angle."""
+    return math.cos(at[2]), math.sin(at[2])

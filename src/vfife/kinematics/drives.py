@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..model.bodies import PointMass
-from ..model.drivers import AngleTable, Driver, Torque
-from ..model.functions import motion_function
-from ..model.joints import ExternalContact, IdealRevolute, Joint
-from ..model.joints import Slider as SliderNoun
-from ..model.joints import Weld as WeldNoun
+from ..model.drivers import AngleTable, Driver
+from ..model.joints import Contact, Gear, Joint
 from ..model.lumping import rigid_properties
-from ..model.mechanism import Mechanism, idealised
-from .constraints import AnyDrive, AnyJoint, Drive, Gear, Pin, Slide, Travel, Weld
+from ..model.mechanism import Mechanism
+from ..model.rows import Across, Along, Guided, Turn, place_row, turn_row
+from .constraints import Constraint
 from .forces import Datum, driven_body
 from .pins import from_center
 from .system import RigidSystem
@@ -31,7 +29,7 @@ def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     found: dict[str, Driver] = {}
     for name, driver in mechanism.drivers.items():
         body = driven_body(name, driver)
-        if isinstance(driver, Torque) or not body or driver.against != "ground":
+        if not driver.moves or not body or driver.against != "ground":
             continue
         if body in found:
             raise AssemblyError(f"driver {name!r} turns body {body!r}, which another driver turns already; remove one of them")
@@ -42,9 +40,7 @@ def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
 def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     """All other drivers that prescribe a motion, by name: against another body, along a slider, or of a point along a direction."""
     return {
-        name: driver
-        for name, driver in mechanism.drivers.items()
-        if not isinstance(driver, Torque) and (driver.against != "ground" or not driven_body(name, driver))
+        name: driver for name, driver in mechanism.drivers.items() if driver.moves and (driver.against != "ground" or not driven_body(name, driver))
     }
 
 
@@ -57,7 +53,7 @@ def standing(mechanism: Mechanism) -> Mechanism:
         return mechanism
     drivers: dict[str, Driver] = {}
     for body, driver in kinematic_drivers(mechanism).items():
-        angle = motion_function(driver, 0.0)(0.0)[0]
+        angle = driver.motion(0.0)(0.0)[0]
         drivers[body] = AngleTable(body=body, times=(0.0, 1.0), values=(angle, angle))
     bodies = {name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()}
     return dataclasses.replace(mechanism, bodies=bodies, drivers=drivers, loads={}, springs={})
@@ -66,7 +62,9 @@ def standing(mechanism: Mechanism) -> Mechanism:
 def pivot_of(mechanism: Mechanism, body: str) -> Joint:
     """The ideal revolute to the ground about which a driven body turns."""
     found = [
-        joint for joint in mechanism.joints.values() if isinstance(joint, IdealRevolute) and {body, "ground"} == {side[0] for side in joint.sides}
+        joint
+        for joint in mechanism.joints.values()
+        if joint.revolves and not isinstance(joint, Contact) and {body, "ground"} == {side[0] for side in joint.sides}
     ]
     if len(found) != 1:
         raise AssemblyError(
@@ -93,13 +91,11 @@ def rigid_system(
     datum = Datum() if datum is None else datum
     names = ("ground", *mechanism.bodies)
     properties = {name: rigid_properties(body) for name, body in mechanism.bodies.items()}
-    joints: list[AnyJoint] = []
+    joints: list[Constraint] = []
     for joint in mechanism.joints.values():
-        if joint.name not in open_joints and not isinstance(joint, ExternalContact):
+        if joint.name not in open_joints and joint.rows():
             joints.append(_joint(mechanism, names, joint, (seats or {}).get(joint.name, (0.0, 0.0))))
-    for gear in mechanism.gears.values():
-        offset = _angle(mechanism, gear.second) - gear.ratio * _angle(mechanism, gear.first)
-        joints.append(Gear(gear.name, names.index(gear.first), names.index(gear.second), gear.ratio, offset))
+    joints += [_gear(mechanism, names, gear) for gear in mechanism.gears.values()]
     drives = [_drive(mechanism, names, body, driver, time, datum) for body, driver in kinematic_drivers(mechanism).items()]
     for name, driver in constraint_drivers(mechanism).items():
         if travels or driven_body(name, driver):
@@ -114,49 +110,58 @@ def _angle(mechanism: Mechanism, body: str) -> float:
     return 0.0 if body == "ground" else mechanism.bodies[body].angle
 
 
-def _joint(mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]) -> AnyJoint:
+def _joint(mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]) -> Constraint:
+    """What a joint holds without play; its bodies keep the angle that they have between them approximately."""
     (a, pin_a), (b, pin_b) = joint.sides
-    point_a = tuple(np.add(from_center(mechanism, (a, pin_a)), seat))
-    first, second = (names.index(a), point_a), (names.index(b), from_center(mechanism, (b, pin_b)))
-    offset = _angle(mechanism, b) - _angle(mechanism, a)
-    ideal = idealised(joint)
-    if isinstance(ideal, WeldNoun):
-        return Weld(joint.name, *first, *second, offset)
-    if isinstance(ideal, SliderNoun):
-        return Slide(joint.name, *first, ideal.direction, *second, ideal.turning, offset)
-    return Pin(joint.name, *first, *second)
+    point_a, point_b = tuple(np.add(from_center(mechanism, (a, pin_a)), seat)), from_center(mechanism, (b, pin_b))
+    rows = joint.rows()
+    turn = turn_row(rows)
+    offset = 0.0 if turn is None else _angle(mechanism, b) - turn.ratio * _angle(mechanism, a)
+    return Constraint(joint.name, names.index(a), names.index(b), rows, point_a, point_b, offset)
 
 
-def _drive(mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, time: float, datum: Datum) -> AnyDrive:
+def _gear(mechanism: Mechanism, names: tuple[str, ...], gear: Gear) -> Constraint:
+    offset = _angle(mechanism, gear.second) - gear.ratio * _angle(mechanism, gear.first)
+    return Constraint(gear.name, names.index(gear.first), names.index(gear.second), gear.rows(), aim=offset)
+
+
+def _drive(mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, time: float, datum: Datum) -> Constraint:
     """A driver's constraint; what it prescribes counts from the datum."""
     body = driven_body(name, driver)
     if body:
         start = datum.angle.get(body, _angle(mechanism, body)) - datum.angle.get(driver.against, _angle(mechanism, driver.against))
-        angle, rate, second = motion_function(driver, start)(time)
-        return Drive(names.index(body), angle, rate, second, names.index(driver.against), name)
-    value, rate, second = motion_function(driver, datum.travel.get(name, 0.0))(time)
-    return travel_of(mechanism, names, name, driver, value, rate, second)
+        angle, rate, second = driver.motion(start)(time)
+        return Constraint(name, names.index(driver.against), names.index(body), (Turn(),), aim=angle, speed=rate, acceleration=second, driven=True)
+    return travel_of(mechanism, names, name, driver, *driver.motion(datum.travel.get(name, 0.0))(time))
+
+
+def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:
+    """A joint whose journal goes along a straight guide, and that guide; None where it is no such joint."""
+    joint = mechanism.joints.get(slider)
+    held = None if joint is None else place_row(joint.rows())
+    return (joint, held) if joint is not None and isinstance(held, Across) else None
 
 
 def travel_of(
     mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, value: float = 0.0, rate: float = 0.0, second: float = 0.0
-) -> Travel:
+) -> Constraint:
     """The place of a slider along its guide, or of a point along a direction of space, as a constraint."""
     if driver.slider:
-        joint = mechanism.joints.get(driver.slider)
-        ideal = None if joint is None else idealised(joint)
-        if not isinstance(ideal, SliderNoun):
-            sliders = ", ".join(key for key, one in mechanism.joints.items() if isinstance(idealised(one), SliderNoun)) or "none"
+        found = guide_of(mechanism, driver.slider)
+        if found is None:
+            sliders = ", ".join(key for key in mechanism.joints if guide_of(mechanism, key)) or "none"
             raise AssemblyError(f"driver {name!r}: {driver.slider!r} is no slider; there are {sliders}")
-        (a, pin_a), (b, pin_b) = ideal.sides
-        first, second_side = from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
-        return Travel(name, names.index(a), first, ideal.direction, names.index(b), second_side, value, rate, second)
+        joint, guide = found
+        (a, pin_a), (b, pin_b) = joint.sides
+        ends = names.index(a), names.index(b), (Along(guide.direction),), from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
+        return Constraint(name, *ends, value, rate, second, driven=True)
     body, _, pin = driver.point.partition(".")
     if body not in mechanism.bodies:
         raise AssemblyError(f"driver {name!r} moves {driver.point!r}, which is no pin of a body; give it body.pin")
     if math.hypot(*driver.direction) == 0.0:
         raise ValueError(f"driver {name!r}: its direction (0, 0) has no length; give two numbers (x, y) that are not both zero")
-    return Travel(name, 0, (0.0, 0.0), driver.direction, names.index(body), from_center(mechanism, (body, pin)), value, rate, second)
+    to = 0, names.index(body), (Along(driver.direction),), (0.0, 0.0), from_center(mechanism, (body, pin))
+    return Constraint(name, *to, value, rate, second, driven=True)
 
 
 def spinless(mechanism: Mechanism) -> frozenset[str]:

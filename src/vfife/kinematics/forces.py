@@ -17,14 +17,15 @@ from ..kernels.elementary import sincos
 from ..kernels.spring import spring as spring_force
 from ..kernels.step import argument, load
 from ..kernels.topology import BUSHING, LINEAR, SPEED, STOP, TIME, TORSIONAL, TURNED
-from ..model.drivers import Driver, Torque
-from ..model.functions import Polynomials, clamped, constant, torque_function
+from ..model.drivers import Driver
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
-from ..model.springs import AnySpring, Bushing, Spring, Stop
+from ..model.polynomials import Polynomials
+from ..model.springs import AnySpring
 from .pins import world
 
 Array = NDArray[np.float64]
+AXES = {"linear": LINEAR, "torsional": TORSIONAL, "stop": STOP, "bushing": BUSHING}
 NO_BODIES = (TIME, "ground", "ground")  # of a function of time
 
 
@@ -140,18 +141,16 @@ def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
     found = []
     for one in mechanism.loads.values():
         body, _, pin = one.at.partition(".")
-        steady = one.times is None or one.factors is None
-        function = constant(1.0) if steady else clamped(one.times, one.factors)  # type: ignore[arg-type]
-        found.append(Action(function, NO_BODIES, ((body, pin, (*one.force, one.moment)),), one.follow, steady))
+        found.append(Action(one.factor(), NO_BODIES, ((body, pin, (*one.force, one.moment)),), one.follow, one.steady))
     for name, driver in mechanism.drivers.items():
-        if isinstance(driver, Torque):
+        if not driver.moves:
             body = driven_body(name, driver)
             function, depends = _effort(driver, body, datum)
-            found.append(Action(function, depends, _sides(driver, body), steady=driver.times is None))
+            found.append(Action(function, depends, _sides(driver, body), steady=driver.steady))
     return found
 
 
-def _sides(driver: Torque, body: str) -> tuple[tuple[str, str, tuple[float, float, float]], ...]:
+def _sides(driver: Driver, body: str) -> tuple[tuple[str, str, tuple[float, float, float]], ...]:
     if driver.point:
         owner, _, pin = driver.point.partition(".")
         return ((owner, pin, (*unit(driver.direction), 0.0)),)
@@ -159,14 +158,14 @@ def _sides(driver: Torque, body: str) -> tuple[tuple[str, str, tuple[float, floa
     return (body, "", (0.0, 0.0, 1.0)), *opposite
 
 
-def _effort(driver: Torque, body: str, datum: Datum) -> tuple[Polynomials, tuple[int, str, str]]:
+def _effort(driver: Driver, body: str, datum: Datum) -> tuple[Polynomials, tuple[int, str, str]]:
     """A torque's function, and what it depends on: time, the speed of the body, or its angle, counted from the start."""
-    function = torque_function(driver)
-    if driver.speeds is None and driver.angles is None:
+    function = driver.effort()
+    if driver.over == "time":
         return function, NO_BODIES
     if driver.point:
         raise ValueError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
-    if driver.speeds is not None:
+    if driver.over == "speed":
         return function, (SPEED, driver.against, body)
     begin = datum.angle.get(body, 0.0) - datum.angle.get(driver.against, 0.0)
     shifted = dataclasses.replace(function, starts=tuple(start + begin for start in function.starts))
@@ -183,20 +182,13 @@ def unit(direction: tuple[float, float]) -> tuple[float, float]:
 
 def kind_of_spring(spring: AnySpring) -> int:
     """Its axes."""
-    return {Spring: LINEAR, Stop: STOP, Bushing: BUSHING}.get(type(spring), TORSIONAL)
+    return AXES[spring.axes]
 
 
 def spring_fields(spring: AnySpring, start: float) -> dict[str, tuple[float, ...]]:
     """Parameters of a spring in the kernels' record; ``start`` is its distance (m) or angle (rad) at the start, where it is free unless said."""
-    if isinstance(spring, Bushing):
-        stiffness, damping = spring.stiffness, spring.damping
-    elif isinstance(spring, Spring):
-        stiffness, damping = ((float(value), 0.0, 0.0) for value in (spring.stiffness, spring.damping))
-    else:
-        stiffness, damping = ((0.0, 0.0, float(value)) for value in (spring.stiffness, spring.damping))
-    free = spring.low if isinstance(spring, Stop) else getattr(spring, "free_length", getattr(spring, "free_angle", None))
-    high = spring.high if isinstance(spring, Stop) else 0.0
-    return {"stiffness": stiffness, "damping": damping, "free": (start if free is None else float(free),), "high": (high,)}
+    numbers = spring.numbers(start)
+    return {"stiffness": numbers.stiffness, "damping": numbers.damping, "free": (numbers.free,), "high": (numbers.high,)}
 
 
 def _records(ends: Sequence[End], more: int) -> list[float]:

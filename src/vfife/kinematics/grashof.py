@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from itertools import combinations
 
-from ..model.joints import ClearanceRevolute, IdealRevolute, Joint
+from ..model.joints import Joint
 from ..model.mechanism import Mechanism
 from .pins import from_center
 
@@ -46,7 +46,7 @@ def classified(ground: float, first: float, coupler: float, second: float) -> st
 
 def _loops(mechanism: Mechanism) -> Iterator[dict[str, tuple[str, str]]]:
     """Loops of ground, first, coupler and second body: the two pins of each, in order."""
-    revolutes = [joint for joint in mechanism.joints.values() if isinstance(joint, IdealRevolute | ClearanceRevolute)]
+    revolutes = [joint for joint in mechanism.joints.values() if joint.revolves]
     grounded = [joint for joint in revolutes if "ground" in (joint.sides[0][0], joint.sides[1][0])]
     for one, two in combinations(grounded, 2):
         (foot_1, (first, pin_1)), (foot_2, (second, pin_2)) = _from(one, "ground"), _from(two, "ground")

@@ -13,13 +13,12 @@ from ..errors import AssemblyError
 from ..laws.elasticity import tangent
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
-from ..model.springs import Spring
 from ..model.surfaces import surfaces
 from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_system, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .mobility import Mobility, mobility
 from .pins import first_guess, local_point
-from .solve import Drive, RigidSystem, accelerations, close, velocities
+from .solve import RigidSystem, accelerations, close, velocities
 from .system import mirrored
 
 Array = NDArray[np.float64]
@@ -120,7 +119,7 @@ def datum_of(mechanism: Mechanism, given: Given | None = None) -> Datum:
     if mechanism.springs or (travels and given is None):
         own = _closed(mechanism, rigid_system(mechanism, travels=False), first_guess(mechanism))
     here = given.position if given is not None else own
-    travel = {} if here is None else {name: travel_of(mechanism, names, name, driver).place(here) for name, driver in travels.items()}
+    travel = {} if here is None else {name: travel_of(mechanism, names, name, driver).at(here) for name, driver in travels.items()}
     angle = {name: float(given.position[k, 2]) for k, name in enumerate(names)} if given is not None else {}
     angle = {name: body.angle for name, body in mechanism.bodies.items()} | angle
     spring = {} if own is None else _at_rest(Instant(mechanism, names, own, np.zeros_like(own)))
@@ -132,7 +131,7 @@ def _at_rest(now: Instant) -> dict[str, float]:
     found = {}
     for name, spring in now.mechanism.springs.items():
         first, second = now.ends(spring)
-        if isinstance(spring, Spring):
+        if spring.axes == "linear":
             found[name] = float(np.hypot(*np.subtract(second.at, first.at)))
         else:
             found[name] = second.angle - first.angle
@@ -190,7 +189,7 @@ def ideal_motion(
         force[row] += np.array([*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()])
     acceleration, reaction, driving = accelerations(reflect(moving), position * flip, velocity * flip, force * flip)
     reactions = {one.name: (float(x), float(y), float(m)) for one, (x, y, m) in zip(moving.joints, reaction * flip, strict=True)}
-    torque = {d.name: float(value) * (hand if isinstance(d, Drive) else 1.0) for d, value in zip(moving.drives, driving, strict=True)}
+    torque = {d.name: float(value) * (hand if d.turns else 1.0) for d, value in zip(moving.drives, driving, strict=True)}
     return Motion(system.names, position, velocity, acceleration * flip, reactions, torque, datum, pushed, reflect(system), hand)
 
 

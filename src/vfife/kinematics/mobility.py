@@ -56,7 +56,7 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
 
 def _dependent(system: RigidSystem, position: Array) -> tuple[list[int], list[int]]:
     """Rows that follow from those before them, of the joints alone and with the drives."""
-    jacobian = equations(system, position, np.zeros_like(position)).jacobian
+    jacobian = equations(system, position).jacobian
     rows = dependent_rows(jacobian)
     return [row for row in rows if row < system.held], rows
 
@@ -75,7 +75,7 @@ def _named(system: RigidSystem, owners: list[int]) -> tuple[str, ...]:
 def _aside(system: RigidSystem, position: Array) -> Array | None:
     """A closed position a little along a free motion, the drives released; None where no free motion leads anywhere."""
     released = dataclasses.replace(system, drives=())
-    jacobian = equations(released, position, np.zeros_like(position)).jacobian
+    jacobian = equations(released, position).jacobian
     lengths = metric(system)[0]
     scale = np.column_stack([np.ones_like(system.reach), np.ones_like(system.reach), system.reach])
     for motion in _directions(released, position, jacobian):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..model.bodies import Body, Point
-from ..model.joints import ClearanceRevolute, ExternalContact, IdealRevolute, Joint, Weld
+from ..model.joints import Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 
@@ -32,9 +34,9 @@ def from_center(mechanism: Mechanism, side: tuple[str, str]) -> Point:
     return x - cx, y - cy
 
 
-def world(mechanism: Mechanism, position: Array, names: tuple[str, ...], side: tuple[str, str]) -> Point:
-    """A pin in space (m), bodies at ``position`` (bodies + 1, 3)."""
-    x, y = from_center(mechanism, side)
+def world(mechanism: Mechanism, position: Array, names: tuple[str, ...], side: tuple[str, str], beyond: Point = (0.0, 0.0)) -> Point:
+    """A pin in space (m), or a place ``beyond`` it in its body's axes; bodies at ``position`` (bodies + 1, 3)."""
+    x, y = np.add(from_center(mechanism, side), beyond)
     px, py, angle = position[names.index(side[0])] if side[0] != "ground" else (0.0, 0.0, 0.0)
     c, s = np.cos(angle), np.sin(angle)
     return float(px + c * x - s * y), float(py + s * x + c * y)
@@ -43,7 +45,8 @@ def world(mechanism: Mechanism, position: Array, names: tuple[str, ...], side: t
 def first_guess(mechanism: Mechanism) -> Array:
     """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its approximate angle.
 
-    Pins come before guides, and guides before contacts; in a guide or contact the pins of both sides start in one place.
+    Pins come before guides, and guides before contacts; in a guide or contact the pins of both sides start in one place, or where the joint has
+    the journal's first.
     """
     names = ("ground", *mechanism.bodies)
     guess = np.zeros((len(names), 3))
@@ -52,21 +55,22 @@ def first_guess(mechanism: Mechanism) -> Array:
         if body.position is not None:
             _place(guess, names.index(name), body, (0.0, 0.0), body.position)
             placed.add(name)
-    waiting = sorted(mechanism.joints.values(), key=_rank)
+    waiting = sorted(mechanism.joints.values(), key=lambda joint: joint.rank)
     while True:
         reachable = next(
             (
-                (here, there)
+                (here, there, begin, end)
                 for joint in waiting
-                for here, there in (joint.sides, joint.sides[::-1])
+                for here, there, begin, end in _ways(joint)
                 if here[0] in placed and there[0] not in placed
             ),
             None,
         )
         if reachable is None:
             break
-        here, there = reachable
-        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], local_point(mechanism, there), world(mechanism, guess, names, here))
+        here, there, begin, end = reachable
+        x, y = np.add(local_point(mechanism, there), end)
+        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], (float(x), float(y)), world(mechanism, guess, names, here, begin))
         placed.add(there[0])
     for name, body in mechanism.bodies.items():
         if name not in placed:
@@ -74,8 +78,11 @@ def first_guess(mechanism: Mechanism) -> Array:
     return guess
 
 
-def _rank(joint: Joint) -> int:
-    return 0 if isinstance(joint, IdealRevolute | ClearanceRevolute | Weld) else 2 if isinstance(joint, ExternalContact) else 1
+def _ways(joint: Joint) -> Iterator[tuple[tuple[str, str], tuple[str, str], Point, Point]]:
+    """From each side of a joint to the other: the sides, and which place beyond the pin of each meets that of the other."""
+    (bearing, journal), first, pin = joint.sides, joint.first_place, (0.0, 0.0)
+    yield bearing, journal, first, pin
+    yield journal, bearing, pin, first
 
 
 def _place(guess: Array, row: int, body: Body, local: Point, target: Point) -> None:

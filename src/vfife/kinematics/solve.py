@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from .constraints import Drive, Gear, Pin, Slide, Travel, Weld
 from .linalg import RANK_TOLERANCE, Matrix, constrained, damped_step, weighted
 from .system import RigidSystem, checked, equations, metric
 
@@ -42,9 +41,9 @@ def close(system: RigidSystem, guess: Array) -> Closure:
     """
     start = checked(system, guess, "guess")
     for drive in system.drives:
-        if isinstance(drive, Drive):
-            off = drive.angle - (start[drive.body, 2] - start[drive.against, 2])
-            start[drive.body, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+        if drive.turns:
+            off = drive.aim - (start[drive.body_b, 2] - start[drive.body_a, 2])
+            start[drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
     closure = _descend(system, start)
     if not _is_closed(system, closure):
         nudged = start.copy()
@@ -84,7 +83,7 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
     motion, multiplier = constrained(rows.jacobian, rows.gamma, mass, load / mass)
     _demand(system, rows.jacobian @ motion - rows.gamma, motion, "acceleration")
     reaction = [one.reaction(position, multiplier[system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
-    driving = [system.lengths[k] if isinstance(one, Drive) else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
+    driving = [system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
     acceleration = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
     return acceleration, np.array(reaction).reshape(-1, 3), multiplier[system.held :] * np.array(driving)
 
@@ -95,7 +94,7 @@ def _descend(system: RigidSystem, position: Array) -> Closure:
     finest = np.finfo(float).eps * scale
     joints = system.held
     weight = np.repeat([1.0, DRIVE_WEIGHT], [joints, len(system.drives)])
-    pace = [LARGEST_TURN * (system.reach[d.body_b] if isinstance(d, Drive) else scale) for d in system.drives]
+    pace = [LARGEST_TURN * (system.reach[d.body_b] if d.turns else scale) for d in system.drives]
     limit = np.concatenate([np.full(joints, np.inf), pace])
     (phi, jacobian), damping, taken = _open(system, position), 0.1, 0
     while taken < STEPS:
@@ -118,7 +117,7 @@ def _descend(system: RigidSystem, position: Array) -> Closure:
 
 
 def _open(system: RigidSystem, position: Array) -> tuple[Array, Matrix]:
-    rows = equations(system, position, np.zeros_like(position))
+    rows = equations(system, position)
     return rows.phi, rows.jacobian
 
 
@@ -152,10 +151,10 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
     gap_of = {joint.name: gap for joint, gap in zip(system.joints, gaps, strict=True) if gap > 1e-3 * largest}
     listed = ", ".join(_gap(system, k, phi) for k, joint in enumerate(system.joints) if joint.name in gap_of)
     cause = f"the links joined by {', '.join(gap_of)} cannot reach one another: check their lengths and end points"
-    if any(not isinstance(joint, Pin) or isinstance(joint, Weld) for joint in system.joints if joint.name in gap_of):
+    if any(not joint.pinned for joint in system.joints if joint.name in gap_of):
         cause += ", the directions of guides and the angles of welded, guided and geared bodies"
-    angles = [system.names[drive.body] for drive in system.drives if isinstance(drive, Drive)]
-    places = [drive.name for drive in system.drives if isinstance(drive, Travel)]
+    angles = [system.names[drive.body_b] for drive in system.drives if drive.turns]
+    places = [drive.name for drive in system.drives if not drive.turns]
     if between_branches:
         cause = "a slightly turned guess does close, so the guess lies between two branches: draw it to one side"
     else:
@@ -185,6 +184,4 @@ def _demand(system: RigidSystem, missing: Array, motion: Array, quantity: str) -
         raise AssemblyError(f"no {quantity} satisfies {', '.join(named)}: {cause}", joints)
 
 
-__all__ = [
-    "AssemblyError", "Closure", "Drive", "Gear", "Pin", "RigidSystem", "Slide", "Travel", "Weld", "accelerations", "close", "velocities",
-]  # fmt: skip
+__all__ = ["AssemblyError", "Closure", "RigidSystem", "accelerations", "close", "velocities"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .constraints import AnyDrive, AnyJoint, Constraint, Drive, Gear, Travel
+from .constraints import Constraint
 from .linalg import Matrix, matrix
 
 Array = NDArray[np.float64]
@@ -25,8 +25,8 @@ class RigidSystem:
     names: tuple[str, ...]
     mass: Array
     inertia: Array
-    joints: Sequence[AnyJoint]
-    drives: Sequence[AnyDrive] = ()
+    joints: Sequence[Constraint]
+    drives: Sequence[Constraint] = ()
     reach: Array = field(init=False, repr=False)
     starts: tuple[int, ...] = field(init=False, repr=False)
     lengths: tuple[float, ...] = field(init=False, repr=False)
@@ -42,10 +42,9 @@ class RigidSystem:
         reach[1:] = np.sqrt(inertia[1:] / mass[1:])
         for one in self.constraints:
             _check(one, n)
-            if not isinstance(one, Gear | Drive):
-                for body, point in ((one.body_a, one.point_a), (one.body_b, one.point_b)):
-                    reach[body] = max(reach[body], float(np.hypot(*point)))  # type: ignore[misc]
-        turned = [(drive.body_a, drive.body_b) for drive in self.drives if isinstance(drive, Drive)]
+            for body, point in ((one.body_a, one.point_a), (one.body_b, one.point_b)):
+                reach[body] = max(reach[body], float(np.hypot(*np.asarray(point))))
+        turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
         if len(set(turned)) < len(turned):
             raise ValueError("each drive must turn a moving body of its own")
         starts = np.cumsum([0, *(one.size for one in self.constraints)])
@@ -54,7 +53,7 @@ class RigidSystem:
             object.__setattr__(self, name, value)
 
     @property
-    def constraints(self) -> tuple[AnyJoint | AnyDrive, ...]:
+    def constraints(self) -> tuple[Constraint, ...]:
         """Joints, then drives: the order of the rows."""
         return (*self.joints, *self.drives)
 
@@ -67,29 +66,28 @@ class RigidSystem:
         """Rows of the k-th constraint."""
         return slice(self.starts[k], self.starts[k + 1])
 
-    def drive_name(self, drive: AnyDrive) -> str:
+    def drive_name(self, drive: Constraint) -> str:
         """A drive in messages."""
-        return f"the drive of {self.names[drive.body]}" if isinstance(drive, Drive) else f"the drive of {drive.name}"
+        return f"the drive of {self.names[drive.body_b] if drive.turns else drive.name}"
 
 
 def _check(one: Constraint, n: int) -> None:
     """ValueError where a constraint names bodies or numbers that make no sense."""
     two = len({one.body_a, one.body_b} & {*range(n)}) == 2
-    if isinstance(one, Drive):
+    if one.driven and one.turns:
         if not two or one.body_b == 0:
             raise ValueError("each drive must turn a moving body of its own")
-        if not np.isfinite((one.angle, one.speed, one.acceleration)).all():
+        if not np.isfinite((one.aim, one.speed, one.acceleration)).all():
             raise ValueError("angle, speed and acceleration of every drive must be finite")
         return
-    if isinstance(one, Gear):
-        if not two or not np.isfinite((one.ratio, one.offset)).all() or one.ratio == 0.0:
+    if one.turns:
+        if not two or not np.isfinite((one.ratio, one.aim)).all() or one.ratio == 0.0:
             raise ValueError(f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than zero, not {one.ratio:g}")
         return
     points = np.asarray([one.point_a, one.point_b], dtype=float)
     if not two or points.shape != (2, 2) or not np.isfinite(points).all():
         raise ValueError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
-    numbers = (one.value, one.speed, one.acceleration) if isinstance(one, Travel) else (getattr(one, "offset", 0.0),)
-    if not np.isfinite(numbers).all():
+    if not np.isfinite((one.aim, one.speed, one.acceleration)).all():
         raise ValueError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
 
 
@@ -110,8 +108,8 @@ class Equations:
     gamma: Array
 
 
-def equations(system: RigidSystem, position: Array, velocity: Array) -> Equations:
-    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]."""
+def equations(system: RigidSystem, position: Array, velocity: Array | None = None) -> Equations:
+    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity gamma is that of the drives alone."""
     count, n = system.starts[-1], len(system.names)
     phi, rate, gamma = np.zeros(count), np.zeros(count), np.zeros(count)
     values: list[float] = []
@@ -126,8 +124,8 @@ def equations(system: RigidSystem, position: Array, velocity: Array) -> Equation
                     values += (block[0], block[1], block[2] / system.reach[body])
                     at += (row + k,) * 3
                     columns += range(3 * body - 3, 3 * body)
-        if isinstance(one, Drive | Travel):
-            scale = length if isinstance(one, Drive) else 1.0
+        if one.driven:
+            scale = length if one.turns else 1.0
             rate[row] = scale * one.speed
             gamma[row] += scale * one.acceleration
     return Equations(phi, matrix(values, at, columns, (count, 3 * n - 3)), rate, gamma)

@@ -8,13 +8,16 @@ relation: given the normal force, the sliding velocity without friction, and the
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
+
+from ..errors import Fault, LawError
+from ..fields import Reading
+from ..fields import quantity as quantity
 
 
 @dataclass(frozen=True)
@@ -22,9 +25,9 @@ class Material:
     """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3)."""
 
     name: str = "steel"
-    youngs_modulus: float = 207e9
-    poissons_ratio: float = 0.3
-    density: float = 7800.0
+    youngs_modulus: float = quantity("Pa", "Young's modulus", 207e9, above=0.0)
+    poissons_ratio: float = quantity("1", "Poisson's ratio", 0.3, above=-1.0, high=0.5)
+    density: float = quantity("kg/m^3", "density", 7800.0, above=0.0)
 
     @property
     def compliance(self) -> float:
@@ -81,24 +84,6 @@ class Pair:
         return min(math.sqrt(one.youngs_modulus / one.density) for one in (self.bearing, self.journal))
 
 
-def quantity(
-    unit: str,
-    meaning: str,
-    default: Any = dataclasses.MISSING,
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    above: float | None = None,
-    choices: Collection[str] | None = None,
-) -> Any:
-    """A field of a law: its unit ("1" if it has none), meaning and default, and its limits: at least ``low``, at most ``high``, ``above``.
-
-    A field that is a word is one of its ``choices``.
-    """
-    metadata = {"unit": unit, "meaning": meaning, "low": low, "high": high, "above": above, "choices": choices}
-    return dataclasses.field(default=default, metadata=metadata)
-
-
 # Units of slots that several laws have, and that are no fields.
 SLOT_UNITS = {"damping_factor": "1", "exponent_beyond_1": "1", "ramp": "m/s"}
 
@@ -137,12 +122,16 @@ class Law:
         cls.registry[cls.name] = cls
 
     def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):
-            choices, value = field.metadata.get("choices"), getattr(self, field.name)
-            if choices and value not in choices:
-                near = difflib.get_close_matches(str(value), choices, 1)
-                told = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(choices)}"
-                raise ValueError(f"{field.name} {value!r} of the law {self.name!r} is unknown; {told}")
+        """Raises LawError with every parameter that is beyond its limits, or that does not go with another."""
+        reading = Reading()
+        reading.fields((), self)
+        faults = [Fault(str(path[-1]), one.what, one.value, one.limit, one.remedy) for path, one in reading.refused] or list(self.disagreements())
+        if faults:
+            raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
+
+    def disagreements(self) -> Iterator[Fault]:
+        """Faults of parameters, each within its limits, that do not go together; ``where`` is the name of one."""
+        return iter(())
 
     @classmethod
     def known(cls) -> Mapping[str, type[Law]]:
@@ -191,9 +180,9 @@ def known_here(laws: Sequence[type[Law]]) -> Iterator[None]:
         _STANDING_IN.reset(token)
 
 
-def built_in(law: type[Law]) -> bool:
-    """Whether a law is one that vfife brings."""
-    return law.__module__.startswith("vfife.laws.")
+def built_in(kind: type) -> bool:
+    """Whether a law or a noun is one that vfife brings."""
+    return kind.__module__.startswith(("vfife.laws.", "vfife.model."))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
+from ..fields import PLACE, Choice, Each, Inner, Many, Measure, Named, Names, Text, Value, Whole, described, quantity
 from ..laws.law import Material
 from .renamed import renamed
 
 Point = tuple[float, float]
 LinkModel = Literal["rigid", "elastic", "two-particle"]
 Release = Literal["none", "start", "end", "both"]
+MOST_ELEMENTS = 100_000
+LINK_MODELS = ("rigid", "elastic", "two-particle")
+ELASTIC = ("elastic", "two-particle")
+DIAMETER = Measure("m", above=0.0)
 
 
 @dataclass(frozen=True)
@@ -21,9 +26,18 @@ class Section:
     ``extreme_fibre`` (m) is the distance of the outermost fibre from that axis; with it stresses N/A + M e/I are known.
     """
 
-    area: float
-    second_moment: float
-    extreme_fibre: float | None = None
+    shapes: ClassVar[dict[str, tuple[Value, str]]] = {
+        "square": (Measure("m^2", above=0.0), "area of a square"),
+        "rectangle": (Each((DIAMETER, DIAMETER)), "width and height, bent across the height"),
+        "round": (DIAMETER, "diameter of a solid circle"),
+        "tube": (Each((DIAMETER, DIAMETER)), "outer and inner diameter of a hollow circle"),
+    }  # what a file may give instead, each made by the method of its name
+
+    area: float = quantity("m^2", "area", above=0.0)
+    second_moment: float = quantity("m^4", "second moment of area about the axis of bending", above=0.0)
+    extreme_fibre: float | None = quantity(
+        "m", "distance of the outermost fibre from the axis, for stresses; a shape knows its own", None, above=0.0
+    )
 
     @classmethod
     def rectangle(cls, width: float, height: float) -> Section:
@@ -53,11 +67,17 @@ class Body:
     ``velocity`` (m/s, m/s, rad/s) is the initial velocity of a body that no driver moves; joints with clearance then do not hold it at the start.
     """
 
+    own_points: ClassVar[tuple[str, ...]] = ("center",)  # points that every body of the kind has
+
     name: str
-    angle: float = 0.0
-    position: Point | None = None
-    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    material: Material = field(default_factory=Material)
+    angle: float = quantity("rad", "angle at the start: exact for a driven body, else approximate", 0.0)
+    position: Point | None = described(PLACE, "approximate position of the body's origin at the start", None)
+    velocity: tuple[float, float, float] = described(
+        Each((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),
+        "at the start, of a body that nothing drives: centre of mass, then angular",
+        (0.0, 0.0, 0.0),
+    )
+    material: Material = described(Named(Material), "name of a material", factory=Material)
 
     @property
     def points(self) -> dict[str, Point]:
@@ -75,10 +95,10 @@ class Body:
 class RigidBody(Body):
     """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins (m, in the body's frame)."""
 
-    mass: float
-    inertia: float
-    center: Point = (0.0, 0.0)
-    pins: dict[str, Point] = field(default_factory=dict)
+    mass: float = quantity("kg", "mass", above=0.0)
+    inertia: float = quantity("kg m^2", "moment of inertia about the centre of mass", above=0.0)
+    center: Point = described(PLACE, "centre of mass in the body's frame", (0.0, 0.0))
+    pins: dict[str, Point] = described(Names(PLACE), "pins in the body's frame", factory=dict)
 
     @property
     def points(self) -> dict[str, Point]:
@@ -103,21 +123,33 @@ class Link(Body):
     flywheel on the pin) sit at its ends. A polyline's elements are spread over its pieces by their length, each piece having one at least.
     """
 
-    length: float
-    mass: float | None = None
-    model: LinkModel = "rigid"
-    inertia: float | None = None
-    center_at: float | None = None
-    elements: int = 4
-    section: Section | None = None
-    release: Release = "none"
-    stiffness_factor: float = 1.0
-    start_mass: float = 0.0
-    end_mass: float = 0.0
-    start_inertia: float = 0.0
-    end_inertia: float = 0.0
-    via: tuple[Point, ...] = ()
-    pins: dict[str, Point] = field(default_factory=dict)
+    own_points: ClassVar[tuple[str, ...]] = ("start", "end")
+
+    selected_by: ClassVar[str] = "model"  # the field that says which others are of use
+
+    length: float = quantity("m", "distance from start to end", above=0.0)
+    mass: float | None = quantity("kg", "mass without attached masses; from density and section if left out", None, above=0.0)
+    model: LinkModel = described(
+        Choice(LINK_MODELS, ("particle", "frame")),
+        "rigid, elastic (frame elements) or two-particle (one element, half the mass at each end)",
+        "rigid",
+    )
+    inertia: float | None = quantity("kg m^2", "inertia about the centre of mass; a uniform rod's if left out", None, above=0.0, only=("rigid",))
+    center_at: float | None = quantity("m", "centre of mass, from the start; the middle if left out", None, only=("rigid",))
+    elements: int = described(Whole(1, MOST_ELEMENTS), "number of frame elements of an elastic link", 4, only=("elastic",))
+    section: Section | None = described(Inner(Section), "cross section", None)
+    release: Release = described(
+        Choice(("none", "start", "end", "both")), "ends that transmit no moment to the particle there", "none", only=ELASTIC
+    )
+    stiffness_factor: float = quantity("1", "multiplies Young's modulus of this link", 1.0, above=0.0, only=ELASTIC)
+    start_mass: float = quantity("kg", "mass attached at the start", 0.0, low=0.0)
+    end_mass: float = quantity("kg", "mass attached at the end", 0.0, low=0.0)
+    start_inertia: float = quantity("kg m^2", "rotary inertia attached at the start: a flywheel, a gear", 0.0, low=0.0)
+    end_inertia: float = quantity("kg m^2", "rotary inertia attached at the end", 0.0, low=0.0)
+    via: tuple[Point, ...] = described(
+        Many(PLACE), "points on the way from start to end, where the link is bent: along it, across it", (), only=("rigid", "elastic")
+    )
+    pins: dict[str, Point] = described(Names(PLACE), "further pins of a rigid link: along it, across it", factory=dict, only=("rigid",))
 
     @property
     def points(self) -> dict[str, Point]:
@@ -154,8 +186,8 @@ class Link(Body):
 class PointMass(Body):
     """A particle: mass (kg), rotary inertia (kg m^2), one pin ``center``."""
 
-    mass: float
-    inertia: float = 0.0
+    mass: float = quantity("kg", "mass", above=0.0)
+    inertia: float = quantity("kg m^2", "rotary inertia", 0.0, low=0.0)
 
     @property
     def points(self) -> dict[str, Point]:
@@ -172,12 +204,12 @@ class PointMass(Body):
 class Member:
     """A straight piece of a frame from node ``start`` to node ``end``, cut into ``elements``; section and material of the frame unless given."""
 
-    start: str
-    end: str
-    elements: int = 1
-    section: Section | None = None
-    material: Material | None = None
-    mass: float | None = None
+    start: str = described(Text(), "node where it starts")
+    end: str = described(Text(), "node where it ends")
+    elements: int = described(Whole(1, MOST_ELEMENTS), "number of frame elements", 1)
+    section: Section | None = described(Inner(Section), "cross section; that of the frame if left out", None)
+    material: Material | None = described(Named(Material), "name of a material; that of the frame if left out", None)
+    mass: float | None = quantity("kg", "mass; from density, section and length if left out", None, above=0.0)
 
 
 @renamed(pins="points")
@@ -188,10 +220,12 @@ class Frame(Body):
     ``masses`` (kg) sit at nodes. The weight of a member is its ``mass``, or density times area times length.
     """
 
-    nodes: dict[str, Point]
-    members: tuple[Member, ...]
-    section: Section | None = None
-    masses: dict[str, float] = field(default_factory=dict)
+    own_points: ClassVar[tuple[str, ...]] = ()
+
+    nodes: dict[str, Point] = described(Names(PLACE), "nodes by name, in the body's frame")
+    members: tuple[Member, ...] = described(Many(Inner(Member)), "members, each from one node to another")
+    section: Section | None = described(Inner(Section), "cross section of members that name none", None)
+    masses: dict[str, float] = described(Names(Measure("kg", above=0.0)), "masses attached at nodes", factory=dict)
 
     @property
     def points(self) -> dict[str, Point]:

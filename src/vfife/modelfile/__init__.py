@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .read import examined, load, loads
+from .read import load, loads
 from .write import dump
 
-__all__ = ["dump", "examined", "load", "loads"]
+__all__ = ["dump", "load", "loads"]

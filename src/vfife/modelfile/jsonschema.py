@@ -1,43 +1,52 @@
-"""JSON Schema of a model file, for editors and validators: the tables, with the units and limits of their keys, and the laws."""
+"""JSON Schema of a model file, for editors and validators: the tables of the nouns, with the units and limits of their keys, and the laws."""
 
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import json
 from collections.abc import Iterator
 from typing import Any
 
-from ..laws import Law
-from ..model.readers import Choice, Measure
-from .lawtables import DEFAULTS, SYMBOLIC
-from .schema import ModelFile
-from .tables import LAWS
+from ..fields import Chosen, Entries, Field, Inner, Many, Value, described_fields, meaning_of, required, value_of
+from ..laws import Material
+from ..laws.law import built_in
+from ..model.mechanism import Mechanism, Settings, StartSettings
+from .drivers import merged
+from .lawtables import DEFAULTS
+from .tables import LAWS, TARGETS, Table, tables
 
 Json = dict[str, Any]
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
 IDENTITY = "urn:vfife:model"
 TITLE = "Model file of vfife"
+DRIVERS = "a speed, a travel, an amplitude, a table of values, a torque or a force"
 
 
 def model_schema() -> Json:
-    """The schema, with what vfife brings as laws.
+    """The schema, with what vfife brings as kinds and laws.
 
     Written in what drafts 4 and 7 have in common, because editors know no later one: no ``prefixItems``, ``const``, ``$defs``.
     """
-    raw = ModelFile.model_json_schema()
-    tables = {name: described(table) for name, table in sorted(raw.pop("$defs").items())}
+    definitions: Json = {}
+    properties = {}
+    for key, field in Table(Mechanism).fields.items():
+        held = value_of(field)
+        told: Json = {"$ref": reference(held.noun)} if isinstance(held, Inner) else held.json()
+        if isinstance(held, Entries):
+            told = {"type": "object", "additionalProperties": one_of(named_tables(key, definitions))}
+        properties[key] = {**told, "description": described(meaning_of(field), held)}
+        if field.default is not dataclasses.MISSING:
+            properties[key]["default"] = plain(field.default)
+    materials = "materials by name, beside those of `vfife materials`"
+    properties["material"] = {"type": "object", "additionalProperties": {"$ref": reference(Material)}, "description": materials}
+    for noun, header in ((Material, "[material.NAME]"), (Settings, "[run]"), (StartSettings, "[start]")):
+        definitions[f"{noun.__name__}Table"] = noun_table(Table(noun, whole=noun is Material), header, definitions)
     laws = {f"{kind}_law": {"oneOf": list(law_tables(kind))} for kind in LAWS}
-    for kind in LAWS:
-        for table in tables.values():
-            if kind in table["properties"]:
-                meaning = table["properties"][kind]["description"]
-                table["properties"][kind] = {"description": meaning, "allOf": [{"$ref": f"#/definitions/{kind}_law"}]}
-    top = described(raw)
-    heads = {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, "description": top.pop("description")}
-    top.pop("title", None)
-    schema: Json = older({**heads, **top, "definitions": {**tables, **laws}})
-    return schema
+    heads = {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, "description": "A model file."}
+    ordered = {name: definitions[name] for name in sorted(definitions)}
+    return {**heads, "type": "object", "properties": properties, "additionalProperties": False, "definitions": {**ordered, **laws}}
 
 
 def text() -> str:
@@ -45,84 +54,127 @@ def text() -> str:
     return json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
-def described(table: Json) -> Json:
-    """A table whose keys say their units and limits, and no titles that repeat the keys."""
-    for entry in table.get("properties", {}).values():
-        entry.pop("title", None)
-        units = [unit for unit in dict.fromkeys(units_of(entry)) if unit]
-        if units:
-            entry["description"] = f"{entry.get('description', '')} [{'; '.join(units)}]".strip()
-    return table
+def reference(noun: type) -> str:
+    """Where the table of a noun is described."""
+    return f"#/definitions/{noun.__name__}Table"
 
 
-def units_of(entry: Any) -> Iterator[str]:
-    """Units and limits of a key, or of the parts of its value."""
-    if isinstance(entry, list):
-        for one in entry:
-            yield from units_of(one)
-    elif isinstance(entry, dict):
-        if "x-unit" in entry:
-            unit = "a number" if entry["x-unit"] == "1" else entry["x-unit"]
-            yield f"{unit}, {entry['x-limits']}" if entry["x-limits"] else unit
-        elif entry.get("type") == "integer":
-            yield f"a whole number from {entry['minimum']} to {entry['maximum']}"
-        else:
-            for key in ("anyOf", "prefixItems", "items", "additionalProperties"):
-                yield from units_of(entry.get(key))
+def one_of(names: list[str]) -> Json:
+    """One of the tables."""
+    refs = [{"$ref": f"#/definitions/{name}"} for name in names]
+    return refs[0] if len(refs) == 1 else {"oneOf": refs}
+
+
+def named_tables(section: str, definitions: Json) -> list[str]:
+    """Describes the tables of a section; their names."""
+    names = []
+    if section == "driver":
+        for target in TARGETS:
+            names.append(f"{target.capitalize()}DriverTable")
+            definitions[names[-1]] = driver_table(target)
+        return names
+    for what in tables(section):
+        if built_in(what.noun):
+            names.append(f"{what.noun.__name__}Table")
+            header = f"[{section}.NAME]" + (f' with {what.tag} = "{what.word}"' if what.tag and not what.optional else "")
+            definitions[names[-1]] = noun_table(what, header, definitions)
+    return names
+
+
+def noun_table(what: Table, header: str, definitions: Json) -> Json:
+    """The table of a noun."""
+    properties: Json = {}
+    if what.tag:
+        properties[what.tag] = {"enum": [what.word], "description": f"{what.word}{', also if left out' if what.optional else ''}"}
+    for key, field in what.fields.items():
+        properties[key] = entry(field, what.value(key), what.along)
+        for inner in nouns_in(what.value(key)):
+            if f"{inner.__name__}Table" not in definitions:
+                definitions[f"{inner.__name__}Table"] = {}
+                definitions[f"{inner.__name__}Table"] = noun_table(Table(inner), "In a line", definitions)
+    for key, (held, meaning) in getattr(what.noun, "shapes", {}).items():
+        properties[key] = {**held.json(), "description": described(meaning, held)}
+    return closed(f"{header}: {summary(what.noun)}", properties, what.needed)
+
+
+def driver_table(target: str) -> Json:
+    """The table of drivers of a body, a slider or a point: the keys of every kind."""
+    keys = merged(target)
+    properties = {}
+    for key, (what, must) in keys.items():
+        properties[key] = entry(what.fields[key], what.value(key), what.along)
+        if not must and key not in TARGETS[target]:
+            properties[key].pop("default", None)
+    needed = tuple(key for key, (_, must) in keys.items() if must)
+    return closed(f"[driver.NAME] of a {target}: {DRIVERS}", properties, needed)
+
+
+def closed(description: str, properties: Json, needed: tuple[str, ...]) -> Json:
+    """A table without other keys."""
+    return {
+        "type": "object",
+        "description": description,
+        "properties": properties,
+        **({"required": list(needed)} if needed else {}),
+        "additionalProperties": False,
+    }
+
+
+def summary(noun: type) -> str:
+    """First paragraph of what a noun is."""
+    return " ".join((inspect.getdoc(noun) or "").partition("\n\n")[0].replace("``", '"').split())
+
+
+def nouns_in(held: Value) -> Iterator[type]:
+    """Nouns whose tables stand in a value."""
+    if isinstance(held, Many):
+        yield from nouns_in(held.part)
+    elif isinstance(held, Inner):
+        yield held.noun
+
+
+def entry(field: Field, held: Value, along: bool = False) -> Json:
+    """What a key may be."""
+    told = {**held.json(), "description": described(meaning_of(field, along), held)}
+    default = field.default if field.default_factory is dataclasses.MISSING or isinstance(held, Chosen) else field.default_factory()
+    if isinstance(default, Material):
+        told["default"] = default.name
+    elif default not in (None, dataclasses.MISSING, ""):
+        told["default"] = plain(default)
+    return told
+
+
+def described(meaning: str, held: Value) -> str:
+    """The meaning with units and limits."""
+    units = [unit for unit in dict.fromkeys(held.units()) if unit]
+    return f"{meaning} [{'; '.join(units)}]" if units else meaning
+
+
+def plain(value: Any) -> Any:
+    """A default as JSON has it."""
+    return [plain(one) for one in value] if isinstance(value, tuple) else value
 
 
 def law_tables(kind: str) -> Iterator[Json]:
     """A table for each law of the package, in the order of their names; the default needs no name."""
     for name, law in sorted(LAWS[kind].registry.items()):
-        if not law.__module__.startswith("vfife."):
+        if not built_in(law):
             continue
         default = name == DEFAULTS[kind].name
         named = {"enum": [name], "description": f"name of the {kind} law{'; taken if left out' if default else ''}"}
-        fields = {field.name: parameter(law, field) for field in dataclasses.fields(law)}
-        needed = [field.name for field in dataclasses.fields(law) if field.default is dataclasses.MISSING]
+        fields: tuple[Field, ...] = dataclasses.fields(law)
+        needed = [field.name for field in fields if required(field)]
         needed = needed if default else ["law", *needed]
-        yield {
-            "type": "object",
-            "title": name,
-            "description": f"{law.formula}. {law.source}",
-            "properties": {"law": named, **fields},
-            **({"required": needed} if needed else {}),
-            "additionalProperties": False,
-        }
+        properties = {"law": named, **{field.name: parameter(field) for field in described_fields(law)}}
+        yield {**closed(f"{law.formula}. {law.source}", properties, tuple(needed)), "title": name}
 
 
-def parameter(law: type[Law], field: dataclasses.Field[Any]) -> Json:
-    """What a parameter of a law may be."""
-    meta, default = field.metadata, field.default
-    told: Json = {"description": str(meta.get("meaning", ""))}
-    if default not in (None, dataclasses.MISSING):
-        told["default"] = default
-    if isinstance(default, bool):
-        return {"type": "boolean", **told}
-    if isinstance(default, str) or field.type in (str, "str"):
-        words = meta.get("choices") or meta.get("options")
-        return {**(Choice(tuple(words)).json() if words else {"type": "string"}), **told}
-    unit = str(meta.get("unit", "1"))
-    above, low, high = (meta.get(limit) for limit in ("above", "low", "high"))
-    one = Measure("1" if SYMBOLIC.search(unit) else unit, above=above, low=low, high=high).json()
-    told["description"] += f" [{', '.join(part for part in ('a number' if unit == '1' else unit, one['x-limits']) if part)}]"
-    return {**one, "x-unit": unit, **told}
-
-
-def older(entry: Any) -> Any:
-    """The same in words of drafts 4 and 7; lists with a place for each value keep their length."""
-    if isinstance(entry, list):
-        return [older(one) for one in entry]
-    if not isinstance(entry, dict):
-        return entry
-    result = {key: older(value) for key, value in entry.items() if key not in ("discriminator", "prefixItems")}
-    if {"type": "null"} in result.get("anyOf", ()):  # a key is left out, never null
-        kept = [one for one in result.pop("anyOf") if one != {"type": "null"}]
-        result |= {"anyOf": kept} if len(kept) > 1 else kept[0] | result
-    if "prefixItems" in entry:
-        result |= {"items": older(entry["prefixItems"]), "additionalItems": False}
-    if isinstance(entry.get("$ref"), str):
-        result["$ref"] = entry["$ref"].replace("#/$defs/", "#/definitions/")
-    if result.get("default", 0) is None:
-        del result["default"]
-    return result
+def parameter(field: Field) -> Json:
+    """What a parameter of a law may be; its unit may wait for the law's exponent."""
+    told = entry(field, value_of(field))
+    unit = field.metadata["unit"]
+    if "x-unit" in told and told["x-unit"] != unit:
+        told["x-unit"] = unit
+        limits = [part for part in (unit, told["x-limits"]) if part]
+        told["description"] = f"{meaning_of(field)} [{', '.join(limits)}]"
+    return told

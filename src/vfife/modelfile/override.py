@@ -9,8 +9,7 @@ from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
 from ..laws import MATERIALS
-from .schema import JOINT_TABLES
-from .tables import IDLE_KEYS, LAWS, NAMED, Raw, entries, known_keys, law_fields, table
+from .tables import FAMILIES, LAWS, NAMED, Raw, body_table, entries, known_keys, law_fields, table, tables
 
 
 class PathFault(Exception):
@@ -151,11 +150,13 @@ def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
     value = holder.get(str(path[-1]))
     idle: Iterable[str] = ()
     if path[0] == "body" and path[2:] == ("model",):
-        idle = IDLE_KEYS.get(str(value), ())
-    elif path[0] == "joint" and path[2:] == ("kind",) and isinstance(value, str) and value in JOINT_TABLES:
-        idle = set(known_keys(("joint", "")) or ()) - set(JOINT_TABLES[value].model_fields)
+        what = body_table(holder)
+        idle = [key for key in holder if what.idle(key, holder)]
+    elif path[0] in FAMILIES and path[2:] == ("kind",):
+        chosen = [what for what in tables(str(path[0])) if what.word == value]
+        idle = set(known_keys((path[0], "")) or ()) - set(chosen[0].keys) if chosen else ()
     elif path[0] == "joint" and len(path) == 4 and path[3] == "law" and path[2] in LAWS:
-        law = LAWS[str(path[2])].registry.get(str(value))
+        law = LAWS[str(path[2])].known().get(str(value))
         idle = set(holder) - {"law", *law_fields(law)} if law else ()
     for key in idle:
         if not any(have[: len(path)] == (*path[:-1], key) for have in given):

@@ -1,41 +1,144 @@
-"""Raw tables of a model file, as the TOML reader leaves them: walks that never fail, and which keys a table knows."""
+"""The tables of a model file: which noun each one is, which keys it has, and how to walk them. All of it comes from the nouns' own fields."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator
+import functools
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
-from ..errors import Path, QuantityError
-from ..laws import ContactLaw, FrictionLaw, Law
-from ..units import number
-from .schema import (
-    BODY_TABLES,
-    DRIVER_TABLES,
-    JOINT_TABLES,
-    SPRING_TABLES,
-    GearTable,
-    LoadTable,
-    MaterialTable,
-    MemberTable,
-    ModelFile,
-    RunTable,
-    SectionTable,
-    StartTable,
-    Table,
-    body_kind,
-)
+from ..errors import Path
+from ..fields import Chosen, Field, Inner, Many, Value, described_fields, key_of, required, value_of
+from ..laws import ContactLaw, FrictionLaw, Law, Material
+from ..model.bodies import LINK_MODELS, Frame, Link, PointMass, RigidBody
+from ..model.drivers import Driver
+from ..model.joints import Gear, IdealRevolute, Joint
+from ..model.loads import PointForce
+from ..model.mechanism import Mechanism, Settings, StartSettings
+from ..model.springs import ForceElement, Spring
 
 Raw = dict[str, Any]
 
-# Keys of a link that say nothing about a link of this model.
-IDLE_KEYS: dict[str, tuple[str, ...]] = {
-    "rigid": ("elements", "release", "stiffness_factor"),
-    "elastic": ("inertia", "center_at", "pins"),
-    "two-particle": ("inertia", "center_at", "pins", "elements", "via"),
-}
 LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
+FAMILIES: dict[str, tuple[Any, type]] = {"joint": (Joint, IdealRevolute), "spring": (ForceElement, Spring)}  # and what needs no kind
+BODIES: dict[type, str] = {Link: "", RigidBody: "rigid", PointMass: "particle", Frame: "frame"}  # and the model that says so
+TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point", "direction")}
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word`` of the kind.
+
+    ``optional``: the tag may be left out. ``beside`` are the words of other kinds. ``target`` is what a driver drives. A ``whole`` table gives all
+    its keys, whatever the noun has by default.
+    """
+
+    noun: Any
+    tag: str = ""
+    word: str = ""
+    optional: bool = False
+    beside: tuple[str, ...] = ()
+    target: str = ""
+    whole: bool = False
+
+    @property
+    def along(self) -> bool:
+        """Whether a driver acts along a line."""
+        return self.target in ("slider", "point")
+
+    @functools.cached_property
+    def fields(self) -> dict[str, Field]:
+        """Fields by key."""
+        found = {key_of(field, self.along): field for field in described_fields(self.noun)}
+        strange = {key for target, keys in TARGETS.items() if target != self.target for key in keys} if self.target else set()
+        return {key: field for key, field in found.items() if key not in strange}
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Every key."""
+        return tuple(dict.fromkeys((*((self.tag,) if self.tag else ()), *self.fields, *getattr(self.noun, "shapes", ()))))
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Keys that must be there; a section may be given by a shape."""
+        if hasattr(self.noun, "shapes"):
+            return ()
+        tag = (self.tag,) if self.tag and not self.optional else ()
+        return (*tag, *(key for key, field in self.fields.items() if self.whole or required(field)))
+
+    def value(self, key: str) -> Value:
+        """What a key holds."""
+        return value_of(self.fields[key], self.along)
+
+    def idle(self, key: str, holder: Raw) -> tuple[str, ...]:
+        """The words of which one would give the key a use, where what the table says gives it none."""
+        only = self.fields[key].metadata["only"] if key in self.fields else ()
+        if not only:
+            return ()
+        chooser = next(field for field in self.fields.values() if field.name == self.noun.selected_by)
+        word = holder.get(key_of(chooser), chooser.default)
+        return () if word in only or word not in chooser.metadata["choices"] else tuple(only)
+
+
+def tables(section: str) -> tuple[Table, ...]:
+    """The kinds of table that a section has: of whatever is registered."""
+    if section in FAMILIES:
+        base, plain = FAMILIES[section]
+        words = tuple(base.registry)
+        return tuple(
+            Table(noun, "kind", word, noun is plain, tuple(other for other in words if other != word)) for word, noun in base.registry.items()
+        )
+    if section == "body":
+        words = (*LINK_MODELS, "particle", "frame")
+        return tuple(
+            Table(noun, "model" if word else "", word, word == "rigid", tuple(one for one in words if one != word)) for noun, word in BODIES.items()
+        )
+    if section == "material":
+        return (Table(Material, whole=True),)
+    if section == "driver":
+        return tuple(Table(noun, target=target) for noun in Driver.registry.values() for target in TARGETS if target in noun.drives)
+    known = {"gear": Gear, "load": PointForce, "run": Settings, "start": StartSettings}
+    return (Table(known[section]),) if section in known else ()
+
+
+def body_table(holder: Any) -> Table:
+    """Which table a [body.NAME] is, told by its model, its length, or by what only one kind of body has."""
+    link, rigid, particle, frame = tables("body")
+    keys = set(holder) if isinstance(holder, dict) else set()
+    model = holder.get("model", "rigid") if keys else "rigid"
+    if model in ("particle", "frame"):
+        return particle if model == "particle" else frame
+    if model not in LINK_MODELS and "length" not in keys and {"nodes", "members", "masses"} & keys:
+        return frame
+    own = model == "rigid" and not (set(link.keys) - set(rigid.keys)) & keys
+    return rigid if own and {"inertia", "pins", *(set(rigid.keys) - set(link.keys))} & keys else link
+
+
+def kind_table(section: str, holder: Any) -> Table:
+    """Which table a [joint.NAME] or [spring.NAME] is: told by its kind, else the one that its keys suit best."""
+    every = tables(section)
+    kind = holder.get("kind") if isinstance(holder, dict) else None
+    plain = next(table for table in every if table.optional)
+    if not isinstance(holder, dict):
+        return plain
+    return next((table for table in every if table.word == kind), None) or min(
+        every, key=lambda table: (strangeness(table, holder), table != plain)
+    )
+
+
+def strangeness(table: Table, holder: Raw) -> int:
+    """How many keys a table does not know, or knows otherwise, or misses; what it misses weighs less."""
+    keys = set(holder) - {table.tag}
+    known = keys & set(table.fields)
+    missing = set(table.needed) - {table.tag} - keys
+    return 3 * (len(keys - known) + sum(not table.value(key).suits(holder[key]) for key in known)) + len(missing)
+
+
+def target_of(holder: Any) -> str:
+    """What a [driver.NAME] drives."""
+    return next((target for target in ("slider", "point") if isinstance(holder, dict) and target in holder), "body")
 
 
 def table(raw: Any, *path: str | int) -> Raw:
@@ -53,82 +156,30 @@ def entries(raw: Raw, section: str) -> Iterator[tuple[str, Raw]]:
     return ((name, entry) for name, entry in table(raw, section).items() if isinstance(entry, dict))
 
 
-def amount(holder: Raw, key: str, unit: str) -> float | None:
-    """SI value of a key, None where it is missing or no such quantity (which the schema tells)."""
-    try:
-        return number(holder[key], unit) if key in holder else None
-    except QuantityError:
-        return None
-
-
-def amounts(value: Any, units: Iterable[str]) -> tuple[float, ...] | None:
-    """SI values of a list that has one for each of the units, None where it has not."""
-    units = tuple(units)
-    if not isinstance(value, list | tuple) or len(value) != len(units):
-        return None
-    try:
-        return tuple(number(one, unit) for one, unit in zip(value, units, strict=True))
-    except QuantityError:
-        return None
-
-
-def text(holder: Raw, key: str, default: str = "") -> str:
-    """A text of a table, the default where there is none."""
-    value = holder.get(key, default)
-    return value if isinstance(value, str) else default
-
-
-def own_pins(body: Raw) -> tuple[str, ...]:
-    """Pins that a body of its kind has, whatever is wrong with it."""
-    return {"<link>": ("start", "end"), "<frame>": ()}.get(body_kind(body), ("center",))
-
-
-def pins(raw: Raw, body: str) -> tuple[str, ...]:
-    """Pins of a body, or points of the ground."""
-    if body == "ground":
-        return tuple(table(raw, "ground"))
-    holder = table(raw, "body", body)
-    return (*own_pins(holder), *table(holder, "nodes" if body_kind(holder) == "<frame>" else "pins"))
-
-
 def law_fields(law: type[Law]) -> tuple[str, ...]:
     """Parameters of a law."""
     return tuple(field.name for field in dataclasses.fields(law))
 
 
-def keys_of(*models: type[Table]) -> tuple[str, ...]:
-    """Keys that one of the tables has."""
-    return tuple(dict.fromkeys(key for model in models for key in model.model_fields))
-
-
 def known_keys(path: Path) -> tuple[str, ...] | None:
     """Keys that the table at a path can have, of whatever kind it is; None where keys are names that the user gives."""
-    match path:
-        case ():
-            return keys_of(ModelFile)
-        case ("run",):
-            return keys_of(RunTable)
-        case ("start",):
-            return keys_of(StartTable)
-        case ("material", _):
-            return keys_of(MaterialTable)
-        case ("body", _):
-            return keys_of(*BODY_TABLES.values())
-        case ("body", _, "section") | ("body", _, "members", _, "section"):
-            return keys_of(SectionTable)
-        case ("body", _, "members", _):
-            return keys_of(MemberTable)
-        case ("joint", _):
-            return keys_of(*JOINT_TABLES.values())
-        case ("joint", _, "contact" | "friction" as kind):
-            fields = dict.fromkeys(name for law in LAWS[kind].registry.values() for name in law_fields(law))
-            return ("law", *fields)
-        case ("gear", _):
-            return keys_of(GearTable)
-        case ("spring", _):
-            return keys_of(*SPRING_TABLES.values())
-        case ("driver", _):
-            return keys_of(*DRIVER_TABLES.values())
-        case ("load", _):
-            return keys_of(LoadTable)
-    return None
+    if not path:
+        return (*Table(Mechanism).keys, "material")
+    depth = 1 if path[0] in ("run", "start") else 2
+    return keys_at(tables(str(path[0])), path[depth:]) if len(path) >= depth else None
+
+
+def keys_at(found: tuple[Table, ...], path: Path) -> tuple[str, ...] | None:
+    """Keys of tables, or of what is in them."""
+    if not found:
+        return None
+    if not path:
+        return tuple(dict.fromkeys(key for one in found for key in one.keys))
+    values = [one.value(str(path[0])) for one in found if path[0] in one.fields]
+    rest = path[1:]
+    while rest and isinstance(rest[0], int):
+        values, rest = [value.part for value in values if isinstance(value, Many)], rest[1:]
+    laws = [value for value in values if isinstance(value, Chosen)]
+    if laws and not rest:
+        return ("law", *dict.fromkeys(name for law in LAWS[laws[0].word].known().values() for name in law_fields(law)))
+    return keys_at(tuple(Table(value.noun) for value in values if isinstance(value, Inner)), rest)

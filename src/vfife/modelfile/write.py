@@ -8,22 +8,14 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..fields import Chosen, Direction, Named, Names
 from ..laws import Law, Material
-from ..model.bodies import Body, Frame, Link, Member, PointMass, RigidBody, Section
-from ..model.drivers import AngleTable, ConstantSpeed, Driver, Harmonic, Ramp, StepTo, Torque
-from ..model.joints import Contact, ExternalContact, Gear, IdealRevolute, Joint
-from ..model.loads import PointForce
+from ..model.bodies import Frame
+from ..model.drivers import Driver
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.springs import AnySpring, Spring
-from .build import JOINTS, SPRINGS
-from .schema import STATIC_ONLY
-from .tables import IDLE_KEYS
+from .tables import Table, tables
 
 Entries = Mapping[str, Any]
-
-# Keys of the file that are called otherwise in the nouns.
-KEYS: dict[str, str] = {}
-NAN = float("nan")  # differs from every number, so that what a noun must have is always written
 
 
 def dump(mechanism: Mechanism) -> str:
@@ -38,42 +30,75 @@ def dump(mechanism: Mechanism) -> str:
     if any(mechanism.gravity):
         top["gravity"] = mechanism.gravity
     lines = ["# All numbers are in SI units.", *assignments(top)]
-    for header, entries in tables(mechanism):
+    for header, entries in contents(mechanism):
         lines += ["", f"[{header}]", *assignments(entries)]
     return "\n".join(lines) + "\n"
 
 
-def tables(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
+def contents(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
     """Headers and entries of the tables, in the order a reader wants them."""
-    idle = () if mechanism.settings.analysis == "static" else STATIC_ONLY
-    for header, entries in (
-        ("run", changed(mechanism.settings, Settings(), leave=idle)),
-        ("start", changed(mechanism.start, StartSettings())),
-    ):
-        if entries:
-            yield header, entries
+    yield from noun_tables("run", Table(Settings), mechanism.settings, brief=True)
+    yield from noun_tables("start", Table(StartSettings), mechanism.start, brief=True)
     for material in materials(mechanism):
-        yield dotted("material", material.name), {k: v for k, v in vars(material).items() if k != "name"}
+        yield from noun_tables(dotted("material", material.name), Table(Material), material)
     if mechanism.points:
         yield "ground", mechanism.points
     for name, body in mechanism.bodies.items():
-        yield from body_tables(name, body)
-    for name, joint in mechanism.joints.items():
-        yield from joint_tables(name, joint)
-    for name, gear in mechanism.gears.items():
-        yield dotted("gear", name), changed(gear, Gear(name=name, first="", second="", ratio=NAN), leave=("name",))
-    for name, spring in mechanism.springs.items():
-        yield dotted("spring", name), spring_entries(name, spring)
-    for name, driver in mechanism.drivers.items():
-        yield dotted("driver", name), driver_entries(name, driver)
-    for name, load in mechanism.loads.items():
-        yield dotted("load", name), changed(load, PointForce(name=load.name, at=""), leave=("name",))
+        yield from noun_tables(dotted("body", name), table_of("body", name, body), body, {"model": body.model}, brief=True)
+    fields = Table(Mechanism).fields
+    for section in ("joint", "gear", "spring", "driver", "load"):
+        for name, noun in vars(mechanism)[fields[section].name].items():
+            what = table_of(section, name, noun)
+            said = {} if what.optional or not what.tag else {what.tag: what.word}
+            yield from noun_tables(dotted(section, name), what, noun, said | aimed(name, noun), brief=section == "load")
 
 
-def changed(noun: Any, default: Any, leave: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Fields that differ from those of ``default``, under the keys of the file."""
-    pairs = ((field.name, getattr(noun, field.name)) for field in dataclasses.fields(noun) if field.name not in leave)
-    return {KEYS.get(name, name): value for name, value in pairs if value is not None and value != getattr(default, name)}
+def table_of(section: str, name: str, noun: Any) -> Table:
+    """The table of a noun. Raises TypeError where there is none."""
+    target = noun.target if isinstance(noun, Driver) else ""
+    for what in tables(section):
+        if type(noun) is what.noun and what.target == target:
+            return what
+    raise TypeError(f"{section} {name!r}: a model file has no table for {type(noun).__name__}")
+
+
+def aimed(name: str, noun: Any) -> dict[str, Any]:
+    """What a driver says of its target where that is not the body of its name; nothing of other nouns."""
+    if not isinstance(noun, Driver) or noun.target != "body":
+        return {}
+    return {"body": noun.body if noun.body != name else None, "against": noun.against if noun.against != "ground" else None}
+
+
+def noun_tables(header: str, what: Table, noun: Any, said: Entries | None = None, *, brief: bool = False) -> Iterator[tuple[str, Entries]]:
+    """The table of a noun and those within it; a ``brief`` one leaves out what equals its default.
+
+    Laws are written with every parameter, so that a later default changes nothing.
+    """
+    entries, inner = dict(said or {}), []
+    for key, field in what.fields.items():
+        entry, held = getattr(noun, field.name), what.value(key)
+        default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+        # A round beside another has a direction by default, and none in a file.
+        if key in entries or entry is None or unused(what, key, noun) or ((brief or isinstance(held, Direction)) and entry == default):
+            continue
+        if isinstance(held, Named):
+            if entry.name != "steel" or default is None:
+                entries[key] = entry.name
+        elif isinstance(held, Chosen):
+            inner.append((f"{header}.{key}", law_entries(entry)))
+        elif isinstance(held, Names):
+            inner += [(f"{header}.{key}", entry)] if entry else []
+        else:
+            entries[key] = entry
+    if entries or inner or header not in ("run", "start"):
+        yield header, entries
+    yield from inner
+
+
+def unused(what: Table, key: str, noun: Any) -> bool:
+    """Whether the noun's model, or the kind of analysis, has no use for a key; what stands in the header is no key."""
+    only = what.fields[key].metadata["only"]
+    return bool(only) and getattr(noun, noun.selected_by) not in only
 
 
 def materials(mechanism: Mechanism) -> list[Material]:
@@ -91,91 +116,9 @@ def materials(mechanism: Mechanism) -> list[Material]:
     return [material for material in known.values() if material != Material()]
 
 
-def body_tables(name: str, body: Body) -> Iterator[tuple[str, Entries]]:
-    """The table of a body, and those of its pins, nodes and masses."""
-    leave: tuple[str, ...] = ("name", "material")
-    default: Body
-    if isinstance(body, Link):
-        leave = (*leave, "model", *IDLE_KEYS.get(body.model, ()))
-        default = Link(name="", length=NAN)
-    elif isinstance(body, RigidBody):
-        default = RigidBody(name="", mass=NAN, inertia=NAN)
-    elif isinstance(body, PointMass):
-        default = PointMass(name="", mass=NAN)
-    elif isinstance(body, Frame):
-        default = Frame(name="", nodes={}, members=())
-    else:
-        raise TypeError(f"body {name!r}: a model file has no table for {type(body).__name__}")
-    entries = {"model": body.model, **changed(body, default, leave)}
-    if body.material.name != "steel":
-        entries["material"] = body.material.name
-    inner = {key: entries.pop(key, {}) for key in ("pins", "nodes", "masses")}
-    yield dotted("body", name), entries
-    for key, points in inner.items():
-        if points:
-            yield dotted("body", name, key), points
-
-
-def joint_tables(name: str, joint: Joint) -> Iterator[tuple[str, Entries]]:
-    """The table of a joint, and those of its laws with every parameter, so that a later default changes nothing."""
-    kind = next((kind for kind, noun in JOINTS.items() if type(joint) is noun), None)
-    if kind is None:
-        raise TypeError(f"joint {name!r}: a model file has no table for {type(joint).__name__}")
-    said = {} if isinstance(joint, IdealRevolute) else {"kind": kind}
-    skip = ("name", "contact", "friction", "bearing_material", "journal_material")
-    fields = {f.name: getattr(joint, f.name) for f in dataclasses.fields(joint) if f.name not in skip}
-    if isinstance(joint, ExternalContact) and joint.bearing_radius is not None:
-        del fields["direction"]  # of a line, and there is none
-    if not isinstance(joint, Contact):
-        yield dotted("joint", name), said | fields
-        return
-    for side in ("bearing_material", "journal_material"):
-        material = getattr(joint, side)
-        fields[side] = material.name if material is not None else None
-    yield dotted("joint", name), said | fields
-    for slot, law in (("contact", joint.contact), ("friction", joint.friction)):
-        yield dotted("joint", name, slot), law_entries(law)
-
-
 def law_entries(law: Law) -> Entries:
     """Name and parameters of a law."""
     return {"law": law.name, **vars(law)}
-
-
-def spring_entries(name: str, spring: AnySpring) -> Entries:
-    """Keys of a spring."""
-    kind = next((kind for kind, noun in SPRINGS.items() if type(spring) is noun), None)
-    if kind is None:
-        raise TypeError(f"spring {name!r}: a model file has no table for {type(spring).__name__}")
-    fields = {key: value for key, value in vars(spring).items() if key != "name"}
-    return fields if isinstance(spring, Spring) else {"kind": kind, **fields}
-
-
-def driver_entries(name: str, driver: Driver) -> Entries:
-    """Keys of a driver: what it drives, unless that is the body of its name, and how."""
-    linear = bool(driver.slider or driver.point)
-    entries: dict[str, Any] = {
-        "slider": driver.slider or None,
-        "point": driver.point or None,
-        "direction": driver.direction if driver.point else None,
-        "body": driver.body if not linear and driver.body != name else None,
-        "against": driver.against if not linear and driver.against != "ground" else None,
-    }
-    places = "travels" if linear else "angles"
-    if isinstance(driver, ConstantSpeed):
-        return entries | {"speed": driver.speed}
-    if isinstance(driver, Ramp):
-        return entries | {"speed": driver.speed, "ramp": driver.duration}
-    if isinstance(driver, StepTo):
-        return entries | {"travel": driver.travel, "duration": driver.duration, "begin": driver.begin}
-    if isinstance(driver, Harmonic):
-        return entries | {"amplitude": driver.amplitude, "frequency": driver.frequency, "phase": driver.phase}
-    if isinstance(driver, AngleTable):
-        return entries | {"times": driver.times, places: driver.values}
-    if isinstance(driver, Torque):
-        effort = "force" if driver.point else "torque"
-        return entries | {effort: driver.value, "times": driver.times, "speeds": driver.speeds, places: driver.angles}
-    raise TypeError(f"driver {name!r}: a model file has no table for {type(driver).__name__}")
 
 
 def assignments(entries: Entries) -> list[str]:
@@ -184,27 +127,22 @@ def assignments(entries: Entries) -> list[str]:
 
 
 def value(entry: Any) -> str:
-    """A value as TOML writes it."""
+    """A value as TOML writes it; a noun within another is a table in one line."""
     if isinstance(entry, bool):
         return "true" if entry else "false"
     if isinstance(entry, str):
         return quoted(entry)
-    if isinstance(entry, Section):
-        return inline(vars(entry))
-    if isinstance(entry, Member):
-        return inline({name: one.name if isinstance(one, Material) else one for name, one in vars(entry).items()})
+    if isinstance(entry, Material):
+        return quoted(entry.name)
+    if dataclasses.is_dataclass(entry):
+        return "{ " + ", ".join(assignments(vars(entry))) + " }"
     if isinstance(entry, tuple | list):
-        if entry and isinstance(entry[0], Member):
+        if entry and dataclasses.is_dataclass(entry[0]):
             return "[\n" + "".join(f"  {value(one)},\n" for one in entry) + "]"
         return "[" + ", ".join(value(one) for one in entry) + "]"
     if isinstance(entry, int):
         return str(entry)
     return repr(float(entry))
-
-
-def inline(entries: Entries) -> str:
-    """A table in one line."""
-    return "{ " + ", ".join(assignments(entries)) + " }"
 
 
 def quoted(text: str) -> str:

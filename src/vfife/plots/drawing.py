@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact
-from .jointsigns import joint_names, joint_signs
+from .jointsigns import joint_names, joint_signs, seen
 from .outlines import Outline, loose_pins, outline
 from .sheet import Sheet
-from .springsigns import gear_signs, load_signs, spring_signs, tails, wheels
+from .springsigns import gear_seen, gear_signs, load_signs, spring_signs, tails
 from .style import BODIES, heading, length_unit, panels
 
 if TYPE_CHECKING:
@@ -75,12 +74,13 @@ def _extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
     shown = len(result.record.steps) - 1 if result.record.static else 0
     sheet = Sheet(None, result, 1.0, 1.0, shown, {})  # type: ignore[arg-type]  # measures only
     for joint in mechanism.joints.values():
-        paths = [sheet.path(*side) for side in joint.sides]
-        points += [paths[1]] if isinstance(joint, ExternalContact) else paths
-        for reach, path in zip(_sizes(joint), paths, strict=True):
-            points += [path - reach, path + reach] if reach else []
+        around, *reaches = joint.drawn
+        for reach, side in zip(reaches, joint.sides, strict=True):
+            path = sheet.path(*side)
+            points += [] if reach is None else [path - reach, path + reach]
+        points += [seen(sheet, joint).space(around)] if around else []
     for gear in mechanism.gears.values():
-        for centre, radius in wheels(sheet, gear):
+        for centre, radius in gear.wheels(gear_seen(sheet, gear)):
             points.append(np.stack([centre - radius, centre + radius]))
     for spring in mechanism.springs.values():
         points += [sheet.at(end)[None, :] for end in (spring.first, spring.second) if "." in end]
@@ -92,15 +92,6 @@ def _extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
         low, high = np.minimum(low, tail), np.maximum(high, tail)
         low, high = np.minimum(low, end), np.maximum(high, end)
     return low - margin * np.array([1.2, 1.7]), high + 1.2 * margin
-
-
-def _sizes(joint: object) -> tuple[float, float]:
-    """How far (m) the surfaces of a joint reach from its two pins."""
-    if isinstance(joint, ClearanceRevolute):
-        return joint.bearing_radius, 0.0
-    if isinstance(joint, ClearanceSlider):
-        return 0.0, 0.5 * float(np.hypot(joint.length, joint.height)) + joint.clearance
-    return (joint.bearing_radius or 0.0, joint.journal_radius) if isinstance(joint, ExternalContact) else (0.0, 0.0)
 
 
 def _later(result: View, shown: int) -> list[int]:

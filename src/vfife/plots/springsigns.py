@@ -7,44 +7,47 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.joints import Gear, IdealRevolute
-from ..model.springs import Bushing, Spring, Stop, TorsionalSpring
+from ..model.joints import Contact, Gear
+from ..model.springs import AnySpring
+from ..model.strokes import PairSeen
 from .sheet import Sheet
-from .style import GREEN, GREY, INK, VERMILION
+from .strokes import draw
+from .style import VERMILION
 
 Array = NDArray[np.float64]
-COILS = 7
 
 
 def spring_signs(sheet: Sheet) -> None:
-    """Every spring: zigzags, spirals, the two cheeks of a stop, rings of rubber."""
+    """Every spring, as it says that it is drawn."""
     for spring in sheet.mechanism.springs.values():
-        if isinstance(spring, Spring):
-            points = zigzag(sheet.at(spring.first), sheet.at(spring.second), 0.018 * sheet.size)
-            sheet.signs["spring"] = sheet.line(points, color=GREEN, lw=1.5, zorder=6)
-        elif isinstance(spring, Bushing):
-            at = sheet.at(spring.first)
-            sheet.circle(at, 0.022 * sheet.size, color=GREEN, lw=3.5, alpha=0.6)
-            sheet.signs["bushing"] = sheet.circle(at, 0.012 * sheet.size, color=GREEN, lw=1.2)
-        elif isinstance(spring, Stop):
-            _stop(sheet, spring)
-        else:
-            _spiral(sheet, spring)
+        draw(sheet, spring.strokes(spring_seen(sheet, spring)))
 
 
-def zigzag(first: Array, second: Array, width: float) -> Array:
-    """Corners of a spring drawn between two points, straight for an eighth at each end, shape (corners, 2)."""
-    along = second - first
-    across = np.array([-along[1], along[0]]) / (np.linalg.norm(along) or 1.0) * width
-    shares = np.concatenate([[0.0, 0.125], np.linspace(0.125, 0.875, 2 * COILS + 1)[1:-1], [0.875, 1.0]])
-    sides = np.zeros(len(shares))
-    sides[2:-2] = np.where(np.arange(len(shares) - 4) % 2 == 0, 1.0, -1.0)
-    return np.asarray(first + shares[:, None] * along + sides[:, None] * across, dtype=float)
+def spring_seen(sheet: Sheet, spring: AnySpring) -> PairSeen:
+    """A spring as the sheet shows it: its pins, or twice the place where its bodies turn against each other."""
+    if spring.between_pins:
+        return PairSeen(sheet.at(spring.first), sheet.at(spring.second), 0.0, sheet.size)
+    at = axis_of(sheet, spring.first, spring.second)
+    return PairSeen(at, at, float(sheet.angles(spring.first)[sheet.shown]), sheet.size)
+
+
+def gear_signs(sheet: Sheet) -> None:
+    """Every gear and belt."""
+    for gear in sheet.mechanism.gears.values():
+        draw(sheet, gear.strokes(gear_seen(sheet, gear)), (gear.first, gear.second))
+
+
+def gear_seen(sheet: Sheet, gear: Gear) -> PairSeen:
+    """A gear as the sheet shows it: where its wheels turn."""
+    one, two = axis_of(sheet, "ground", gear.first), axis_of(sheet, gear.first, gear.second)
+    if np.allclose(one, two):
+        two = axis_of(sheet, "ground", gear.second)
+    return PairSeen(one, two, 0.0, sheet.size)
 
 
 def axis_of(sheet: Sheet, first: str, second: str) -> Array:
     """Where two bodies turn against each other: their common pin, else the pivot of the second, else its centre of mass."""
-    pins = [joint for joint in sheet.mechanism.joints.values() if isinstance(joint, IdealRevolute)]
+    pins = [joint for joint in sheet.mechanism.joints.values() if joint.revolves and not isinstance(joint, Contact)]
     for wanted in ({first, second}, {"ground", second}):
         for joint in pins:
             if {joint.sides[0][0], joint.sides[1][0]} == wanted:
@@ -55,59 +58,6 @@ def axis_of(sheet: Sheet, first: str, second: str) -> Array:
                 return sheet.at(end)
     column = list(sheet.result.record.assembly.bodies).index(second)
     return sheet.factor * np.array([sheet.result.channels[f"body_{axis}"].values[sheet.shown, column] for axis in "xy"])
-
-
-def _spiral(sheet: Sheet, spring: TorsionalSpring) -> None:
-    turn = np.linspace(0.0, 4.5 * np.pi, 200)
-    radius = sheet.size * (0.012 + 0.022 * turn / turn[-1])
-    points = axis_of(sheet, spring.first, spring.second) + radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    sheet.signs["torsional spring"] = sheet.line(points, color=GREEN, lw=1.3, zorder=6)
-
-
-def _stop(sheet: Sheet, stop: Stop) -> None:
-    """Cheeks at the two angles of the second body seen from the first; the sector between them is free."""
-    at = axis_of(sheet, stop.first, stop.second)
-    base = 0.0 if stop.first == "ground" else float(sheet.angles(stop.first)[sheet.shown])
-    radius = 0.06 * sheet.size
-    for angle in (stop.low, stop.high):
-        out = np.array([np.cos(base + angle), np.sin(base + angle)])
-        sheet.line([at + 0.4 * radius * out, at + 1.25 * radius * out], lw=2.6, zorder=6)
-    turn = base + np.linspace(stop.low, stop.high, 60)
-    arc = at + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    sheet.signs["stop"] = sheet.line(arc, lw=1.0, ls=(0, (2, 2)), zorder=6)
-
-
-def gear_signs(sheet: Sheet) -> None:
-    """Pitch circles of external gears; wheels with a belt where both turn the same way."""
-    for gear in sheet.mechanism.gears.values():
-        first, second = wheels(sheet, gear)
-        for (centre, radius), body in ((first, gear.first), (second, gear.second)):
-            sheet.circle(centre, radius, color=sheet.colour(body), lw=1.6, ls="-." if gear.ratio < 0.0 else "-", zorder=4)
-        sign = sheet.ax.plot([], [], color=INK, lw=1.4, ls="-." if gear.ratio < 0.0 else "-")[0]
-        sheet.signs["gears, pitch circles" if gear.ratio < 0.0 else "wheels with a belt"] = sign
-        if gear.ratio > 0.0:
-            for side in (1.0, -1.0):
-                sheet.line(tangent(first, second, side), color=GREY, lw=1.4, zorder=4)
-
-
-def wheels(sheet: Sheet, gear: Gear) -> tuple[tuple[Array, float], tuple[Array, float]]:
-    """Centre and radius of both wheels: r_1 = |ratio| r_2, touching where the gears are external."""
-    one, two = axis_of(sheet, "ground", gear.first), axis_of(sheet, gear.first, gear.second)
-    if np.allclose(one, two):
-        two = axis_of(sheet, "ground", gear.second)
-    distance, ratio = float(np.linalg.norm(two - one)) or 0.2 * sheet.size, abs(gear.ratio)
-    second = distance / (1.0 + ratio) if gear.ratio < 0.0 else 0.3 * distance / max(1.0, ratio)
-    return (one, ratio * second), (two, second)
-
-
-def tangent(first: tuple[Array, float], second: tuple[Array, float], side: float) -> Array:
-    """Ends of the outer tangent of two circles on one side, shape (2, 2)."""
-    (p, r), (q, s) = first, second
-    along = (q - p) / (np.linalg.norm(q - p) or 1.0)
-    across = side * np.array([-along[1], along[0]])
-    sine = (r - s) / (np.linalg.norm(q - p) or 1.0)
-    n = sine * along + np.sqrt(max(0.0, 1.0 - sine**2)) * across
-    return np.array([p + r * n, q + s * n])
 
 
 def tails(sheet: Sheet, length: float) -> list[tuple[Array, Array]]:

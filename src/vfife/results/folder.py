@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 RUN_FILE, MODEL, SUMMARY, FIGURES = "run.sqlite", "model.toml", "summary.json", "figures"
@@ -41,14 +43,21 @@ class RunFolder:
                 self.path.rmdir()
 
 
-def refuse_foreign(asked: Path | None) -> None:
-    """Raises ValueError for a folder that is given and holds something that is no run."""
+def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run") -> None:
+    """Raises ValueError for a folder that is given and holds something else: not the ``trace`` that a run, or ``what`` is meant, leaves."""
     if asked is None or not asked.exists():
         return
     if not asked.is_dir():
         raise ValueError(f"-o {asked}: this is a file; name a folder")
-    if any(asked.iterdir()) and not (asked / RUN_FILE).is_file():
-        raise ValueError(f"-o {asked}: the folder holds files that are no run of vfife; name another one, or one that is empty")
+    if any(asked.iterdir()) and not (asked / trace).is_file():
+        raise ValueError(f"-o {asked}: the folder holds files that are no {what} of vfife; name another one, or one that is empty")
+
+
+def numbered(first: Path) -> Iterator[Path]:
+    """A name, and those with the next numbers."""
+    yield first
+    for number in count(2):
+        yield first.with_name(f"{first.name}-{number}")
 
 
 def make_folder(asked: Path | None, model: Path) -> RunFolder:
@@ -68,14 +77,10 @@ def make_folder(asked: Path | None, model: Path) -> RunFolder:
         return folder
     first = Path("runs") / model.stem
     first.parent.mkdir(parents=True, exist_ok=True)
-    path, number = first, 1
-    while True:
-        try:
+    for path in numbered(first):
+        with suppress(FileExistsError):
             path.mkdir()
             break
-        except FileExistsError:
-            number += 1
-            path = first.with_name(f"{first.name}-{number}")
     notes = (f"{first} is there already and stays as it is: this run goes to {path}",) if path != first else ()
     return RunFolder(path, True, notes)
 

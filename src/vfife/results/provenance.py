@@ -23,7 +23,7 @@ from ..modelfile import dump, loads
 from ..solvers.record import Record, Rows
 from ..solvers.status import Status
 from .runfile import RunFile
-from .start import assembly_of, kept_assembly, present_name
+from .start import assembly_of, kept_assembly, present_name, state_of
 
 
 def versions() -> dict[str, str]:
@@ -47,7 +47,6 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: s
     """
     joints = assembly.mechanism.contacts.values()
     pairs = [(law, surfaces(assembly.mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
-    laws = {f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)}
     return {
         "model": dump(assembly.mechanism) if model is None else model,
         "source": assembly.mechanism.source,
@@ -56,11 +55,17 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: s
         "choice": dataclasses.asdict(assembly.choice),
         "loop": loop,
         "kept": named_rows(assembly, kept),
-        "laws": laws,
+        "laws": sources(assembly.mechanism),
         "notes": list(assembly.notes),
         "own_laws": kept_laws(pairs),
         **kept_assembly(assembly),
     }
+
+
+def sources(mechanism: Mechanism) -> dict[str, str]:
+    """Source of each law, by joint and name."""
+    joints = mechanism.contacts.values()
+    return {f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)}
 
 
 def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
@@ -95,7 +100,15 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, wher
     kept = rows_named(assembly, meta["kept"], where)
     if rows.shape[1] != len(kept) or len(rows) != len(steps):
         raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
-    return Record(assembly, steps, rows, kept, float(meta.get("wall", 0.0)), str(meta.get("loop", "")), status_of(meta, where))
+    wall, loop, message = float(meta.get("wall", 0.0)), str(meta.get("loop", "")), str(meta.get("message", ""))
+    return Record(assembly, steps, rows, kept, wall, loop, status_of(meta, where), message=message)
+
+
+def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where: str) -> Rows | None:
+    """S of a checkpoint; None where a file of version 0.1 has another number of rows than the model has today."""
+    if "assembly" in meta:
+        return state_of(assembly.layout, meta["assembly"]["blocks"], values, where)
+    return values if len(values) == assembly.layout.rows else None
 
 
 def status_of(meta: Mapping[str, Any], where: str) -> Status:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kernels.arrays import BLOCKS
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import ANGLE, TRAVEL
+from ..kernels.topology import FREE
 from ..solvers.record import Record
-
-if TYPE_CHECKING:
-    from .view import View
+from .view import View
 
 Array = NDArray[np.float64]
 STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
@@ -33,7 +31,7 @@ def same_layout(assembly: Assembly, record: Record) -> bool:
     """Whether particles, elements, joints and springs of both are the same in number and kind, so that one's state is the other's."""
     one, other = assembly.topology, record.assembly.topology
     same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing", "joint_journal",
-            "joint_kind", "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
+            "joint_place", "joint_turn", "path_pieces", "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
     laws = [[topology.friction_laws[k] for k in topology.friction_form] for topology in (one, other)]
     return all(getattr(one, name) == getattr(other, name) for name in same) and laws[0] == laws[1]
 
@@ -70,10 +68,10 @@ def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:
         else:
             start = t.function_start[function]
             _raise(tables, start, angle - float(polynomial(tables, start, 0.0)[0]))
-    for k, (kind, function) in enumerate(zip(t.joint_kind, t.joint_function, strict=True)):
-        if function >= 0 and kind in (ANGLE, TRAVEL):
+    for k, ((_, turn), function) in enumerate(zip(t.held, t.joint_function, strict=True)):
+        if function >= 0:
             begin = float(polynomial(tables, t.function_start[function], 0.0)[0])
-            state[layout.row("joint_offset", k)] = _travelled(assembly, state, k, kind) - begin
+            state[layout.row("joint_offset", k)] = _travelled(assembly, state, k, turn) - begin
 
 
 def _raise(tables: Array, start: int, by: float) -> None:
@@ -83,7 +81,7 @@ def _raise(tables: Array, start: int, by: float) -> None:
     tables[first : first + 7 * abs(pieces) : 7] += by
 
 
-def _travelled(assembly: Assembly, state: Array, k: int, kind: int) -> float:
+def _travelled(assembly: Assembly, state: Array, k: int, turn: int) -> float:
     """Relative angle (rad), or place along the guide (m), of a prescribed motion's two sides."""
     t, layout = assembly.topology, assembly.layout
     sides = []
@@ -92,7 +90,7 @@ def _travelled(assembly: Assembly, state: Array, k: int, kind: int) -> float:
         px, py = (float(state[layout.row(f"joint_{side}_{axis}", k)]) for axis in "xy")
         c, s = np.cos(angle), np.sin(angle)
         sides.append((x + c * px - s * py, y + s * px + c * py, angle))
-    if kind == ANGLE:
+    if turn != FREE:
         return sides[1][2] - sides[0][2]
     dx, dy = (float(state[layout.row(f"joint_direction_{axis}", k)]) for axis in "xy")
     c, s = np.cos(sides[0][2]), np.sin(sides[0][2])

@@ -162,7 +162,7 @@ class RunFile:
 
     @told
     def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
-        """Keeps the whole state S after ``step``, from which a run can go on."""
+        """Keeps the state after ``step``, from which a run can go on, in the order of the blocks of the start."""
         with self._transaction():
             self._connection.execute("INSERT OR REPLACE INTO checkpoints VALUES (?, ?)", (int(step), packed(state)))
             old = "DELETE FROM checkpoints WHERE step NOT IN (SELECT step FROM checkpoints ORDER BY step DESC LIMIT ?)"

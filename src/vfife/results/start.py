@@ -6,7 +6,7 @@ The state is kept block by block under the blocks' names: a later order of rows,
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from ..assembly.assemble import forms
 from ..assembly.assembled import Assembly, BodyMap, StepChoice
 from ..errors import RunFileError
-from ..kernels.arrays import BLOCKS, BY_NAME, Layout
+from ..kernels.arrays import BY_NAME, Layout
 from ..kernels.topology import Topology
 from ..kinematics.mobility import Mobility
 from ..laws import ContactLaw, FrictionLaw
 from ..model.mechanism import Mechanism
+from ..solvers.record import lasting_blocks, lasting_rows
 
 NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes")
 OF_LAWS = ("contact_laws", "friction_laws", "contact_form", "friction_form")  # follow from the laws that the model names
@@ -39,9 +40,7 @@ def present_name(name: str) -> str:
 
 def kept_assembly(assembly: Assembly) -> dict[str, Any]:
     """What a run file's meta keeps of an assembly: ``assembly`` for JSON, ``start`` and ``tables`` as arrays."""
-    layout, mobility = assembly.layout, assembly.mobility
-    blocks = [(block.name, layout.rows_of(block.name)) for block in BLOCKS if block.role != "scratch"]
-    blocks = [(name, rows) for name, rows in blocks if len(rows)]
+    mobility, blocks = assembly.mobility, lasting_blocks(assembly.layout)
     topology = {field.name: getattr(assembly.topology, field.name) for field in dataclasses.fields(Topology) if field.name not in OF_LAWS}
     told = {
         "topology": topology,
@@ -50,7 +49,7 @@ def kept_assembly(assembly: Assembly) -> dict[str, Any]:
         "mobility": None if mobility is None else dataclasses.asdict(mobility),
         **{name: getattr(assembly, name) for name in NAMES},
     }
-    return {"assembly": told, "start": assembly.state[np.concatenate([rows for _, rows in blocks])], "tables": assembly.tables}
+    return {"assembly": told, "start": assembly.state[lasting_rows(assembly.layout)], "tables": assembly.tables}
 
 
 def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoice, where: str) -> Assembly:
@@ -70,18 +69,18 @@ def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoic
     bodies = {body["name"]: BodyMap(**_known(BodyMap, body)) for body in told["bodies"]}
     mobility = None if told["mobility"] is None else Mobility(**_known(Mobility, told["mobility"]))
     names = {name: told[name] for name in NAMES}
-    state = _state(layout, told["blocks"], meta["start"], where)
+    state = state_of(layout, told["blocks"], meta["start"], where)
     return Assembly(mechanism, topology, layout, state, meta["tables"], bodies, choice=choice, mobility=mobility, **names)
 
 
-def _state(layout: Layout, blocks: tuple[tuple[str, int], ...], values: NDArray[np.float64], where: str) -> NDArray[np.float64]:
+def state_of(layout: Layout, blocks: Iterable[tuple[str, int]], values: NDArray[np.float64], where: str) -> NDArray[np.float64]:
     """S from its blocks; a block of today that was not there is zero, one that is not there any more is left out."""
     state, at = np.zeros(layout.rows), 0
     for name, count in blocks:
         now = present_name(name)
         rows = layout.rows_of(now) if now in BY_NAME else None
         if at + count > len(values) or (rows is not None and len(rows) != count):
-            raise RunFileError(f"{where}: the start has {count} numbers for {name}, which does not fit the model; run the model again")
+            raise RunFileError(f"{where}: the state has {count} numbers for {name}, which does not fit the model; run the model again")
         if rows is not None:
             state[rows] = values[at : at + count]
         at += count

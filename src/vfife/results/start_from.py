@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..analysis.motion import body_motion, body_velocity
 from ..kinematics.initial import Given, Motion, ideal_motion
 from ..kinematics.pins import first_guess
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
-
-if TYPE_CHECKING:
-    from .view import View
+from .view import View
 
 Array = NDArray[np.float64]
-States = Mapping[str, Sequence[float] | tuple[Sequence[float], Sequence[float]]]
+States: TypeAlias = Mapping[str, Sequence[float] | tuple[Sequence[float], Sequence[float]]]
 
 
 def start_from(source: View | States, mechanism: Mechanism, time: float | None = None) -> Motion:
@@ -68,8 +67,6 @@ def _centered(mechanism: Mechanism, name: str, position: Array, velocity: Array)
 
 def _states(result: View, time: float | None) -> dict[str, tuple[Array, Array]]:
     """(x, y, angle) of each body's frame and its velocity at the output nearest ``time``."""
-    from ..analysis.motion import body_motion, body_velocity
-
     times = result.time
     span = 0.5 * (times[-1] - times[0]) / max(len(times) - 1, 1)
     if time is not None and not times[0] - span <= time <= times[-1] + span:

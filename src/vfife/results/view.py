@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from ..analysis import Ledger, last_turn, ledger, measures
 from ..analysis.motion import times
+from ..modelfile import dump
 from ..solvers.record import Record
 from .channels import Channel, channels, entities
-from .provenance import provenance, versions
+from .provenance import sources, versions
 
 if TYPE_CHECKING:
     import xarray
@@ -122,10 +123,10 @@ class View:
             "vfife_version": versions()["vfife"],
         }
         try:
-            origin = provenance(self.record.assembly, self.record.kept, self.record.loop)
+            text = dump(mechanism)
         except (TypeError, ValueError):  # a mechanism that no model file can hold still has data
             return found
-        found["laws"] = "\n".join(f"{name}: {source}" for name, source in origin["laws"].items())
-        if len(origin["model"].encode()) < LONGEST_ATTRIBUTE:
-            found["model_file"] = origin["model"]
+        found["laws"] = "\n".join(f"{name}: {source}" for name, source in sources(mechanism).items())
+        if len(text.encode()) < LONGEST_ATTRIBUTE:
+            found["model_file"] = text
         return found

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import reach
+from ..assembly.stability import element_stiffness, held
 from ..laws.elasticity import tangent
 
 Array = NDArray[np.float64]
@@ -25,56 +25,33 @@ def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> t
 
     ``state``: S at present, for lengths and axial forces of elements; ``pressed`` (N): what each contact has carried of late, ``force`` at least.
     """
+    mass, inertia = _elements(assembly, state)
+    load = held(assembly.layout, state, assembly.topology, _contacts(assembly, np.maximum(2.0 * pressed, force)))
+    # springs, axes of bushings and contacts are on four motions, torsional springs on two
+    return (mass + 4.0 * load.straight) / OMEGA, (inertia + 4.0 * load.levers + 2.0 * load.about) / OMEGA
+
+
+def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
+    """Axial stiffness on two motions; bending on two across and two turns, or one where an end is released; N/l across."""
     mass, inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
-    _elements(assembly, state, mass, inertia)
-    _springs(assembly, state, mass, inertia)
-    _contacts(assembly, state, np.maximum(2.0 * pressed, force), mass, inertia)
-    return mass / OMEGA, inertia / OMEGA
+    if not assembly.topology.frame_nodes:
+        return mass, inertia
+    k = element_stiffness(assembly.layout, state, assembly.topology)
+    pulled = np.abs(state[assembly.layout["frame_axial_force"]]) * state[assembly.layout["reference_inverse_length"]]
+    turns = np.where(k.other > 0.0, 2.0, 1.0) / (1.0 - SWAY)
+    for column in (0, 1):
+        np.add.at(mass, k.nodes[:, column], 2.0 * (k.along + pulled) + 2.0 / SWAY * k.across)
+        np.add.at(inertia, k.nodes[:, column], turns * k.own[:, column])
+    return mass, inertia
 
 
-def _elements(assembly: Assembly, state: Array, mass: Array, inertia: Array) -> None:
-    """Axial EA/l on two motions; bending 12 EI/l^3 and 4 EI/l (one end released: 3 EI/l on its rotation and 3 EI/l^3); N/l across."""
-    topology, layout = assembly.topology, assembly.layout
-    if not topology.frame_nodes:
-        return
-    nodes, release = np.array(topology.frame_nodes), np.array(topology.frame_release)
-    inverse = state[layout["reference_inverse_length"]]
-    bend = state[layout["frame_bending_stiffness"]] * inverse
-    along = 2.0 * (state[layout["frame_axial_stiffness"]] + np.abs(state[layout["frame_axial_force"]])) * inverse
-    across = np.select([release == 0, release == 3], [24.0, 0.0], 6.0) / SWAY * bend * inverse**2
-    whole, one = 8.0 / (1.0 - SWAY) * bend, 3.0 / (1.0 - SWAY) * bend
-    for column, free in ((0, 1), (1, 2)):
-        np.add.at(mass, nodes[:, column], along + across)
-        turn = np.select([release == 0, release == 3 - free], [whole, one], 0.0)
-        np.add.at(inertia, nodes[:, column], turn)
-
-
-def _springs(assembly: Assembly, state: Array, mass: Array, inertia: Array) -> None:
-    """Axes of springs and bushings on four motions, torsional ones on two."""
-    topology, layout = assembly.topology, assembly.layout
-    for index, pair in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
-        row = layout.row("spring_stiffness", index)
-        straight, turning = float(state[row : row + 2].max()), float(state[row + 2])
-        for side, body in zip(("first", "second"), pair, strict=True):
-            arm = sum(float(state[layout.row(f"spring_{side}_{axis}", index)]) ** 2 for axis in "xy")
-            mass[body] += 4.0 * straight
-            inertia[body] += 4.0 * straight * arm + 2.0 * turning
-
-
-def _contacts(assembly: Assembly, state: Array, force: Array, mass: Array, inertia: Array) -> None:
-    """The tangent of each contact law under a force (N) for each."""
-    topology, layout = assembly.topology, assembly.layout
+def _contacts(assembly: Assembly, force: Array) -> list[float]:
+    """The tangent (N/m) of each contact law under a force (N) for each."""
+    found = []
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        row = layout.row("contact_slots", index)
-        slots = tuple(float(value) for value in state[row : row + len(law.slots)])
-        if force[index] <= 0.0:
-            continue
-        stiffness = tangent(law, slots, float(force[index]))[1]
-        for side, body in (("bearing", topology.contact_bearing[index]), ("journal", topology.contact_journal[index])):
-            arm = sum(float(state[layout.row(f"contact_{side}_{axis}", index)]) ** 2 for axis in "xy")
-            mass[body] += 4.0 * stiffness
-            inertia[body] += 4.0 * stiffness * arm
+        found.append(tangent(law, assembly.contact_slots(index), float(force[index]))[1] if force[index] > 0.0 else 0.0)
+    return found
 
 
 def floors(assembly: Assembly, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
@@ -103,5 +80,5 @@ def extent(assembly: Assembly, state: Array) -> float:
     columns = [np.concatenate([place[1:], points[:, axis]]) for axis, place in enumerate(places)]
     box = float(np.hypot(*(column.max() - column.min() for column in columns))) if len(columns[0]) else 0.0
     pins = [float(np.hypot(*at)) for body in assembly.bodies.values() for at in body.pins.values()]
-    bearings = [reach(joint) for joint in assembly.mechanism.contacts.values()]
+    bearings = [joint.reach for joint in assembly.mechanism.contacts.values()]
     return max([box, *pins, *bearings, 1e-9])

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..assembly.assembled import Assembly
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import SPEED, TIME, TRAVEL
+from ..kernels.topology import FREE, SPEED, TIME
 from ..kinematics.forces import Datum, actions
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class Loading:
         self.loads = dict(zip(t.load_function, scaled, strict=True))
         self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
         self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]
-        angles = [f for f, kind in zip(t.joint_function, t.kinds, strict=True) if kind != TRAVEL]
+        angles = [f for f, (_, turn) in zip(t.joint_function, t.held, strict=True) if turn != FREE]
         self.turns = {f for f in (*t.driven_function, *angles) if f >= 0}
         self.motions = sorted({f for f in (*t.driven_function, *t.joint_function) if f >= 0})
 

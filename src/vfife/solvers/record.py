@@ -4,15 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
+from ..kernels.arrays import BLOCKS, Layout
 from .status import Status
 
 Rows: TypeAlias = NDArray[np.float64]
+
+
+class Writer(Protocol):
+    """What keeps outputs and checkpoints while a run goes on: a run file."""
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """Steps of the outputs that it has."""
+
+    def later(self) -> Callable[[], Rows]:
+        """What reads the rows of the outputs when they are asked for."""
+
+    def append(self, steps: NDArray[np.int64], rows: Rows) -> None:
+        """Keeps outputs; those from step 0 on begin anew."""
+
+    def checkpoint(self, step: int, values: Rows) -> None:
+        """Keeps all of the state after a step, in the order of :func:`lasting_rows`."""
+
+    def event(self, step: int, text: str) -> None:
+        """Notes what happened after a step."""
 
 
 @dataclass
@@ -63,6 +84,17 @@ class Record:
     def parameter(self, name: str) -> NDArray[np.float64]:
         """Values of a parameter block, shape (entities,)."""
         return self.assembly.state[self.assembly.layout[name]]
+
+
+def lasting_blocks(layout: Layout) -> list[tuple[str, NDArray[np.intp]]]:
+    """Blocks of S that mean something between two steps, by name, and their rows; those that a mechanism has none of are left out."""
+    blocks = [(block.name, layout.rows_of(block.name)) for block in BLOCKS if block.role != "scratch"]
+    return [(name, rows) for name, rows in blocks if len(rows)]
+
+
+def lasting_rows(layout: Layout) -> NDArray[np.intp]:
+    """Rows of S that mean something between two steps, block by block: what a run goes on from."""
+    return np.concatenate([rows for _, rows in lasting_blocks(layout)])
 
 
 def recorded_rows(assembly: Assembly) -> NDArray[np.uint32]:

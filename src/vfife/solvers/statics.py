@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +20,9 @@ from ..model.mechanism import Settings
 from .fictitious_mass import extent
 from .loading import Loading
 from .progress import Progress
-from .record import Record, recorded_rows
+from .record import Record, Writer, lasting_rows, recorded_rows
 from .relaxation import Relaxation
 from .status import Status
-
-if TYPE_CHECKING:
-    from ..results.runfile import RunFile
 
 Array = NDArray[np.float64]
 
@@ -46,7 +42,7 @@ MEANINGLESS = (
 
 
 def equilibrium(
-    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: RunFile | None = None
+    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: Writer | None = None
 ) -> Record:
     """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that under factor k.
 
@@ -55,7 +51,7 @@ def equilibrium(
     away "diverged", after Ctrl-C "interrupted"; the message says where, and the equilibria found are kept.
     """
     settings = assembly.mechanism.settings
-    kept = recorded_rows(assembly)
+    kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     loading = Loading(assembly)
     force = loading.force([0.0, *settings.load_factors], extent(assembly, assembly.state))
     relaxation = Relaxation(assembly, force, "interpreted" if loop == "interpreted" else "data-driven")
@@ -74,7 +70,7 @@ def equilibrium(
             rows.append(_at_rest(assembly, relaxation, stage)[kept])
             if file is not None:
                 file.append(np.array([k], dtype=np.int64), rows[-1][None, :])
-                file.checkpoint(k, relaxation.state)
+                file.checkpoint(k, relaxation.state[lasting])
             old = factor
     except KeyboardInterrupt:
         record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."

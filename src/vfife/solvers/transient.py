@@ -4,38 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import unsound
+from ..codegen.runner import Runner
+from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .progress import Progress
-from .record import Record, Rows, recorded_rows
+from .record import Record, Rows, Writer, lasting_rows, recorded_rows
 from .status import Status
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
 LARGEST_STRAIGHT_LINE = 300  # elements and joints of a topology that is still written out
-
-
-class Writer(Protocol):
-    """What keeps outputs and checkpoints while a run goes on: a run file."""
-
-    @property
-    def steps(self) -> NDArray[np.int64]:
-        """Steps of the outputs that it has."""
-
-    def later(self) -> Callable[[], Rows]:
-        """What reads the rows of the outputs when they are asked for."""
-
-    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
-        """Keeps outputs."""
-
-    def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
-        """Keeps the whole state after a step."""
 
 
 def entities(assembly: Assembly) -> int:
@@ -59,11 +42,8 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed
     before is kept.
     """
-    from ..codegen.runner import Runner
-    from ..laws.stored import refuse_recorded
-
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
-    kept = recorded_rows(assembly)
+    kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     chosen = choose_loop(assembly, loop)
     runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
     choice = assembly.choice
@@ -91,7 +71,7 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
             sound = int(np.argmax(broken)) if broken.any() else len(rows)
             keep(done + 1, rows[:sound])
             if file is not None:
-                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[:, 0])
+                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[lasting, 0])
             done += sound
             if sound < some:
                 status = Status.DIVERGED

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ..law import FrictionLaw, Pair, quantity
+from .order import rising
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +27,10 @@ class Ambrosio(FrictionLaw):
     coefficient: float = quantity("1", "friction coefficient c_f", 0.1, low=0.0)
     v0: float = quantity("m/s", "speed below which there is no friction", 1e-4, low=0.0)
     v1: float = quantity("m/s", "speed from which friction is whole", 1e-2, low=0.0)
+
+    def disagreements(self) -> Iterator[Fault]:
+        """The ramp rises."""
+        return rising(self.v0, self.v1)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Coefficient (1), v_0 and v_1 - v_0 (m/s)."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ...kernels.elementary import approach
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
@@ -35,8 +37,9 @@ class BengisuAkay(FrictionLaw):
     v0: float = quantity("m/s", "speed of the peak", 1e-3, above=0.0)
     decay: float = quantity("s/m", "rate xi of the fall from static to kinetic friction", 1e3, low=0.0)
 
-    def __post_init__(self) -> None:
-        not_below(self.static_coefficient, self.coefficient)
+    def disagreements(self) -> Iterator[Fault]:
+        """Static friction is not weaker than kinetic friction."""
+        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_s and mu_s - mu_c (1), 1/v_0 (s/m), xi v_0 (1)."""

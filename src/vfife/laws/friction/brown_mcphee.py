@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ...kernels.elementary import approach
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
@@ -32,8 +34,9 @@ class BrownMcPhee(FrictionLaw):
     static_coefficient: float = quantity("1", "static friction coefficient mu_s, the height of the peak but for tanh 4", 0.15, low=0.0)
     transition_speed: float = quantity("m/s", "speed v_t of the peak", 1e-3, above=0.0)
 
-    def __post_init__(self) -> None:
-        not_below(self.static_coefficient, self.coefficient)
+    def disagreements(self) -> Iterator[Fault]:
+        """Static friction is not weaker than kinetic friction."""
+        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_c and mu_s - mu_c (1), 1/v_t (s/m)."""

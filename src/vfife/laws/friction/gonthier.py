@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ...kernels.elementary import approach
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
@@ -45,8 +47,9 @@ class GonthierFriction(FrictionLaw):
     viscous: float = quantity("s/m", "viscous friction sigma_2 per unit of normal force", 0.04, low=0.0)
     dwell_time: float = quantity("s", "time constant tau_dw with which stiction grows", 1.0, above=0.0)
 
-    def __post_init__(self) -> None:
-        not_below(self.static_coefficient, self.coefficient)
+    def disagreements(self) -> Iterator[Fault]:
+        """Static friction is not weaker than kinetic friction."""
+        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_c and mu_s - mu_c (1), 1/v_S (s/m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m), 1/sigma_1 (m/s), tau_dw (s)."""

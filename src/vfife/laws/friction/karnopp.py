@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
 
@@ -30,8 +32,9 @@ class Karnopp(FrictionLaw):
     static_coefficient: float = quantity("1", "static friction coefficient mu_s", 0.15, low=0.0)
     band: float = quantity("m/s", "speed D_v up to which the surfaces count as at rest", 1e-3, low=0.0)
 
-    def __post_init__(self) -> None:
-        not_below(self.static_coefficient, self.coefficient)
+    def disagreements(self) -> Iterator[Fault]:
+        """Static friction is not weaker than kinetic friction."""
+        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Coefficients (1) and D_v (m/s)."""

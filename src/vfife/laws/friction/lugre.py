@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ...kernels.elementary import approach
 from ..law import FrictionLaw, Pair, quantity
 from .bristle import bend
@@ -40,8 +42,9 @@ class LuGre(FrictionLaw):
     bristle_damping: float = quantity("s/m", "damping sigma_1 of the bristles per unit of normal force", 31.6, low=0.0)
     viscous: float = quantity("s/m", "viscous friction sigma_2 per unit of normal force", 0.04, low=0.0)
 
-    def __post_init__(self) -> None:
-        not_below(self.static_coefficient, self.coefficient)
+    def disagreements(self) -> Iterator[Fault]:
+        """Static friction is not weaker than kinetic friction."""
+        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_c and mu_s - mu_c (1), 1/v_S (s/m), 1/sigma_0 (m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m)."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ...kernels.elementary import approach, power
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
@@ -36,8 +38,9 @@ class Stribeck(FrictionLaw):
     shape: float = quantity("1", "exponent d of the Stribeck curve", 2.0, low=0.1, high=4.0)
     viscous: float = quantity("s/m", "viscous friction per unit of normal force", 0.0, low=0.0)
 
-    def __post_init__(self) -> None:
-        not_below(self.static_coefficient, self.coefficient)
+    def disagreements(self) -> Iterator[Fault]:
+        """Static friction is not weaker than kinetic friction."""
+        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_c and mu_s - mu_c (1), 1/v_S (s/m), d (1), sigma_v (s/m)."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from .constant_speed import ConstantSpeed
-from .driver import Driver, Point
+from .driver import Driver
 from .harmonic import Harmonic
 from .ramp import Ramp
 from .step_to import StepTo
 from .table import AngleTable
 from .torque import Torque
 
-__all__ = ["AngleTable", "ConstantSpeed", "Driver", "Harmonic", "Point", "Ramp", "StepTo", "Torque"]
+__all__ = ["AngleTable", "ConstantSpeed", "Driver", "Harmonic", "Ramp", "StepTo", "Torque"]

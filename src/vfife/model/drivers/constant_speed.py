@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from ...fields import quantity
+from ..polynomials import Polynomials
 from .driver import Driver
 
 
@@ -13,5 +15,27 @@ class ConstantSpeed(Driver):
     """speed t; rad/s or m/s."""
 
     kind: ClassVar[str] = "constant-speed"
+    sample: ClassVar[dict[str, Any]] = {"speed": 5.0}
+    revolves: ClassVar[bool] = True
+    lead: ClassVar[str] = "speed"
 
-    speed: float
+    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added."""
+        return Polynomials((0.0,), ((offset, self.speed),))
+
+    @property
+    def largest_speed(self) -> float:
+        """Its speed (rad/s or m/s)."""
+        return abs(self.speed)
+
+    @property
+    def steady_speed(self) -> float | None:
+        """Its speed (rad/s or m/s)."""
+        return self.speed
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"constant speed {self.speed:.6g} {self.unit}/s"

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
+
+from ...fields import Direction, Text, described, key_of
+from ..polynomials import Polynomials
 
 Point = tuple[float, float]
 
@@ -16,13 +20,18 @@ class Driver:
     to another body. Travel and path (m) count from the start.
     """
 
-    body: str = ""
-    slider: str = ""
-    point: str = ""
-    direction: Point = (1.0, 0.0)
-    against: str = "ground"
+    body: str = described(Text("body"), "the body; the name of the table if left out", "")
+    slider: str = described(Text("joint"), 'a joint of kind "slider"', "")
+    point: str = described(Text("pin"), 'the pin, "body.pin"', "")
+    direction: Point = described(Direction(), "direction, fixed in space", (1.0, 0.0))
+    against: str = described(Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground")
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
+    lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
+    moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
+    drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
+    revolves: ClassVar[bool] = False  # may turn a body round and round
     registry: ClassVar[dict[str, type[Driver]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -30,3 +39,61 @@ class Driver:
         super().__init_subclass__(**kwargs)
         if cls.__dict__.get("kind"):
             cls.registry[cls.kind] = cls
+
+    @property
+    def target(self) -> str:
+        """What is driven: "body", "slider" or "point"."""
+        return "slider" if self.slider else "point" if self.point else "body"
+
+    @property
+    def lead_key(self) -> str:
+        """What a file calls that which tells the kind."""
+        return self.lead_keys(self.along)
+
+    @classmethod
+    def lead_keys(cls, along: bool) -> str:
+        """The same, about an axis or along a line."""
+        return next((key_of(field, along) for field in dataclasses.fields(cls) if field.name == cls.lead), cls.lead)
+
+    @property
+    def along(self) -> bool:
+        """Whether it acts along a line, in m or N, not about an axis, in rad or N m."""
+        return bool(self.slider or self.point)
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added. TypeError where it prescribes no motion."""
+        raise TypeError(f"{type(self).__name__} prescribes no motion")
+
+    def effort(self) -> Polynomials:
+        """Its torque (N m) or force (N). TypeError where it prescribes a motion."""
+        raise TypeError(f"{type(self).__name__} is no torque and no force")
+
+    @property
+    def over(self) -> Literal["time", "speed", "angle"]:
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        return "time"
+
+    @property
+    def steady(self) -> bool:
+        """Whether its effort does not depend on time."""
+        return True
+
+    @property
+    def largest_speed(self) -> float:
+        """Largest speed (rad/s or m/s) that it asks for."""
+        return 0.0
+
+    @property
+    def steady_speed(self) -> float | None:
+        """Its speed (rad/s or m/s) if that never changes, else None."""
+        return None
+
+    @property
+    def unit(self) -> str:
+        """Unit of what it prescribes."""
+        return "m" if self.along else "rad"
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return self.kind

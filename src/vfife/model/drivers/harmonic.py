@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from ...fields import quantity
+from ..polynomials import Polynomials, sine
 from .driver import Driver
+
+MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,7 +18,24 @@ class Harmonic(Driver):
     """amplitude [sin(2 pi frequency t + phase) - sin(phase)]; rad or m, Hz, rad."""
 
     kind: ClassVar[str] = "harmonic"
+    sample: ClassVar[dict[str, Any]] = {"amplitude": 0.2, "frequency": 3.0}
 
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
+    lead: ClassVar[str] = "amplitude"
+
+    amplitude: float = quantity("rad", MOTION, along=quantity("m", MOTION))
+    frequency: float = quantity("1/s", "frequency of the amplitude", above=0.0)
+    phase: float = quantity("rad", "phase of the amplitude; 0 if left out", 0.0)
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added."""
+        return sine(self.amplitude, self.frequency, self.phase, offset)
+
+    @property
+    def largest_speed(self) -> float:
+        """Speed in the middle of its swing (rad/s or m/s)."""
+        return 2.0 * math.pi * self.frequency * abs(self.amplitude)
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"harmonic, {self.amplitude:.6g} {self.unit} at {self.frequency:.6g} Hz"

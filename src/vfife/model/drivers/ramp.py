@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from ...fields import quantity
+from ..polynomials import Polynomials
 from .driver import Driver
 
 
@@ -13,6 +15,25 @@ class Ramp(Driver):
     """From rest to ``speed`` (rad/s, m/s) within ``duration`` (s): the speed is a fifth-order step, 10 s^3 - 15 s^4 + 6 s^5, then constant."""
 
     kind: ClassVar[str] = "ramp"
+    sample: ClassVar[dict[str, Any]] = {"speed": 5.0, "duration": 0.1}
+    revolves: ClassVar[bool] = True
+    lead: ClassVar[str] = "speed"
 
-    speed: float
-    duration: float
+    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
+    duration: float = quantity("s", "time of a smooth ramp from rest to the speed", above=0.0, key="ramp")
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """The angle w T (5/2 s^4 - 3 s^5 + s^6), s = t/T, then on at w (rad or m), ``offset`` added."""
+        w, t = self.speed, self.duration
+        rising = (offset, 0.0, 0.0, 0.0, 2.5 * w / t**3, -3.0 * w / t**4, w / t**5)
+        return Polynomials((0.0, t), (rising, (offset + 0.5 * w * t, w)))
+
+    @property
+    def largest_speed(self) -> float:
+        """The speed it ends with (rad/s or m/s)."""
+        return abs(self.speed)
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"smooth ramp to {self.speed:.6g} {self.unit}/s within {self.duration:.6g} s"

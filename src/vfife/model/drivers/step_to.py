@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from ...fields import quantity
+from ..polynomials import Polynomials
 from .driver import Driver
+
+STEEPEST = 1.875  # largest rate of the step 10 s^3 - 15 s^4 + 6 s^5, at its middle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,7 +17,28 @@ class StepTo(Driver):
     """From 0 to ``travel`` (rad, m) between ``begin`` and ``begin + duration`` (s), by the step 10 s^3 - 15 s^4 + 6 s^5; at rest else."""
 
     kind: ClassVar[str] = "step"
+    sample: ClassVar[dict[str, Any]] = {"travel": 0.5, "duration": 0.1}
 
-    travel: float
-    duration: float
-    begin: float = 0.0
+    lead: ClassVar[str] = "travel"
+
+    travel: float = quantity(
+        "rad", "angle turned from rest to rest within the duration", along=quantity("m", "way from rest to rest within the duration")
+    )
+    duration: float = quantity("s", "time that the travel takes", above=0.0)
+    begin: float = quantity("s", "when the travel begins; 0 if left out", 0.0)
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added."""
+        r, t = self.travel, self.duration
+        step = (offset, 0.0, 0.0, 10.0 * r / t**3, -15.0 * r / t**4, 6.0 * r / t**5)
+        return Polynomials((self.begin - t, self.begin, self.begin + t), ((offset,), step, (offset + r,)))
+
+    @property
+    def largest_speed(self) -> float:
+        """Speed in the middle of the step (rad/s or m/s)."""
+        return STEEPEST * abs(self.travel) / self.duration
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"smooth step by {self.travel:.6g} {self.unit} from {self.begin:.6g} to {self.begin + self.duration:.6g} s"

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+import numpy as np
+
+from ...fields import Many, Measure, described
+from ..polynomials import Polynomials, spline
 from ..renamed import renamed
 from .driver import Driver
+
+LOOKS = 1000  # times at which a table is asked for its speed
 
 
 @renamed(angles="values")
@@ -15,6 +21,29 @@ class AngleTable(Driver):
     """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
 
     kind: ClassVar[str] = "table"
+    sample: ClassVar[dict[str, Any]] = {"times": (0.0, 0.1, 0.3), "values": (0.0, 0.2, 0.1)}
+    revolves: ClassVar[bool] = True
+    lead: ClassVar[str] = "values"
 
-    times: tuple[float, ...]
-    values: tuple[float, ...]
+    times: tuple[float, ...] = described(Many(Measure("s")), "times of the values of a table, ascending")
+    values: tuple[float, ...] = described(
+        Many(Measure("rad")),
+        "angles from the start angle: at the times, or of the torques",
+        key="angles",
+        along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
+    )
+
+    def motion(self, offset: float = 0.0) -> Polynomials:
+        """What it prescribes over time (rad or m), ``offset`` added."""
+        return spline(self.times, self.values, offset)
+
+    @property
+    def largest_speed(self) -> float:
+        """Largest speed (rad/s or m/s) on its way, looked for at 1000 times."""
+        function = self.motion()
+        return max(abs(function(time)[1]) for time in np.linspace(self.times[0], self.times[-1], LOOKS))
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        return f"table of {len(self.times)} {'travels' if self.unit == 'm' else 'angles'} up to {self.times[-1]:.6g} s"

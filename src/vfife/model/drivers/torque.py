@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Literal
 
+from ...fields import Many, Measure, described
+from ..polynomials import Polynomials, clamped, constant
 from ..renamed import renamed
 from .driver import Driver
 
@@ -19,8 +21,53 @@ class Torque(Driver):
     """
 
     kind: ClassVar[str] = "effort"
+    sample: ClassVar[dict[str, Any]] = {"value": 2.0}
+    lead: ClassVar[str] = "value"
+    moves: ClassVar[bool] = False
+    drives: ClassVar[tuple[str, ...]] = ("body", "point")
 
-    value: float | tuple[float, ...]
-    times: tuple[float, ...] | None = None
-    speeds: tuple[float, ...] | None = None
-    angles: tuple[float, ...] | None = None
+    value: float | tuple[float, ...] = described(
+        Measure("N m", series=True),
+        "torque: one, or one for each of the times, speeds or angles",
+        key="torque",
+        along=described(Measure("N", series=True), "force: one, or one for each of the times, speeds or travels", key="force"),
+    )
+    times: tuple[float, ...] | None = described(Many(Measure("s")), "times of the values of a table, ascending", None)
+    speeds: tuple[float, ...] | None = described(
+        Many(Measure("rad/s")),
+        "angular velocities of the torques, ascending: a motor's curve",
+        None,
+        along=described(Many(Measure("m/s")), "velocities of the forces, ascending"),
+    )
+    angles: tuple[float, ...] | None = described(
+        Many(Measure("rad")),
+        "angles from the start angle: at the times, or of the torques",
+        None,
+        along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
+    )
+
+    def effort(self) -> Polynomials:
+        """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else constant."""
+        if isinstance(self.value, int | float):
+            return constant(float(self.value))
+        over = self.speeds or self.angles or self.times
+        return constant(float(self.value[0])) if over is None else clamped(over, self.value)
+
+    @property
+    def over(self) -> Literal["time", "speed", "angle"]:
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        return "speed" if self.speeds is not None else "angle" if self.angles is not None else "time"
+
+    @property
+    def steady(self) -> bool:
+        """Whether its effort does not depend on time."""
+        return self.times is None
+
+    @property
+    def words(self) -> str:
+        """What it does, in a few words."""
+        what, newton = ("force", "N") if self.point else ("torque", "N m")
+        over = " over speed" if self.speeds else " over " + ("travel" if self.point else "angle") if self.angles else ""
+        if isinstance(self.value, int | float):
+            return f"{what} {self.value:.6g} {newton}"
+        return f"table of {len(self.value)} {what}s{over}"

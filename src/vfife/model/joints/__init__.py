@@ -5,23 +5,25 @@ from __future__ import annotations
 from .clearance_revolute import ClearanceRevolute
 from .clearance_slider import ClearanceSlider
 from .contact import Contact, FrictionMoment
+from .curved_slot import ClearanceCurvedSlot, CurvedSlot
 from .external_contact import ExternalContact
 from .gear import Gear
 from .ideal_revolute import IdealRevolute
-from .joint import Joint, Point
+from .joint import Joint
 from .slider import Slider
 from .weld import Weld
 
 __all__ = [
+    "ClearanceCurvedSlot",
     "ClearanceRevolute",
     "ClearanceSlider",
     "Contact",
+    "CurvedSlot",
     "ExternalContact",
     "FrictionMoment",
     "Gear",
     "IdealRevolute",
     "Joint",
-    "Point",
     "Slider",
     "Weld",
 ]

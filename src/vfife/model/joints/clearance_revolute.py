@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from ...fields import quantity
 from ...laws import Material, Pair
+from ..conflict import Conflict
+from ..strokes import JointSeen, Mark, Stroke, ring, standing
+from ..touching import Touching
 from .contact import Contact
+from .ideal_revolute import IdealRevolute
+from .joint import Point
+
+LARGE_BEARING = 0.03  # bearing radius, as a share of the drawing, from which its circle is drawn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,9 +28,18 @@ class ClearanceRevolute(Contact):
     """
 
     kind: ClassVar[str] = "clearance"
+    sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "bearing_radius": 0.02}
+    sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
 
-    clearance: float
-    bearing_radius: float
+    clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
+    bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """The journal is smaller than its bearing, and something of it remains."""
+        if None not in (self.clearance, self.bearing_radius) and self.clearance >= self.bearing_radius:
+            limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
+            remedy = "check the units of both: clearance is bearing radius less journal radius"
+            yield Conflict("clearance", "as large as the bearing: no journal is left", remedy, limit)
 
     @property
     def landing(self) -> float:
@@ -31,3 +49,35 @@ class ClearanceRevolute(Contact):
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
         return Pair(self.bearing_radius, self.clearance, self.axial_length, self.bearing_material or bearing, self.journal_material or journal)
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """A journal in its bearing."""
+        return (Touching("bearing", self.clearance, (self.bearing_radius, self.bearing_radius - self.clearance)),)
+
+    def ideal(self) -> IdealRevolute:
+        """The joint without play."""
+        return IdealRevolute(name=self.name, bearing=self.bearing, journal=self.journal)
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        return self.bearing_radius
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Half the bearing's radius."""
+        return 0.5 * self.bearing_radius, f"half the bearing's radius of {self.bearing_radius:g} m"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """A ring with a dot, or the two circles where they are large enough to be seen; the ground under it."""
+        found = standing(seen)
+        if self.bearing_radius * seen.factor > LARGE_BEARING * seen.size:
+            found.append(ring(seen.bearing, seen.factor * self.bearing_radius, width=1.8, rank=4.0))
+            found.append(ring(seen.journal, seen.factor * (self.bearing_radius - self.clearance), width=0.9, rank=4.0))
+            return [*found, Mark(None, "bearing", sign="bearing and journal")]
+        return [*found, Mark(seen.bearing, "ring", sign="joint with clearance"), Mark(seen.bearing, "dot", sign="joint with clearance")]
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The bearing around its pin."""
+        return (), self.bearing_radius, 0.0

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
+from ..conflict import Conflict
+from ..rows import Across
+from ..strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
+from ..touching import Touching
 from .contact import Contact
 from .joint import Point
+from .slider import Slider
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,12 +29,22 @@ class ClearanceSlider(Contact):
     """
 
     kind: ClassVar[str] = "clearance-slider"
+    sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "length": 0.1, "height": 0.05}
+    sizes: ClassVar[tuple[str, ...]] = ("clearance", "length", "height", "corner_radius")
 
-    clearance: float
-    length: float
-    height: float
-    direction: Point = (1.0, 0.0)
-    corner_radius: float = 1e-3
+    clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
+    length: float = quantity("m", "length of the block, along the guide", above=0.0)
+    height: float = quantity("m", "height of the block, across the guide", above=0.0)
+    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
+    corner_radius: float = quantity("m", "radius of the block's corners", 1e-3, above=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Its corners fit on the block."""
+        sizes, r = (self.length, self.height), self.corner_radius
+        if None not in (*sizes, r) and r > 0.5 * min(sizes):
+            what = f"corners of {r:g} m do not fit on a block of {self.length:g} m by {self.height:g} m"
+            limit = f"at most half of the smaller side, {0.5 * min(sizes):g} m"
+            yield Conflict("corner_radius", what, "give a smaller radius, and check the units of all three", limit)
 
     @property
     def landing(self) -> float:
@@ -38,3 +55,51 @@ class ClearanceSlider(Contact):
         """A rounded corner on a straight wall."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)
         return Pair(math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.corner_radius)
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """The four corners of the block, rear and front, at the wall to the left of the guide's direction and at that to its right."""
+        x, y = Across(self.direction).unit()
+        c, s = math.cos(turned), math.sin(turned)
+        ax, ay = c * x - s * y, s * x + c * y  # the guide in the frame of the block's body
+        r, rise = self.corner_radius, 0.5 * self.height
+        half, wall, found = 0.5 * self.length - r, rise + self.clearance, []
+        for along, side in ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)):
+            p, q = along * half, side * (rise - r)
+            at = (p * ax - q * ay, p * ay + q * ax)
+            found.append(Touching("line", wall - r, (wall, r), at, (-side * y, side * x)))
+        return tuple(found)
+
+    def ideal(self) -> Slider:
+        """The joint without play."""
+        return Slider(name=self.name, bearing=self.bearing, journal=self.journal, direction=self.direction)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a word or two."""
+        return "clearance slider"
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        return self.height
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Half the block's height."""
+        return 0.5 * self.height, f"half the block's height of {self.height:g} m"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """The walls, and the block as it lies between them."""
+        length, height = seen.factor * self.length, seen.factor * self.height
+        lies = seen.angles[1] - seen.start_angles[1] + seen.start_angles[0] + math.atan2(self.direction[1], self.direction[0])
+        block = Block(seen.journal, facing(lies), length, height, sign="block with play")
+        return [*rails(seen, self.direction, length, 0.5 * height + seen.factor * self.clearance), block]
+
+    def label(self, seen: JointSeen) -> Label:
+        """Beside the guide."""
+        return beside(seen, self.direction, seen.factor * (0.5 * self.height + self.clearance))
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The block and its walls around the journal's pin."""
+        return (), 0.0, 0.5 * math.hypot(self.length, self.height) + self.clearance

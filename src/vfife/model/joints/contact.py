@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
+from ...fields import Choice, Chosen, Named, described, quantity
 from ...laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
+from ..touching import Touching
 from .joint import Joint
 
 FrictionMoment = Literal["mid-overlap", "surface", "off"]
@@ -20,14 +22,20 @@ class Contact(Joint):
     centre (of a block, at those of its corners), so that it does not turn the round.
     """
 
-    axial_length: float = 0.02
-    contact: ContactLaw = field(default_factory=LankaraniNikravesh)
-    friction: FrictionLaw = field(default_factory=Ambrosio)
-    friction_moment: FrictionMoment = "mid-overlap"
-    impact_speed_floor: float = 1e-3
-    landing_depth: float | None = None
-    bearing_material: Material | None = None
-    journal_material: Material | None = None
+    axial_length: float = quantity("m", "length of the surfaces along the axis", 0.02, above=0.0)
+    contact: ContactLaw = described(Chosen(ContactLaw, "contact"), "contact law: law = name, and its parameters", factory=LankaraniNikravesh)
+    friction: FrictionLaw = described(Chosen(FrictionLaw, "friction"), "friction law: law = name, and its parameters", factory=Ambrosio)
+    friction_moment: FrictionMoment = described(
+        Choice(("mid-overlap", "surface", "off")), "where friction acts: in the overlap, at both surfaces, or without moment", "mid-overlap"
+    )
+    impact_speed_floor: float = quantity("m/s", "least impact speed for damping", 1e-3, above=0.0)
+    landing_depth: float | None = quantity(
+        "m", "depth of a first contact beyond which it is counted as deep; clearance/20, or journal_radius/1000, if left out", None, above=0.0
+    )
+    bearing_material: Material | None = described(Named(Material), "material of the bearing; its body's if left out", None)
+    journal_material: Material | None = described(Named(Material), "material of the journal; its body's if left out", None)
+
+    sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
 
     @property
     def landing(self) -> float:
@@ -36,4 +44,18 @@ class Contact(Joint):
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
+        raise NotImplementedError
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """Where the surfaces can touch; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
+        raise NotImplementedError
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        raise NotImplementedError
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Depth (m) at the start beyond which no contact law has a meaning, and what it is."""
         raise NotImplementedError

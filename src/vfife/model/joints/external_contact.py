@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
+from ..conflict import Conflict
+from ..rows import Across
+from ..strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
+from ..touching import Touching
 from .contact import Contact
 from .joint import Point
 
@@ -20,10 +26,17 @@ class ExternalContact(Contact):
     """
 
     kind: ClassVar[str] = "contact"
+    sample: ClassVar[dict[str, Any]] = {"journal_radius": 0.05}
+    sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
 
-    journal_radius: float
-    bearing_radius: float | None = None
-    direction: Point = (1.0, 0.0)
+    journal_radius: float = quantity("m", "radius of the round at the journal", above=0.0)
+    bearing_radius: float | None = quantity("m", "radius of the round at the bearing; a straight line if left out", None, above=0.0)
+    direction: Point = described(Direction(), "direction of the line in the frame of the bearing's body; the journal is on its left", (1.0, 0.0))
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """A round has no direction."""
+        if self.bearing_radius is not None and self.direction not in (None, (1.0, 0.0)):
+            yield Conflict("direction", "a round has no direction", "remove it, or remove bearing_radius for a straight line")
 
     @property
     def landing(self) -> float:
@@ -35,3 +48,52 @@ class ExternalContact(Contact):
         materials = (self.bearing_material or bearing, self.journal_material or journal)
         radius = math.inf if self.bearing_radius is None else self.bearing_radius
         return Pair(radius, 0.0, self.axial_length, *materials, opposite_radius=self.journal_radius)
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """A round on a line, or beside another round."""
+        r = self.journal_radius
+        if self.bearing_radius is not None:
+            return (Touching("round", self.bearing_radius + r, (-self.bearing_radius, r)),)
+        x, y = Across(self.direction).unit()
+        return (Touching("line", -r, (0.0, r), normal=(y, -x)),)
+
+    def ideal(self) -> None:
+        """Nothing: what may part is no joint."""
+        return None
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return "contact with a line" if self.bearing_radius is None else "contact of rounds"
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        return self.journal_radius
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Half the smaller radius."""
+        radius = self.journal_radius if self.bearing_radius is None else min(self.journal_radius, self.bearing_radius)
+        return 0.5 * radius, f"half the radius of {radius:g} m"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """A round on a line, hatched if it is the ground's, or beside another round."""
+        journal = ring(seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="contact")
+        if self.bearing_radius is not None:
+            return [journal, ring(seen.bearing, seen.factor * self.bearing_radius, colour="bearing", width=1.6)]
+        along, reach = seen.along(self.direction), seen.way(math.atan2(self.direction[1], self.direction[0]))
+        beyond = max(0.05 * seen.size, 1.5 * seen.factor * self.journal_radius)
+        ends = [seen.bearing + (reach[0] - beyond) * along, seen.bearing + (reach[1] + beyond) * along]
+        if seen.ground[0]:
+            return [journal, Surface(ends[0], ends[1], -left_of(along), 0.03 * seen.size)]
+        return [journal, Curve(ends, "bearing", 3.0, 3.5)]
+
+    def label(self, seen: JointSeen) -> Label:
+        """Beside the round."""
+        return Label(seen.journal)
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The rounds around their pins; of a line, only what the journal comes to."""
+        return (), self.bearing_radius, self.journal_radius

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from ...fields import Text, described, quantity
+from ..rows import Row, Turn
+from ..strokes import Array, Curve, PairSeen, Stroke, ring, tangent
+
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
@@ -13,6 +19,33 @@ class Gear:
     """
 
     name: str
-    first: str
-    second: str
-    ratio: float
+    first: str = described(Text("body"), "a body")
+    second: str = described(Text("body"), "another body, which turns by ratio times the angle of the first")
+    ratio: float = quantity("1", "negative for external gears (- teeth of the first / teeth of the second), positive for belts")
+
+    def rows(self) -> tuple[Row, ...]:
+        """One turn coupled to another."""
+        return (Turn(self.ratio),)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"gear, ratio {self.ratio:.6g}"
+
+    def wheels(self, seen: PairSeen) -> tuple[tuple[Array, float], tuple[Array, float]]:
+        """Centre and radius of both wheels: r_1 = |ratio| r_2, touching where the gears are external."""
+        distance, ratio = float(np.linalg.norm(seen.second - seen.first)) or 0.2 * seen.size, abs(self.ratio)
+        second = distance / (1.0 + ratio) if self.ratio < 0.0 else 0.3 * distance / max(1.0, ratio)
+        return (seen.first, ratio * second), (seen.second, second)
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """Pitch circles of external gears; wheels with a belt where both turn the same way."""
+        first, second = self.wheels(seen)
+        found: list[Stroke] = [
+            ring(centre, radius, colour=colour, width=1.6, dashes="-." if self.ratio < 0.0 else "-", rank=4.0)
+            for (centre, radius), colour in ((first, "bearing"), (second, "journal"))
+        ]
+        if self.ratio < 0.0:
+            return [*found, Curve(np.zeros((0, 2)), width=1.4, dashes="-.", sign="gears, pitch circles")]
+        belt = [Curve(tangent(first, second, side), "grey", 1.4, 4.0) for side in (1.0, -1.0)]
+        return [*found, *belt, Curve(np.zeros((0, 2)), width=1.4, sign="wheels with a belt")]

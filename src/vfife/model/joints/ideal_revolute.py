@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..rows import Coincide, Row
+from ..strokes import JointSeen, Mark, Stroke, standing
 from .joint import Joint
 
 
@@ -13,3 +15,11 @@ class IdealRevolute(Joint):
     """Bearing and journal share one motion; the reaction follows (Eq. 16, generalised)."""
 
     kind: ClassVar[str] = "ideal"
+
+    def rows(self) -> tuple[Row, ...]:
+        """Two pins in one place."""
+        return (Coincide(),)
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """A ring, and the ground under it."""
+        return [*standing(seen), Mark(seen.bearing, "ring", sign="ideal joint")]

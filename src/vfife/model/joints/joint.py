@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
+
+from ...fields import Text, described
+from ..conflict import Conflict
+from ..rows import Coincide, Row, place_row
+from ..strokes import JointSeen, Label, Stroke, under
 
 Point = tuple[float, float]
 
@@ -13,10 +19,11 @@ class Joint:
     """Two pins in one place: ``bearing`` and ``journal`` are ``body.pin`` or ``ground.point``."""
 
     name: str
-    bearing: str
-    journal: str
+    bearing: str = described(Text("pin"), 'the bearing side, "body.pin" or "ground.point"')
+    journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
     kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
+    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
     registry: ClassVar[dict[str, type[Joint]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -30,3 +37,50 @@ class Joint:
         """(body, pin) of the bearing and of the journal."""
         bearing, journal = self.bearing.partition("."), self.journal.partition(".")
         return (bearing[0], bearing[2]), (journal[0], journal[2])
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Sizes that do not go together; of what is not known (None) nothing is said."""
+        yield from ()
+
+    def rows(self) -> tuple[Row, ...]:
+        """What the joint holds; with play: what it would hold without."""
+        without = self.ideal()
+        return () if without is None or without is self else without.rows()
+
+    def ideal(self) -> Joint | None:
+        """The joint without play, itself where it has none; None where nothing is left of it then."""
+        return self
+
+    @property
+    def revolves(self) -> bool:
+        """Whether two bodies turn freely about its pin."""
+        return self.rows() == (Coincide(),)
+
+    @property
+    def rank(self) -> int:
+        """Which joints hang a body first when a mechanism is put together: pins (0) before guides (1) before what only touches (2)."""
+        held = place_row(self.rows())
+        return 2 if held is None else 0 if isinstance(held, Coincide) else 1
+
+    @property
+    def first_place(self) -> Point:
+        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's in the frame of its body (m)."""
+        return 0.0, 0.0
+
+    @property
+    def words(self) -> str:
+        """What it is, in a word or two."""
+        return self.kind
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """How it is drawn."""
+        return []
+
+    def label(self, seen: JointSeen) -> Label:
+        """Where its name stands."""
+        return under(seen)
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """What a drawing must hold (m): points in the bearing's frame from its pin, and how far around the two pins; None leaves one out."""
+        return (), 0.0, 0.0

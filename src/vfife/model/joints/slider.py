@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...fields import Direction, Switch, described
+from ..rows import Across, Row, Turn
+from ..strokes import BLOCK, Block, JointSeen, Label, Mark, Stroke, beside, rails
 from .joint import Joint, Point
 
 
@@ -18,5 +21,26 @@ class Slider(Joint):
 
     kind: ClassVar[str] = "slider"
 
-    direction: Point = (1.0, 0.0)
-    turning: bool = False
+    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
+    turning: bool = described(Switch(), "true: a pin in a slot, free to turn; false: the bodies keep their relative angle", False)
+
+    def rows(self) -> tuple[Row, ...]:
+        """A pin on a line, and no turning unless it is a pin in a slot."""
+        return (Across(self.direction),) if self.turning else (Across(self.direction), Turn())
+
+    @property
+    def words(self) -> str:
+        """What it is, in a word or two."""
+        return "pin in a slot" if self.turning else "slider"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """Rails, and the block or the pin between them."""
+        length, height = (share * seen.size * (0.6 if self.turning else 1.0) for share in BLOCK)
+        guide = rails(seen, self.direction, length, 0.5 * height)
+        if self.turning:
+            return [*guide, Mark(seen.journal, "pin", "journal", "pin in a slot")]
+        return [*guide, Block(seen.journal, seen.along(self.direction), length, height, sign="ideal slider")]
+
+    def label(self, seen: JointSeen) -> Label:
+        """Beside the guide."""
+        return beside(seen, self.direction, 0.5 * BLOCK[1] * seen.size)

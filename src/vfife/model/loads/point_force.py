@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...fields import SCALAR, Each, Many, Measure, Switch, Text, described, quantity
+from ..polynomials import Polynomials, clamped, constant
+
 
 @dataclass(frozen=True, kw_only=True)
 class PointForce:
@@ -14,9 +17,18 @@ class PointForce:
     """
 
     name: str
-    at: str
-    force: tuple[float, float] = (0.0, 0.0)
-    moment: float = 0.0
-    follow: bool = False
-    times: tuple[float, ...] | None = None
-    factors: tuple[float, ...] | None = None
+    at: str = described(Text("pin"), 'where it acts, "body.pin"')
+    force: tuple[float, float] = described(Each((Measure("N"), Measure("N"))), "force", (0.0, 0.0))
+    moment: float = quantity("N m", "moment", 0.0)
+    follow: bool = described(Switch(), "true: the force turns with the body; false: it is fixed in space", False)
+    times: tuple[float, ...] | None = described(Many(Measure("s")), "times of the factors, ascending", None)
+    factors: tuple[float, ...] | None = described(Many(SCALAR), "what multiplies force and moment, at the times", None)
+
+    @property
+    def steady(self) -> bool:
+        """Whether it is the same at all times."""
+        return self.times is None or self.factors is None
+
+    def factor(self) -> Polynomials:
+        """What force and moment are multiplied by over time (s)."""
+        return constant(1.0) if self.times is None or self.factors is None else clamped(self.times, self.factors)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from .force_element import ForceElement
+from ...fields import Each, Measure, described
+from ..strokes import PairSeen, Stroke, ring
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,6 +18,36 @@ class Bushing(ForceElement):
     """
 
     kind: ClassVar[str] = "bushing"
+    sample: ClassVar[dict[str, Any]] = {"stiffness": (1e3, 1e3, 1.0)}
+    axes: ClassVar[Axes] = "bushing"
 
-    stiffness: tuple[float, float, float]
-    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stiffness: tuple[float, float, float] = described(
+        Each((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))), "stiffness in x, in y, about the axis"
+    )
+    damping: tuple[float, float, float] = described(
+        Each((Measure("N s/m", low=0.0), Measure("N s/m", low=0.0), Measure("N m s/rad", low=0.0))),
+        "damping in x, in y, about the axis",
+        (0.0, 0.0, 0.0),
+    )
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads; it is free of moment at the angle ``start`` (rad)."""
+        return SpringNumbers(self.stiffness, self.damping, start)
+
+    @property
+    def turns(self) -> bool:
+        """Whether it acts on the angles of its bodies."""
+        return bool(self.stiffness[2] or self.damping[2])
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        x, y, turning = self.stiffness
+        return f"bushing, {x:.6g} and {y:.6g} N/m, {turning:.6g} N m/rad"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """Rings of rubber."""
+        return [
+            ring(seen.first, 0.022 * seen.size, colour="spring", width=3.5, fade=0.6),
+            ring(seen.first, 0.012 * seen.size, colour="spring", sign="bushing"),
+        ]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from .force_element import ForceElement
+from ...fields import quantity
+from ..strokes import Curve, PairSeen, Stroke, zigzag
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +19,23 @@ class Spring(ForceElement):
     """
 
     kind: ClassVar[str] = "linear"
+    sample: ClassVar[dict[str, Any]] = {"stiffness": 100.0}
+    axes: ClassVar[Axes] = "linear"
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    free_length: float | None = None
+    stiffness: float = quantity("N/m", "stiffness", 0.0, low=0.0)
+    damping: float = quantity("N s/m", "damping", 0.0, low=0.0)
+    free_length: float | None = quantity("m", "length without force; that of the start if left out", None, low=0.0)
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads; the free length is ``start`` (m) unless given."""
+        free = start if self.free_length is None else self.free_length
+        return SpringNumbers((self.stiffness, 0.0, 0.0), (self.damping, 0.0, 0.0), free)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"spring, {self.stiffness:.6g} N/m, {self.damping:.6g} N s/m"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """A zigzag."""
+        return [Curve(zigzag(seen.first, seen.second, 0.018 * seen.size), "spring", 1.5, 6.0, sign="spring")]

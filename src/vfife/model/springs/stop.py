@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from .force_element import ForceElement
+import numpy as np
+
+from ...fields import Text, described, quantity
+from ..conflict import Conflict
+from ..strokes import Curve, PairSeen, Stroke, facing
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,8 +22,36 @@ class Stop(ForceElement):
     """
 
     kind: ClassVar[str] = "stop"
+    sample: ClassVar[dict[str, Any]] = {"low": -0.5, "high": -0.2, "stiffness": 10.0}
+    axes: ClassVar[Axes] = "stop"
 
-    low: float
-    high: float
-    stiffness: float
-    damping: float = 0.0
+    first: str = described(Text("body"), "a body, or ground")
+    second: str = described(Text("body"), "another body, or ground")
+    low: float = quantity("rad", "least angle of the second body less that of the first")
+    high: float = quantity("rad", "largest angle of the second body less that of the first")
+    stiffness: float = quantity("N m/rad", "stiffness beyond the limits", above=0.0)
+    damping: float = quantity("N m s/rad", "damping beyond the limits", 0.0, low=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """There is room between the limits."""
+        if None not in (self.low, self.high) and self.low >= self.high:
+            yield Conflict("low", "no room between the limits", "exchange them, or move them apart", f"below high = {self.high:g} rad")
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads."""
+        return SpringNumbers((0.0, 0.0, self.stiffness), (0.0, 0.0, self.damping), self.low, self.high)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"stop between {self.low:.6g} and {self.high:.6g} rad, {self.stiffness:.6g} N m/rad"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """Cheeks at the two angles of the second body seen from the first; the sector between them is free."""
+        at, radius, found = seen.second, 0.06 * seen.size, []
+        for angle in (self.low, self.high):
+            out = radius * facing(seen.angle + angle)
+            found.append(Curve([at + 0.4 * out, at + 1.25 * out], width=2.6, rank=6.0))
+        turn = seen.angle + np.linspace(self.low, self.high, 60)
+        arc = at + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        return [*found, Curve(arc, width=1.0, rank=6.0, dashes=":", sign="stop")]

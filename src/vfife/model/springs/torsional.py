@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from .force_element import ForceElement
+import numpy as np
+
+from ...fields import Text, described, quantity
+from ..strokes import Curve, PairSeen, Stroke
+from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +21,28 @@ class TorsionalSpring(ForceElement):
     """
 
     kind: ClassVar[str] = "torsional"
+    sample: ClassVar[dict[str, Any]] = {"stiffness": 10.0}
+    axes: ClassVar[Axes] = "torsional"
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    free_angle: float | None = None
+    first: str = described(Text("body"), "a body, or ground")
+    second: str = described(Text("body"), "another body, or ground")
+    stiffness: float = quantity("N m/rad", "stiffness", 0.0, low=0.0)
+    damping: float = quantity("N m s/rad", "damping", 0.0, low=0.0)
+    free_angle: float | None = quantity("rad", "angle of the second less that of the first without moment; that of the start if left out", None)
+
+    def numbers(self, start: float) -> SpringNumbers:
+        """What a step reads; the free angle is ``start`` (rad) unless given."""
+        free = start if self.free_angle is None else self.free_angle
+        return SpringNumbers((0.0, 0.0, self.stiffness), (0.0, 0.0, self.damping), free)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return f"torsional spring, {self.stiffness:.6g} N m/rad, {self.damping:.6g} N m s/rad"
+
+    def strokes(self, seen: PairSeen) -> list[Stroke]:
+        """A spiral."""
+        turn = np.linspace(0.0, 4.5 * np.pi, 200)
+        radius = seen.size * (0.012 + 0.022 * turn / turn[-1])
+        points = seen.second + radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        return [Curve(points, "spring", 1.3, 6.0, sign="torsional spring")]

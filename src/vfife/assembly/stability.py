@@ -1,0 +1,298 @@
+"""The largest step that stays stable: 2/w of the central difference, w a bound of the highest frequency, piece by piece.
+
+The mass of a particle is shared among the pieces that hold it (elements, springs, contacts); each piece on its share has a frequency, and the
+highest of these bounds that of the whole (Irons and Treharne 1971). Pieces of one sort share in the ratio of their stiffness, so that w^2 of a
+piece is the sum over its motions of D/m, D the stiffness of all of the sort on that motion. Sorts (elements along, elements across, springs and
+contacts) share as the roots of their D, so that a soft sort on a stiff one costs little. Directions change in a run, so a spring or contact
+counts in any direction, and its arm as if it were across.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..codegen.graph import tables
+from ..kernels import frame
+from ..kernels.arrays import CONSTRAINT, Layout
+from ..kernels.constraint import levers
+from ..kernels.topology import PINNED, Topology
+from ..laws.elasticity import elastic_energy, tangent
+from .assembled import slots_of
+
+if TYPE_CHECKING:
+    from .entities import Touch
+
+Array = NDArray[np.float64]
+Limits = list[tuple[str, float]]
+
+CLOSED = 0.225  # root of the growth of a joint's error in a step at which it is lost, measured: 0.228 to 0.263 in chains of one to three bodies
+STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count as in line
+
+
+@dataclass(frozen=True)
+class Held:
+    """Stiffness of springs and contacts on each particle: in any direction (N/m), that on its arm and that about the axis of the plane (N m/rad).
+
+    Shape (particles,).
+    """
+
+    straight: Array
+    levers: Array
+    about: Array
+
+    @property
+    def turning(self) -> Array:
+        """Against turning (N m/rad)."""
+        return self.levers + self.about
+
+
+@dataclass(frozen=True)
+class ElementStiffness:
+    """Stiffness of each element: ``along`` and ``across`` (N/m), moment at first and second node for their own turn, at one for the other's."""
+
+    nodes: NDArray[np.intp]
+    along: Array
+    across: Array
+    own: Array
+    other: Array
+
+
+def element_stiffness(layout: Layout, state: Array, topology: Topology) -> ElementStiffness:
+    """That of the step's own element, with what is released; ``own`` has shape (elements, 2)."""
+    nodes, release = np.array(topology.frame_nodes, dtype=np.intp).reshape(-1, 2), np.array(topology.frame_release, dtype=int)
+    inverse, bending = state[layout["reference_inverse_length"]], state[layout["frame_bending_stiffness"]]
+    along, across, near, far = frame.stiffness(inverse, state[layout["frame_axial_stiffness"]], bending)
+    across_released, near_released = frame.stiffness_released(inverse, bending)
+    none = np.zeros(len(nodes))
+    across = np.select([release == 0, release == 3], [across, none], across_released)
+    ends = [np.select([release == 0, release == 3 - end], [near, near_released], none) for end in (1, 2)]
+    return ElementStiffness(nodes, along, across, np.column_stack(ends), np.where(release == 0, far, none))
+
+
+def held(layout: Layout, state: Array, topology: Topology, contacts: Sequence[float]) -> Held:
+    """That of all springs, and of contacts of the given stiffness (N/m)."""
+    found = Held(*(np.zeros(topology.particles) for _ in range(3)))
+    springs = [spring_stiffness(layout, state, index) for index in range(len(topology.spring_first))]
+    for kind, entries in (("spring", springs), ("contact", [(value, 0.0) for value in contacts])):
+        for index, (straight, about) in enumerate(entries):
+            for body, square in _arms(layout, state, topology, kind, index):
+                found.straight[body] += straight
+                found.levers[body] += straight * square
+                found.about[body] += about
+    return found
+
+
+def spring_stiffness(layout: Layout, state: Array, index: int) -> tuple[float, float]:
+    """Stiffness of a spring along its stiffer axis (N/m) and about the axis of the plane (N m/rad)."""
+    row = layout.row("spring_stiffness", index)
+    return float(state[row : row + 2].max()), float(state[row + 2])
+
+
+def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: int) -> list[tuple[int, float]]:
+    """The two bodies of a spring or contact, and the square of its arm on each (m^2)."""
+    found = []
+    for side in ("first", "second") if kind == "spring" else ("bearing", "journal"):
+        x, y = (float(state[layout.row(f"{kind}_{side}_{axis}", index)]) for axis in "xy")
+        found.append((getattr(topology, f"{kind}_{side}")[index], x * x + y * y))
+    return found
+
+
+@dataclass(frozen=True)
+class Demands:
+    """What each sort of pieces asks of each particle, w^2 times mass (N/m) or inertia (N m/rad), shape (particles,): its stiffness over its share.
+
+    ``along``, ``across`` and ``turns`` are those of elements, ``straight`` and ``turning`` those of springs and contacts.
+    """
+
+    along: Array
+    across: Array
+    turns: Array
+    straight: Array
+    turning: Array
+
+
+def demands(layout: Layout, state: Array, topology: Topology, load: Held) -> Demands:
+    """Stiffness over shares. Where elements meet at an angle one's length is the other's breadth, and both share; in line they do not meet."""
+    k = element_stiffness(layout, state, topology)
+    along, across, own = (_at_nodes(k.nodes, values, topology.particles) for values in (k.along, k.across, k.own))
+    bent = _bent(layout, state, k.nodes, topology.particles)
+    a, b, c, d, e = (np.sqrt(values) for values in (along, across, load.straight, own, load.turning))
+    elements = np.where(bent, a + b, np.maximum(a, b))
+    alone = np.where(elements > 0.0, 1.0 + c / np.where(elements > 0.0, elements, 1.0), 1.0)
+    return Demands(
+        np.where(bent, a * (elements + c), along * alone), np.where(bent, b * (elements + c), across * alone),
+        d * (d + e), c * (c + elements), e * (e + d),
+    )  # fmt: skip
+
+
+def _square(layout: Layout, state: Array, load: Demands, arms: Sequence[tuple[int, float]]) -> float:
+    """w^2 of a spring or contact along a line."""
+    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
+    return float(sum(load.straight[body] * im[body] + (load.turning[body] * ii[body] if square > 0.0 else 0.0) for body, square in arms))
+
+
+def element_limits(layout: Layout, state: Array, topology: Topology, load: Demands) -> tuple[Array, Array]:
+    """Stable steps (s) of each element, axial and bending.
+
+    Axial: w^2 = sum over both nodes of D/m. Bending has two modes: both ends turn alike, 3 EI/l on the turns and 12 EI/l^3 across, or against each
+    other, EI/l; the larger root of the two together, each node's inertia shared by 4 EI/l.
+    """
+    k = element_stiffness(layout, state, topology)
+    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
+    stretch = (load.along * im)[k.nodes].sum(axis=1)
+    sway = np.where(k.across > 0.0, (load.across * im)[k.nodes].sum(axis=1), 0.0)
+    turns = np.where(k.own > 0.0, (load.turns * ii)[k.nodes], 0.0)
+    first, second = (turns / np.where(k.own > 0.0, k.own, 1.0)).T
+    alike, against = 0.5 * (k.own[:, 0] + k.other), 0.5 * (k.own[:, 0] - k.other)
+    a, b, c = alike * (first + second) + sway, against * (first + second), np.sqrt(np.maximum(alike * against, 0.0)) * (first - second)
+    whole = 0.5 * (a + b) + np.sqrt(0.25 * (a - b) ** 2 + c * c)
+    with np.errstate(divide="ignore"):
+        return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(np.where(k.other > 0.0, whole, turns.sum(axis=1) + sway))
+
+
+def _at_nodes(nodes: NDArray[np.intp], values: Array, count: int) -> Array:
+    """Sums over the elements of each particle; of one value an element, or of one for each end."""
+    total = np.zeros(count)
+    for column in (0, 1):
+        np.add.at(total, nodes[:, column], values if values.ndim == 1 else values[:, column])
+    return total
+
+
+def _bent(layout: Layout, state: Array, nodes: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
+    """Whether elements meet at an angle at a particle."""
+    directions = np.column_stack([state[layout["reference_cosine"]], state[layout["reference_sine"]]])
+    first = np.zeros((count, 2))
+    for column in (0, 1):
+        first[nodes[:, column]] = directions
+    bent = np.zeros(count, dtype=bool)
+    for column in (0, 1):
+        there = first[nodes[:, column]]
+        across = np.abs(there[:, 0] * directions[:, 1] - there[:, 1] * directions[:, 0])
+        np.logical_or.at(bent, nodes[:, column], across > STRAIGHT)
+    return bent
+
+
+def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> float:
+    """Largest inverse mass (1/kg) that a clearance joint can meet in any direction."""
+    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
+    return float(sum(im[body] + square * ii[body] for body, square in _arms(layout, state, topology, "contact", index)))
+
+
+def contact_stiffness(
+    touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]
+) -> list[tuple[float, float]]:
+    """Tangent (N/m) of each contact's law under twice the force that it is expected to carry, and the mobility (1/kg) that it meets."""
+    found = []
+    for index, touch in enumerate(touches):
+        law = touch.joint.contact
+        slots = slots_of(layout, state, index, len(law.slots))
+        mobility = joint_mobility(layout, state, topology, index)
+        force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(law, slots, state, layout, mobility)
+        found.append((tangent(law, slots, force)[1], mobility))
+    return found
+
+
+def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
+    """Stiffness (N/m) with which each contact counts on its bodies: those of a joint with one wall share it, as two corners of a block do."""
+    together = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
+    return [k / together[touch.joint.name, touch.touching.normal] for touch, (k, _) in zip(touches, stiffness, strict=True)]
+
+
+def contact_periods(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[tuple[str, float]]:
+    """Half a period (s) of each contact by itself."""
+    roots = [2.0 / math.sqrt(k * mobility) if mobility > 0.0 else math.inf for k, mobility in stiffness]
+    return [(touch.name, 0.5 * math.pi * root) for touch, root in zip(touches, roots, strict=True)]
+
+
+def contact_limits(touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, load: Demands) -> Limits:
+    """Stable step (s) of each contact."""
+    squares = [_square(layout, state, load, _arms(layout, state, topology, "contact", index)) for index in range(len(touches))]
+    return [(f"contact of joint {t.name}", 2.0 / math.sqrt(w) if w > 0.0 else math.inf) for t, w in zip(touches, squares, strict=True)]
+
+
+def spring_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str], load: Demands) -> Limits:
+    """Stable step (s) of each spring: along its axes, and about the axis of the plane."""
+    ii, found = state[layout["particle_inverse_inertia"]], []
+    for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
+        straight, turning = spring_stiffness(layout, state, index)
+        along = _square(layout, state, load, _arms(layout, state, topology, "spring", index)) if straight > 0.0 else 0.0
+        about = load.turning[first] * ii[first] + load.turning[second] * ii[second] if turning > 0.0 else 0.0
+        square = max(along, float(about))
+        if square > 0.0:
+            found.append((f"spring {names[index] if names else index + 1}", 2.0 / math.sqrt(square)))
+    return found
+
+
+def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str]) -> Limits:
+    """Steps (s) beyond which ideal joints far outside a light body's radius of gyration k are no longer closed by one correction.
+
+    The correction turns an arm r by what it would be worth at the present angle. In a step the body turns by w dt; an error across the arm leaves
+    one along it, (r/k)^2 w dt as large, and that is one across it a step later, w dt as large: in all (w dt r/k)^2. In a chain one joint's error
+    is also the next one's, and in the place of (r/k)^2 stands what ``turning_error`` has of the start. Both at the fastest turning of the start:
+    what a run comes to later is not known here.
+    """
+    spin = float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
+    found = []
+    for k, name in enumerate(names):
+        for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
+            mass, inertia = (float(state[layout.row(f"particle_inverse_{kind}", bodies[k])]) for kind in ("mass", "inertia"))
+            arm = math.hypot(*(state[layout.row(f"joint_{side}_{axis}", k)] for axis in "xy"))
+            if mass > 0.0 and inertia > 0.0 and arm * spin > 0.0:
+                found.append((f"small inertia on an arm at joint {name}", CLOSED * math.sqrt(mass / inertia) / (arm * spin)))
+    growth = spin * math.sqrt(turning_error(layout, state, topology)) if found else 0.0
+    if growth > 0.0:
+        found.append(("small inertia on arms of several joints", CLOSED / growth))
+    return sorted(found, key=lambda entry: entry[1])[:1]
+
+
+def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
+    """Growth of an error of the reactions in two steps over the square of the angle (rad) by which all bodies turn in one: (r/k)^2 for one arm.
+
+    It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with the angle, and the quarter turn Q of
+    the forces of joints, which stay in space while the bodies turn.
+    """
+    joined = sorted({*topology.joint_bearing, *topology.joint_journal})
+    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
+    turn = 1e-6
+    now, before, after = (_constraints(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
+    left = np.linalg.pinv(now * inverse @ now.T, rcond=1e-10, hermitian=True) @ ((after - before) / (2.0 * turn) * inverse @ now.T)
+    quarter = np.zeros_like(left)
+    for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
+        if place == PINNED:
+            quarter[first, first + 1], quarter[first + 1, first] = -1.0, 1.0
+    return float(np.abs(np.linalg.eigvals(left @ quarter)).max(initial=0.0))
+
+
+def _constraints(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float) -> Array:
+    """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies turned by an angle (rad)."""
+    integers, _, rows = tables(topology)
+    S = np.zeros(rows)
+    S[: layout.rows] = state
+    angle = np.where(np.arange(topology.particles) > 0, state[layout["particle_theta"]] + turn, 0.0)[list(topology.bound)]
+    S[layout["c"]], S[layout["s"]] = np.cos(angle), np.sin(angle)
+    levers(S, [int(value) for value in integers])
+    starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], len(joined), 3))
+    for joint, (bearing, journal) in enumerate(zip(topology.joint_bearing, topology.joint_journal, strict=True)):
+        for k in range(starts[joint], starts[joint + 1]):
+            row = layout.record("constraint", k)
+            nx, ny, jb, jk = (S[row + field] for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk))
+            found[k, joined.index(bearing)] -= nx, ny, jb
+            found[k, joined.index(journal)] += nx, ny, jk
+    return found.reshape(len(found), -1)
+
+
+def _impact_force(law: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float) -> float:
+    """Force of an impact at the largest speed in the mechanism, where no ideal reaction is known."""
+    speed = max(float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
+    energy = 0.5 * speed**2 / max(mobility, 1e-12)
+    depth = 1e-9
+    while float(elastic_energy(law, np.array([depth]), slots)[0]) < energy and depth < 1.0:  # type: ignore[arg-type]
+        depth *= 1.1
+    return float(law.force(depth, 0.0, slots)[0])  # type: ignore[attr-defined]

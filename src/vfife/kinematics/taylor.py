@@ -1,0 +1,91 @@
+"""Numbers with their first two derivatives in time, which carry a function of the kernels from positions to accelerations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import FunctionType, ModuleType, SimpleNamespace
+from typing import Any
+
+
+@dataclass(frozen=True, eq=False)
+class Taylor:
+    """value + rate t + second t^2/2; comparisons are those of the values."""
+
+    value: float
+    rate: float = 0.0
+    second: float = 0.0
+
+    def __add__(self, other: Any) -> Taylor:
+        o = taylor(other)
+        return Taylor(self.value + o.value, self.rate + o.rate, self.second + o.second)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Taylor:
+        return Taylor(-self.value, -self.rate, -self.second)
+
+    def __sub__(self, other: Any) -> Taylor:
+        return self + -taylor(other)
+
+    def __rsub__(self, other: Any) -> Taylor:
+        return taylor(other) + -self
+
+    def __mul__(self, other: Any) -> Taylor:
+        a, b = self, taylor(other)
+        return Taylor(a.value * b.value, a.rate * b.value + a.value * b.rate, a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Taylor:
+        b = taylor(other)
+        value = self.value / b.value
+        rate = (self.rate - value * b.rate) / b.value
+        return Taylor(value, rate, (self.second - 2.0 * rate * b.rate - value * b.second) / b.value)
+
+    def __rtruediv__(self, other: Any) -> Taylor:
+        return taylor(other) / self
+
+    def __abs__(self) -> Taylor:
+        return self if self.value >= 0.0 else -self
+
+    def __lt__(self, other: Any) -> bool:
+        return self.value < taylor(other).value
+
+    def __le__(self, other: Any) -> bool:
+        return self.value <= taylor(other).value
+
+    def __gt__(self, other: Any) -> bool:
+        return self.value > taylor(other).value
+
+    def __ge__(self, other: Any) -> bool:
+        return self.value >= taylor(other).value
+
+
+def taylor(number: Any) -> Taylor:
+    """A plain number as one that does not change."""
+    return number if isinstance(number, Taylor) else Taylor(number)
+
+
+def sqrt(number: Any) -> Any:
+    """Square root of a plain number or of one with derivatives."""
+    if not isinstance(number, Taylor):
+        return math.sqrt(number)
+    value = math.sqrt(number.value)
+    half = 0.5 / value
+    rate = half * number.rate
+    return Taylor(value, rate, half * (number.second - 2.0 * rate * rate))
+
+
+def lifted(*modules: ModuleType) -> Any:
+    """The functions of kernels with a square root that takes derivatives along; they call one another."""
+    space: dict[str, Any] = {}
+    for module in modules:
+        space |= vars(module)
+    functions: dict[str, Callable[..., Any]] = {}
+    for name, value in list(space.items()):
+        if isinstance(value, FunctionType):
+            functions[name] = FunctionType(value.__code__, space, name, value.__defaults__)
+    space |= {**functions, "math": SimpleNamespace(sqrt=sqrt)}
+    return SimpleNamespace(**functions)

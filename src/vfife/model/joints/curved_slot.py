@@ -1,0 +1,209 @@
+"""A pin in a curved slot, ideal and with play. The slot is a circle, or a polyline with rounded corners, in the frame of the bearing's body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...fields import PLACE, Many, described, quantity
+from ...laws import Material, Pair
+from ..conflict import Conflict
+from ..path import Path, circle, polyline
+from ..rows import OnPath, Row
+from ..strokes import Curve, JointSeen, Label, Mark, Stroke, left_of, ring
+from ..touching import Touching
+from .contact import Contact
+from .joint import Joint, Point
+
+WIDTH = 0.02  # of an ideal slot, as a share of the drawing
+CENTRE = "centre of a round slot, from the bearing's pin in the frame of its body"
+RADIUS = "radius of a round slot; leave it out for one along points"
+POINTS = "points of a slot along a polyline, from the bearing's pin in the frame of its body"
+FILLET = "radius of the arcs that round the corners of a polyline"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvedSlot(Joint):
+    """The journal's pin does not leave a path that is fixed in the bearing's body, and its body turns freely.
+
+    The path is a circle of ``radius`` (m) about ``centre``, or runs through ``points``, whose corners are rounded by arcs of radius ``fillet``
+    (m), so that it has a tangent everywhere; its first and last piece go on beyond their ends. Centre and points (m) count from the bearing's
+    pin, in the frame of its body. Where a straight piece meets an arc the curvature jumps, and with it the force m v^2/R: the pin feels no blow.
+    """
+
+    kind: ClassVar[str] = "curved-slot"
+    sample: ClassVar[dict[str, Any]] = {"points": ((0.0, 0.0), (0.2, -0.1), (0.4, 0.0)), "fillet": 0.1}
+
+    centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
+    radius: float | None = quantity("m", RADIUS, None, above=0.0)
+    points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
+    fillet: float = quantity("m", FILLET, 0.0, low=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Its sizes make a path."""
+        yield from no_path(self, 0.0)
+
+    def rows(self) -> tuple[Row, ...]:
+        """A pin on a path."""
+        return (OnPath(self.path),)
+
+    @property
+    def path(self) -> Path:
+        """The middle of the slot. ValueError where its sizes make none."""
+        return slot_path(self, 0.0)
+
+    @property
+    def first_place(self) -> Point:
+        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's (m)."""
+        return self.path.pieces[0].begin
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return "pin in a curved slot"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """The two walls, and the pin between them."""
+        return [*walls(seen, self.path, 0.5 * WIDTH * seen.size), Mark(seen.journal, "pin", "journal", "pin in a curved slot")]
+
+    def label(self, seen: JointSeen) -> Label:
+        """Beside the pin."""
+        return Label(seen.journal)
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The path; its pin may be far from it."""
+        return tuple(self.path.points()), None, 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClearanceCurvedSlot(Contact):
+    """A round pin of ``journal_radius`` (m) between the two walls of a curved slot, ``2 (journal_radius + clearance)`` apart.
+
+    The slot is that of :class:`CurvedSlot`; its walls run beside its middle at a distance of journal_radius + ``clearance`` (m), so its arcs must
+    be wider than that. The contact law takes the wall as flat where the pin touches it. ``landing_depth`` is c/20 unless given.
+    """
+
+    kind: ClassVar[str] = "clearance-curved-slot"
+    sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "journal_radius": 0.01, "radius": 0.3}
+    sizes: ClassVar[tuple[str, ...]] = ("clearance", "journal_radius", "radius", "fillet")
+
+    clearance: float = quantity("m", "gap on each side of the centred pin", above=0.0)
+    journal_radius: float = quantity("m", "radius of the pin", above=0.0)
+    centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
+    radius: float | None = quantity("m", RADIUS, None, above=0.0)
+    points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
+    fillet: float = quantity("m", FILLET, 0.0, low=0.0)
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Its sizes make a path, with room for walls on both sides."""
+        if None not in (self.journal_radius, self.clearance):
+            yield from no_path(self, self.journal_radius + self.clearance)
+
+    @property
+    def path(self) -> Path:
+        """The middle of the slot. ValueError where its sizes make none, or leave no wall inside an arc."""
+        return slot_path(self, self.journal_radius + self.clearance)
+
+    @property
+    def first_place(self) -> Point:
+        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's (m)."""
+        return self.path.pieces[0].begin
+
+    @property
+    def landing(self) -> float:
+        """Depth (m) at which a first contact may land."""
+        return self.landing_depth if self.landing_depth is not None else self.clearance / 20.0
+
+    def pair(self, bearing: Material, journal: Material) -> Pair:
+        """A round pin on a flat wall."""
+        materials = (self.bearing_material or bearing, self.journal_material or journal)
+        return Pair(math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.journal_radius)
+
+    def touchings(self, turned: float) -> tuple[Touching, ...]:
+        """The pin between both walls, of which it can touch one at a time."""
+        r = self.journal_radius
+        return (Touching("slot", self.clearance, (r + self.clearance, r), path=self.path),)
+
+    def ideal(self) -> CurvedSlot:
+        """The joint without play."""
+        slot = {"centre": self.centre, "radius": self.radius, "points": self.points, "fillet": self.fillet}
+        return CurvedSlot(name=self.name, bearing=self.bearing, journal=self.journal, **slot)  # type: ignore[arg-type]
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return "pin with play in a curved slot"
+
+    @property
+    def reach(self) -> float:
+        """Depth (m) that no contact has in a sound run."""
+        return self.journal_radius
+
+    @property
+    def deepest_start(self) -> tuple[float, str]:
+        """Half the pin's radius."""
+        return 0.5 * self.journal_radius, f"half the pin's radius of {self.journal_radius:g} m"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """The two walls, and the pin between them."""
+        pin = ring(seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="pin with play in a curved slot")
+        return [*walls(seen, self.path, seen.factor * (self.journal_radius + self.clearance)), pin]
+
+    def label(self, seen: JointSeen) -> Label:
+        """Beside the pin."""
+        return Label(seen.journal)
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """The path, and the pin."""
+        return tuple(self.path.points()), None, self.journal_radius + self.clearance
+
+
+def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:
+    """The path of a slot of ``half`` its width (m). ValueError where its sizes make none."""
+    for conflict in no_path(slot, half):
+        raise ValueError(f"joint {slot.name!r}: {conflict.what}; {conflict.remedy}")
+    return made(slot)
+
+
+def made(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
+    """The path of a slot. ValueError where it is none."""
+    return polyline(slot.points, slot.fillet) if slot.radius is None else circle(slot.centre, slot.radius)
+
+
+def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Conflict]:
+    """Why the sizes of a slot make no path, or leave no wall of its inside."""
+    if None in (slot.points, slot.fillet, slot.centre):
+        return
+    if (slot.radius is None) == (not slot.points):
+        yield Conflict("", "a slot is round or runs along a polyline", "give a radius or points, and not both")
+        return
+    try:
+        sharpest = made(slot).sharpest
+    except ValueError as error:
+        what, _, remedy = str(error).rpartition("; ")
+        yield Conflict("points", what, remedy)
+        return
+    if not sharpest > half:
+        what = f"an arc of radius {sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m (journal_radius + clearance)"
+        yield Conflict("fillet" if slot.radius is None else "radius", what, "take a larger radius or fillet, or a thinner pin")
+
+
+def walls(seen: JointSeen, path: Path, gap: float) -> list[Stroke]:
+    """The two walls beside the middle of a slot, ``gap`` from it as drawn."""
+    found: list[Stroke] = []
+    for side in (1.0, -1.0):
+        wall = []
+        for piece in path.pieces:
+            middle = seen.space(piece.points())
+            ways = np.diff(middle, axis=0, append=2.0 * middle[-1:] - middle[-2:-1])
+            ways[1:] += np.roll(ways, 1, axis=0)[1:]
+            across = np.array([left_of(way / np.linalg.norm(way)) for way in ways])
+            wall.append(middle + side * gap * across)
+        found.append(Curve(np.concatenate(wall), "bearing", 1.6, 3.5))
+    return found

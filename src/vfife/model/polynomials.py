@@ -1,0 +1,85 @@
+"""Piecewise polynomials, the form in which the kernels evaluate functions of time, of a speed or of an angle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.polynomial import polynomial
+
+HARMONIC_PIECES = 128  # a period: of degree 6 through value, rate and second derivative, they are right to 1e-15 of the amplitude
+
+
+@dataclass(frozen=True)
+class Polynomials:
+    """Pieces: start times (s), ascending, and coefficients, seven each, constant first, time counted from the piece's start.
+
+    With a ``period`` (s) the function repeats itself; the pieces then cover [0, period).
+    """
+
+    starts: tuple[float, ...]
+    coefficients: tuple[tuple[float, ...], ...]
+    period: float | None = None
+
+    def table(self) -> NDArray[np.float64]:
+        """As the kernels read it."""
+        return self._table.copy()
+
+    @cached_property
+    def _table(self) -> NDArray[np.float64]:
+        padded = [tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients]
+        count = len(self.starts)
+        head = (count,) if self.period is None else (-count, self.period)
+        return np.array([*head, *self.starts, *(value for row in padded for value in row)], dtype=float)
+
+    def __call__(self, time: float) -> tuple[float, float, float]:
+        """Value and first two derivatives, as the step evaluates them."""
+        value, rate, second = polynomial(self._table, 0, time)
+        return float(value), float(rate), float(second)
+
+
+def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 0.0) -> Polynomials:
+    """Natural cubic spline through the points; a straight line through two. Needs ascending times."""
+    if len(times) == 2:
+        slope = (values[1] - values[0]) / (times[1] - times[0])
+        return Polynomials((times[0],), ((values[0] + offset, slope),))
+    from scipy.interpolate import CubicSpline
+
+    fit = CubicSpline(times, values, bc_type="natural")
+    rows = [tuple(float(c) for c in fit.c[::-1, k]) for k in range(len(times) - 1)]
+    return Polynomials(tuple(map(float, times[:-1])), tuple((row[0] + offset, *row[1:]) for row in rows))
+
+
+def clamped(places: tuple[float, ...], values: tuple[float, ...]) -> Polynomials:
+    """The spline through the points, which keeps its end values beyond its ends."""
+    inside = spline(places, values)
+    starts = (float(places[0]) - 1.0, *inside.starts, float(places[-1]))
+    return Polynomials(starts, ((float(values[0]),), *inside.coefficients, (float(values[-1]),)))
+
+
+def constant(value: float) -> Polynomials:
+    """A constant."""
+    return Polynomials((0.0,), ((value,),))
+
+
+def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) -> Polynomials:
+    """offset + amplitude [sin(2 pi frequency t + phase) - sin(phase)].
+
+    Pieces of degree 6 with the value, rate and second derivative of the sine at both ends, and its value in the middle.
+    """
+    h = 2.0 * math.pi / HARMONIC_PIECES
+    powers = np.arange(7)
+    ends = [(at, order) for at in (0.0, 1.0) for order in (0, 1, 2)] + [(0.5, 0)]
+    matrix = np.array([[math.perm(k, order) * at ** (k - order) if k >= order else 0.0 for k in range(7)] for at, order in ends])
+    rows, time = [], 1.0 / (frequency * HARMONIC_PIECES)
+    for piece in range(HARMONIC_PIECES):
+        angles = [piece * h + phase + at * h for at, _ in ends]
+        wanted = [h**order * math.sin(angle + 0.5 * math.pi * order) for angle, (_, order) in zip(angles, ends, strict=True)]
+        c = amplitude * np.linalg.solve(matrix, wanted)
+        c[0] += offset - amplitude * math.sin(phase)
+        rows.append(tuple(float(value) for value in c / time**powers))
+    return Polynomials(tuple(piece * time for piece in range(HARMONIC_PIECES)), tuple(rows), 1.0 / frequency)

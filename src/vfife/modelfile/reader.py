@@ -1,0 +1,195 @@
+"""Tables of a model file -> nouns: every key read by its field, what is wrong told with its place, the rest known in part."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..errors import Fault, Path, kind_of, place, shown, suggestion
+from ..fields import Choice, Reading, Refused, partial
+from ..laws import MATERIALS, Material
+from ..model.bodies import Section
+from ..model.joints import Contact
+from ..model.mechanism import Mechanism, Settings, StartSettings
+from ..model.validate.checks import article
+from .drivers import driver_of
+from .lawtables import read_law
+from .tables import FAMILIES, LAWS, Raw, Table, body_table, kind_table, known_keys, strangeness, table, tables
+
+A_TABLE = ("a table", "write its keys in a table of that name")
+
+
+class Written(Reading):
+    """Reads a model file. ``shapes`` are the tables met, with their paths; ``told`` the paths of all faults."""
+
+    written = True
+
+    def __init__(self, raw: Raw, given: set[Path]) -> None:
+        super().__init__()
+        self.raw, self.given = raw, given
+        self.materials: dict[str, Material | None] = dict(MATERIALS)
+        self.shapes: list[tuple[Path, Table, Raw]] = []
+
+    @property
+    def faults(self) -> list[Fault]:
+        """Everything refused, in words."""
+        return [Fault(place(path, self.given), one.what, one.value, one.limit, one.remedy) for path, one in self.refused]
+
+    def mechanism(self) -> Mechanism:
+        """The mechanism, known in part where something was refused."""
+        raw, top = self.raw, Table(Mechanism)
+        for key, value in raw.items():
+            if key not in (*top.keys, "material"):
+                self.unknown((key,), value)
+            elif not isinstance(value, dict) and key in ("material", "body", "joint", "gear", "spring", "driver", "load"):
+                self.tell((key,), Refused(f"this is {kind_of(value)}", shown(value), *A_TABLE))
+        for name, holder in table(raw, "material").items():
+            self.materials[name] = self.table(("material", name), tables("material")[0], holder, name=name)
+        found: dict[str, Any] = {}
+        for key in ("name", "note", "gravity", "ground"):
+            if key in raw:
+                found[top.fields[key].name] = top.value(key).read(raw[key], (key,), self)
+        found["points"] = found.get("points") or {}
+        found["settings"] = self.table(("run",), Table(Settings), raw.get("run", {}))
+        found["start"] = self.table(("start",), Table(StartSettings), raw.get("start", {}))
+        for section in ("body", "joint", "gear", "spring", "driver", "load"):
+            found[top.fields[section].name] = {name: self.entry(section, name, holder) for name, holder in table(raw, section).items()}
+        return Mechanism(**found)
+
+    def entry(self, section: str, name: str, holder: Any) -> Any:
+        """A body, joint, gear, spring, driver or load; None where nothing is known of it."""
+        path: Path = (section, name)
+        if section == "driver":
+            return driver_of(self, path, holder)
+        what = body_table(holder) if section == "body" else kind_table(section, holder) if section in FAMILIES else tables(section)[0]
+        noun = self.table(path, what, holder, name=name)
+        if isinstance(noun, Contact) and self.materials["steel"] != Material():
+            # A body brings its own material; the ground is of steel, also where the file says what steel is.
+            unsaid = [f"{side}_material" for side in ("bearing", "journal") if (getattr(noun, side) or "").startswith("ground.")]
+            steel = {key: self.materials["steel"] for key in unsaid if key not in holder}
+            noun = partial(type(noun), vars(noun) | steel)
+        return noun
+
+    def table(self, path: Path, what: Table, holder: Any, **found: Any) -> Any:
+        """The noun of a table."""
+        if not isinstance(holder, dict):
+            self.tell(path, Refused(f"this is {kind_of(holder)}", shown(holder), *A_TABLE))
+            return None
+        self.shapes.append((path, what, holder))
+        before = len(self.refused)
+        for key, value in holder.items():
+            if key == what.tag:
+                Choice((what.word,), what.beside).read(value, (*path, key), self)
+            elif key not in what.fields:
+                self.unknown((*path, key), value)
+            else:
+                read = what.value(key).read(value, (*path, key), self)
+                if users := what.idle(key, holder):
+                    self.idle((*path, key), what, holder, users)
+                else:
+                    found[what.fields[key].name] = read
+        for key in what.needed:
+            if key not in holder:
+                self.missing((*path, key), what, holder)
+        for key, field in what.fields.items():
+            if key not in holder and field.default_factory is Material:  # of steel, as the file has it
+                found[field.name] = self.materials[Material().name]
+        return what.noun(**found) if len(self.refused) == before else partial(what.noun, found)
+
+    def noun(self, path: Path, kind: type, value: Any) -> Any:
+        """A noun in a field of another; a section may be given by its shape."""
+        if kind is not Section or not isinstance(value, dict):
+            return self.table(path, Table(kind), value)
+        before, shapes = len(self.refused), [key for key in Section.shapes if key in value]
+        both = {"area", "second_moment"} & set(value)
+        if not ((len(shapes) == 1 and not both) or (not shapes and len(both) == 2)):
+            what = "the section is described more than once" if shapes else "the section is not complete"
+            limit = "area and second_moment together, or one of " + ", ".join(Section.shapes)
+            self.tell(path, Refused(what, shown(value), limit, "give one of these"))
+        read: dict[str, Any] = {}
+        for key, entry in value.items():
+            held = Section.shapes[key][0] if key in shapes else Table(Section).value(key) if key in Table(Section).fields else None
+            if held is None:
+                self.unknown((*path, key), entry)
+            else:
+                read[key] = held.read(entry, (*path, key), self)
+        if shapes and "extreme_fibre" in value:
+            what = f"{article(shapes[0])} section knows its outermost fibre"
+            self.tell((*path, "extreme_fibre"), Refused(what, shown(value["extreme_fibre"]), "", "remove it"))
+        tube = read.get("tube")
+        if tube is not None and tube[1] >= tube[0]:
+            what, limit = "the inner diameter is not below the outer one: no wall is left", f"inner below outer = {tube[0]:g} m"
+            self.tell((*path, "tube"), Refused(what, shown(value["tube"]), limit, "give the outer diameter first"))
+        if len(self.refused) > before:
+            return partial(Section, {} if shapes else read)
+        if not shapes:
+            return Section(**read)
+        sizes = read[shapes[0]]
+        return getattr(Section, shapes[0])(*(sizes if isinstance(sizes, tuple) else (sizes,)))
+
+    def named(self, path: Path, kind: type, value: Any) -> Any:
+        """A material by its name."""
+        if not isinstance(value, str):
+            self.tell(path, Refused(f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes"))
+        elif value not in self.materials:
+            remedy = suggestion(value, self.materials, f"add a table [material.{value}]")
+            self.tell(path, Refused("there is no material of this name", shown(value), "", remedy))
+        return self.materials.get(value) if isinstance(value, str) else None
+
+    def chosen(self, path: Path, base: type, value: Any) -> Any:
+        """A law by its table."""
+        if not isinstance(value, dict):
+            self.tell(path, Refused(f"this is {kind_of(value)}", shown(value), *A_TABLE))
+            return None
+        law, refused = read_law(next(kind for kind, known in LAWS.items() if known is base), value)
+        self.refused += [((*path, *key), one) for key, one in refused]
+        return law
+
+    def idle(self, path: Path, what: Table, holder: Raw, users: tuple[str, ...]) -> None:
+        """A key that the model of a link, or the kind of analysis, has no use for."""
+        field = next(field for field in what.fields.values() if field.name == what.noun.selected_by)
+        word = holder.get(field.name, field.default)
+        kind = f"{article(word)} {'link' if field.name == 'model' else field.name}"
+        listed = " or ".join(users if field.name == "model" else map(shown, users))
+        told = f"remove it, or set {field.name} {'to' if field.name == 'model' else '='} {listed}"
+        self.tell(path, Refused(f"{kind} has no use for this", shown(holder[str(path[-1])]), "", told))
+
+    def unknown(self, path: Path, value: Any) -> None:
+        """A key that its table does not know, or only one of another kind."""
+        key, above = str(path[-1]), path[:-1]
+        known, holder = known_keys(above) or (), table(self.raw, *above)
+        if key == "$schema" and not above:
+            remedy = "write it as a comment in the first line: #:schema PATH"
+            self.tell(path, Refused("a model names no schema among its keys", shown(value), "", remedy))
+        elif key in known and above:
+            self.tell(path, other_kind(str(above[0]), key, holder, shown(value)))
+        else:
+            what = "unknown table" if isinstance(value, dict) else "unknown key"
+            self.tell(path, Refused(what, shown(value), "", suggestion(key, known, "remove it")))
+
+    def missing(self, path: Path, what: Table, holder: Raw) -> None:
+        """A key that has to be there."""
+        key, remedy = path[-1], "add it"
+        if key == "kind" and path[0] in FAMILIES:
+            plain = next(one for one in tables(str(path[0])) if one.optional)
+            more = f", or remove what {article(plain.word)} joint does not have" if path[0] == "joint" else ""
+            remedy = f'add kind = "{what.word}"{more}'
+        elif path[0] == "body" and key == "length":
+            remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
+        elif path[0] == "body" and key == "inertia" and "length" not in holder:
+            remedy = "add it; a link has a length instead"
+        self.tell(path, Refused("this key is missing", "", "", remedy))
+
+
+def other_kind(section: str, key: str, holder: Raw, value: str) -> Refused:
+    """What to say of a key that only another kind of body, joint, spring or driver has."""
+    if section in FAMILIES:
+        kind = kind_table(section, holder).word
+        # First the kind that the rest of the table suits best.
+        bare = {name: entry for name, entry in holder.items() if name != "kind"}
+        users = [one.word for one in sorted(tables(section), key=lambda one: strangeness(one, bare)) if key in one.fields]
+        more = f" (or {', '.join(users[1:])})" if len(users) > 1 else ""
+        named = f"{article(kind)} joint" if section == "joint" else f"a {section} of kind {kind}"
+        return Refused(f"{named} has no such key", value, "", f'set kind = "{users[0]}"{more}, or remove it')
+    length = "with" if "length" in holder else "without"
+    what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
+    return Refused(what, value, "", "remove it, or give the body the model and the length that go with it")

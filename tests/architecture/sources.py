@@ -1,0 +1,72 @@
+"""The package as files: what the rules of the house are read from."""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCE = ROOT / "src" / "vfife"
+PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def parsed(folder: Path) -> list[tuple[str, ast.Module, str]]:
+    """Every Python file in a folder as (name, tree, text)."""
+    files = []
+    for path in sorted(folder.rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        files.append((path.relative_to(folder.parent).as_posix(), ast.parse(text, str(path)), text))
+    return files
+
+
+FILES = parsed(SOURCE)
+
+
+def report(rule: str, offenders: list[str]) -> None:
+    """Fails with the rule and who breaks it."""
+    if offenders:
+        pytest.fail(f"{rule}\n  " + "\n  ".join(offenders), pytrace=False)
+
+
+class Import(NamedTuple):
+    """One module that a file imports: where, its absolute name, whether inside a function, whether for type checkers alone."""
+
+    line: int
+    module: str
+    inside: bool
+    for_types: bool
+
+
+def imports(name: str, tree: ast.Module) -> Iterator[Import]:
+    """Every import of a file, those inside functions too."""
+    yield from _imports(tree, Path(name).parent.as_posix().replace("/", "."), inside=False, for_types=False)
+
+
+def _imports(node: ast.AST, package: str, *, inside: bool, for_types: bool) -> Iterator[Import]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Import):
+            yield from (Import(child.lineno, alias.name, inside, for_types) for alias in child.names)
+        elif isinstance(child, ast.ImportFrom):
+            module = _absolute(child, package)
+            yield Import(child.lineno, module, inside, for_types)
+            if module == "vfife":  # `from vfife import plots` names a room, not the package
+                yield from (Import(child.lineno, f"vfife.{alias.name}", inside, for_types) for alias in child.names)
+        else:
+            checked = isinstance(child, ast.If) and ast.unparse(child.test) in ("TYPE_CHECKING", "typing.TYPE_CHECKING")
+            within = inside or isinstance(child, Function | ast.Lambda)
+            yield from _imports(child, package, inside=within, for_types=for_types or checked)
+
+
+def _absolute(statement: ast.ImportFrom, package: str) -> str:
+    base = ""
+    if statement.level:
+        parents = package.split(".")
+        base = ".".join(parents[: len(parents) - statement.level + 1])
+    return ".".join(part for part in (base, statement.module) if part)

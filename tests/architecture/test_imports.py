@@ -1,0 +1,100 @@
+"""Who imports whom: rooms, what kernels may see, what is installed. The contract of layers itself is in pyproject.toml and kept by the linter."""
+
+from __future__ import annotations
+
+import re
+import sys
+
+from architecture.sources import FILES, PROJECT, ROOT, imports, parsed, report
+
+KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
+# Declared, though no line imports it, and why.
+NOT_IMPORTED = {
+    "h5netcdf": "the engine that xarray is told to write with, by its name",
+    "h5py": "what h5netcdf writes with",
+    "pytest-cov": "a plugin of pytest: make coverage",
+    "pytest-xdist": "a plugin of pytest: make test",
+}
+
+
+def test_kernels_import_only_numpy_and_each_other() -> None:
+    offenders = []
+    for name, tree, _ in FILES:
+        if not name.startswith("vfife/kernels/"):
+            continue
+        for one in imports(name, tree):
+            inside = one.module == "vfife.kernels" or one.module.startswith("vfife.kernels.")
+            if not inside and one.module.partition(".")[0] not in KERNELS_MAY_IMPORT:
+                offenders.append(f"{name}:{one.line} imports {one.module}")
+    report("The kernels import the standard library, numpy and each other only; what compiles them is in codegen:", offenders)
+
+
+# ---------------------------------------------------------------------------------------------------------------- rooms
+
+
+def levels() -> dict[str, int]:
+    """Level of each room, the highest first, from the contract of layers."""
+    (contract,) = (one for one in PROJECT["tool"]["importlinter"]["contracts"] if one["type"] == "layers")
+    return {room.strip(): level for level, layer in enumerate(contract["layers"]) for room in layer.split("|")}
+
+
+def test_every_room_has_its_level() -> None:
+    """A room that the contract of layers does not name may import what it likes."""
+    rooms = {".".join(name.removesuffix(".py").split("/")[:2]) for name, _, _ in FILES}
+    report("These rooms are in no layer of pyproject.toml:", sorted(rooms - levels().keys() - {"vfife.__init__"}))
+
+
+def test_no_function_hides_an_import_of_a_room_above() -> None:
+    level = levels()
+    offenders = []
+    for name, tree, _ in FILES:
+        here = level.get(".".join(name.removesuffix(".py").split("/")[:2]))
+        for one in imports(name, tree):
+            there = level.get(".".join(one.module.split(".")[:2]))
+            if here is not None and there is not None and one.inside and not one.for_types and there < here:
+                offenders.append(f"{name}:{one.line} imports {one.module}")
+    report("An import inside a function defers a cost, it does not turn the house upside down:", offenders)
+
+
+# -------------------------------------------------------------------------------------------------------- what is installed
+
+
+def requirements(*extras: str) -> set[str]:
+    """Normal names of the distributions that the project declares, those of some extras too."""
+    project = PROJECT["project"]
+    lines = [*project["dependencies"], *(line for extra in extras for line in project["optional-dependencies"][extra])]
+    return {normal(re.split(r"[\[<>=!~; ]", line, maxsplit=1)[0]) for line in lines}
+
+
+def normal(name: str) -> str:
+    """A distribution's name as registries compare it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def imported(folder: str) -> dict[str, str]:
+    """Distributions that the files of a folder import, with a place of each. All of ours are imported by the name they are installed by."""
+    ours = {"vfife", *(path.stem for path in (ROOT / "tests").iterdir())}
+    found: dict[str, str] = {}
+    for name, tree, _ in parsed(ROOT / folder):
+        for one in imports(name, tree):
+            top = one.module.partition(".")[0]
+            if top and top not in sys.stdlib_module_names and top not in ours:
+                found.setdefault(normal(top), f"{name}:{one.line}")
+    return found
+
+
+def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported() -> None:
+    declared, used = requirements(), imported("src/vfife")
+    report("Imported, but not among the dependencies:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
+    report("Installed, but never imported:", sorted(declared - used.keys() - NOT_IMPORTED.keys()))
+
+
+def test_what_the_tests_import_is_declared_and_what_is_declared_is_imported() -> None:
+    declared, used = requirements("test"), imported("tests")
+    report("Imported by tests, but not installed for them:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
+    report("Installed for tests, but never imported:", sorted(declared - requirements() - used.keys() - NOT_IMPORTED.keys()))
+
+
+def test_every_extra_is_for_work_on_the_package() -> None:
+    """An extra comes with the code that imports what it brings."""
+    assert set(PROJECT["project"]["optional-dependencies"]) == {"dev", "test"}

@@ -1,0 +1,65 @@
+"""The kernels as they stand, run as plain Python: the bits of the compiled loop, and every line of them under a debugger or a coverage tool.
+
+What is compiled is a text gathered from these functions, so no tool sees the functions themselves at work; here they are called.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vfife
+from mechanisms import every_drive, every_law, everything
+from support import bits
+from vfife.assembly.assemble import assemble
+from vfife.codegen.graph import tables
+from vfife.codegen.runner import Runner
+from vfife.codegen.source import Gathered, dispatch, films
+from vfife.kernels import contact, step
+from vfife.solvers.record import recorded_rows
+
+FOLDER = Path(__file__).resolve().parents[2] / "examples"
+# Steps before those that are compared, in which bodies come to touch.
+AHEAD, COMPARED = 200, 20
+
+
+EXAMPLES = ("elastic_pendulum", "four_bar_case_c", "gear_train", "scissor_lift", "slider_crank_loose_guide", "squeezer")
+CASES = {name: vfife.load_model(FOLDER / f"{name}.toml") for name in EXAMPLES}
+CASES |= {"every kind": everything(), "every law": every_law(), "every drive": every_drive()}
+
+
+def written(text: str, gathered: Gathered, name: str):
+    """A function that the generator writes, over the functions of the laws themselves."""
+    space = {"jit": lambda f: f, **gathered.origin}
+    exec(text, space)
+    return space[name]
+
+
+@pytest.fixture
+def laws(monkeypatch: pytest.MonkeyPatch):
+    """Puts the laws of a topology where the compiled text has them."""
+
+    def put(topology) -> None:
+        gathered = Gathered()
+        for kind, known in (("contact", topology.contact_laws), ("friction", topology.friction_laws)):
+            monkeypatch.setattr(contact, f"{kind}_law", written(dispatch(kind, known, gathered), gathered, f"{kind}_law"))
+        monkeypatch.setattr(contact, "film_law", written(films(topology.contact_laws, gathered), gathered, "film_law"))
+
+    return put
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_functions_give_the_bits_of_the_gathered_text(name, laws):
+    mechanism = CASES[name]
+    assembly = assemble(mechanism, duration=1e-3 if mechanism.settings.duration is None and mechanism.settings.turns is None else None)
+    laws(assembly.topology)
+    kept = recorded_rows(assembly)
+    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None], "interpreted", kept)
+    integers, layout, size = tables(assembly.topology)
+    functions, extremes = np.asarray(assembly.tables).reshape(-1), np.array(layout.of("extreme"))
+    for n0 in (0, COMPARED + AHEAD):
+        ours, out = runner.states.copy(), np.zeros((COMPARED, len(kept), 1))
+        step.advance(np.zeros(size), functions, integers.tolist(), ours.reshape(-1), layout.rows, 1, n0, 1, out, kept, extremes)
+        assert (bits(runner.advance(1, COMPARED)) == bits(out)).all(), n0
+        assert (bits(runner.states) == bits(ours)).all(), n0
+        runner.advance(AHEAD, 1)

@@ -1,0 +1,36 @@
+"""Constraints between rigid bodies, written short: what the nouns of joints and drivers hold, between bodies by number."""
+
+from __future__ import annotations
+
+from vfife.kinematics.constraints import Constraint
+from vfife.model.rows import Across, Along, Coincide, OnPath, Turn
+
+
+def Pin(name, body_a, point_a, body_b, point_b):
+    return Constraint(name, body_a, body_b, (Coincide(),), point_a, point_b)
+
+
+def Weld(name, body_a, point_a, body_b, point_b, offset=0.0):
+    return Constraint(name, body_a, body_b, (Coincide(), Turn()), point_a, point_b, offset)
+
+
+def Slide(name, body_a, point_a, axis_a, body_b, point_b, turning=False, offset=0.0):
+    axis = tuple(float(value) for value in axis_a)
+    return Constraint(name, body_a, body_b, (Across(axis),) if turning else (Across(axis), Turn()), point_a, point_b, 0.0 if turning else offset)
+
+
+def Slot(name, body_a, point_a, path, body_b, point_b):
+    return Constraint(name, body_a, body_b, (OnPath(path),), point_a, point_b)
+
+
+def Gear(name, body_a, body_b, ratio=1.0, offset=0.0):
+    return Constraint(name, body_a, body_b, (Turn(ratio),), aim=offset)
+
+
+def Drive(body, angle, speed=0.0, acceleration=0.0, against=0, name=""):
+    return Constraint(name, against, body, (Turn(),), aim=angle, speed=speed, acceleration=acceleration, driven=True)
+
+
+def Travel(name, body_a, point_a, axis_a, body_b, point_b, value=0.0, speed=0.0, acceleration=0.0):
+    axis = tuple(float(number) for number in axis_a)
+    return Constraint(name, body_a, body_b, (Along(axis),), point_a, point_b, value, speed, acceleration, driven=True)
