@@ -60,7 +60,7 @@ def _machine_text(body: str, name: str, kinds: list[str]) -> str:
     numbers = {"d": types.float64, "i": types.int64}
     signature = [numbers.get(kind) or types.Array(numba.from_dtype(np.dtype(DTYPES[kind[0]])), int(kind[1:]), "C") for kind in kinds]
     function = numba.njit(tuple(signature), nogil=True, **OPTIONS)(space[name])
-    (overload,) = function.overloads.values()
+    overload: Any = next(iter(function.overloads.values()))
     text: str = overload.library.get_llvm_str()
     symbol = overload.fndesc.llvm_func_name
     found = re.search(r'define [^@\n]*@("?)' + re.escape(symbol) + r"\1\(", text)
