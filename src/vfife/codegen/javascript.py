@@ -6,7 +6,7 @@ Its numbers are IEEE 754 doubles, its four operations, ``Math.sqrt`` and compari
 from __future__ import annotations
 
 from collections.abc import Iterable
-from importlib.resources import files
+from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
@@ -18,7 +18,7 @@ PATTERNS = {
     "sqrt": "Math.sqrt({})", "neg": "-({})", "abs": "Math.abs({})", "and": "{} && {}", "or": "{} || {}", "select": "{} ? {} : {}",
     "round": "({} + 6755399441055744) - 6755399441055744", "==": "{} === {}", "!=": "{} !== {}",
 }  # fmt: skip
-DRIVER = files(__package__).joinpath("driver.js")
+DRIVER = Path(__file__).with_name("driver.js")
 
 
 def operand(value: Operand) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable
-from importlib.resources import files
+from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
@@ -20,7 +20,7 @@ BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or"
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 BLOCK = 400  # lines between two ends of a block
-DRIVER = files(__package__).joinpath("driver.ll")
+DRIVER = Path(__file__).with_name("driver.ll")
 
 
 class Writer:
