@@ -11,6 +11,13 @@ XDIST ?= -n 2
 # Which Python makes .venv: the first of these that will do.
 BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 
+# The oldest dependencies that pyproject.toml allows, on the oldest Python, and the tests that see most of them at work.
+OLDEST := .venv-oldest
+OLDEST_PYTHON ?= python3.11 python3.12 python3
+OLDEST_TESTS := tests/architecture tests/units tests/model tests/modelfile tests/golden tests/results tests/plots tests/cli/test_run.py
+# The tests that call the kernels themselves; of what is compiled no tool sees a line.
+COVERAGE_TESTS := tests/kernels
+
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export MPLBACKEND ?= Agg
 
@@ -26,7 +33,7 @@ oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the
 	@$(OLDEST)/bin/python -m pytest $(XDIST) $(OLDEST_TESTS) $(PYTEST)
 
 coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines the tests run
-	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=vfife.kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)
+	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=src/vfife/kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)
 
 lint: $(VENV)/.dev  ## style, types, import contracts
 	@$(PYTHON) -m ruff check .
@@ -53,21 +60,35 @@ clean:  ## remove what was built, except .venv and runs/
 	@find src tests examples benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 help:  ## this list
-	@sed -n 's/^\([a-z]*\):.*##  *\(.*\)/  make \1#\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F'#' '{ printf "%-14s %s\n", $$1, $$2 }'
+	@sed -n 's/^\([a-z]*\):.*##  *\(.*\)/  make \1#\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F'#' '{ printf "%-15s %s\n", $$1, $$2 }'
 
 # A stamp for each set of packages; all are laid again when pyproject.toml changes, or when .venv was made anew.
 
-$(PYTHON):
+# The first Python of a list that will do makes a virtual environment: $(call environment,list,folder).
+define environment
 	@base=; \
-	for name in $(BASE_PYTHON); do \
+	for name in $(1); do \
 	    if $$name -c 'import ensurepip, sys, venv; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' >/dev/null 2>&1; \
 	    then base=$$name; break; fi; \
 	done; \
 	if [ -z "$$base" ]; then \
-	    echo "None of ($(BASE_PYTHON)) is a Python 3.11 to 3.14 with its venv module; name one: make BASE_PYTHON=..." >&2; exit 1; \
+	    echo "None of ($(1)) is a Python 3.11 to 3.14 with its venv module; name one: make BASE_PYTHON=..." >&2; exit 1; \
 	fi; \
-	echo "Making $(VENV) with $$($$base --version)"; \
-	$$base -m venv --clear $(VENV)
+	echo "Making $(2) with $$($$base --version)"; \
+	$$base -m venv --clear $(2)
+endef
+
+$(PYTHON):
+	$(call environment,$(BASE_PYTHON),$(VENV))
+
+$(OLDEST)/bin/python:
+	$(call environment,$(OLDEST_PYTHON),$(OLDEST))
+
+$(OLDEST)/.test: pyproject.toml .ci/oldest.py $(OLDEST)/bin/python
+	@echo "Installing vfife with its oldest dependencies into $(OLDEST) (a minute or two the first time)"
+	@$(OLDEST)/bin/python .ci/oldest.py > $(OLDEST)/constraints.txt
+	@$(OLDEST)/bin/python -m pip install -qq --editable '.[test]' --constraint $(OLDEST)/constraints.txt
+	@touch $@
 
 $(VENV)/.runtime: pyproject.toml $(PYTHON)
 	@echo "Installing vfife into $(VENV) (a minute or two the first time)"

@@ -1,12 +1,11 @@
-"""Mechanisms that hold one of each kind: what a test of all kinds runs."""
+"""Mechanisms that hold one of each kind, and others that several rooms run."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
-from support import CONTACT_LAWS, contact_law
-from vfife.laws import FrictionLaw
+from support import CONTACT_LAWS, contact_law, with_settings
+from vfife.laws import Ambrosio, ContactLaw, FrictionLaw
 from vfife.model.bodies import Section
 from vfife.model.drivers import Harmonic, Ramp, Torque
 from vfife.model.loads import PointForce
@@ -77,4 +76,21 @@ def every_drive() -> Mechanism:
     m.loads["along"] = PointForce(name="along", at="pulled.end", force=(3.0, 4.0), moment=0.1, follow=True)
     over_time = {"times": (0.0, 3e-3, 6e-3), "factors": (1.0, -1.0, 0.5)}
     m.loads["across"] = PointForce(name="across", at="slowed.end", force=(20.0, 5.0), follow=True, **over_time)
-    return dataclasses.replace(m, settings=dataclasses.replace(m.settings, damping=2.0))
+    return with_settings(m, damping=2.0)
+
+
+def swing(contact: ContactLaw, lane: int = 0) -> Mechanism:
+    """A ramp that drives, a torque and a force over time, gravity, damping, a pendulum with clearance hung from one without; other in each lane."""
+    m = Mechanism("swing", gravity=(0.3, -9.81 - lane))
+    m.point("O", 0.1, 0.2)
+    m.link("arm", length=0.2, mass=1.0, angle=0.4)
+    m.link("upper", length=0.3, mass=0.8, angle=-1.2)
+    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), pins={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
+    m.revolute("O", "ground.O", "arm.start")
+    m.revolute("P", "arm.end", "upper.start")
+    friction = Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2)
+    m.clearance("Q", "upper.end", "lower.eye", clearance=3e-4, bearing_radius=0.01, contact=contact, friction=friction)
+    m.drivers["arm"] = Ramp(body="arm", speed=40.0 + lane, duration=0.004)
+    m.drivers["lower"] = Torque(body="lower", value=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
+    m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
+    return with_settings(m, damping=2.0)

@@ -15,13 +15,7 @@ from vfife.laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Pa
 PAIR = Pair(0.01, 2e-4, 0.02)
 
 
-@pytest.fixture(autouse=True)
-def only_built_in_laws():
-    before = dict(ContactLaw.registry), dict(FrictionLaw.registry)
-    yield
-    for law, kept in zip((ContactLaw, FrictionLaw), before, strict=True):
-        law.registry.clear()
-        law.registry.update(kept)
+pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
 
 @pytest.mark.parametrize("law", [LankaraniNikravesh(), Pereira()], ids=lambda law: law.name)

@@ -273,7 +273,7 @@ def test_arms(count, gyration):
 
 def test_a_sixth_of_one_arm_is_no_bound_of_a_closed_chain():
     """The paper's four-bar with ideal joints is lost within a turn at 240 steps a turn, and holds at 480; the limit is 427 steps a turn."""
-    m = vfife.load(Path(__file__).resolve().parents[2] / "examples" / "four_bar_ideal.toml")
+    m = vfife.load_model(Path(__file__).resolve().parents[2] / "examples" / "four_bar_ideal.toml")
     assert assemble(m).choice.turn / assemble(m).choice.stable == pytest.approx(427.5, rel=1e-2)
     for steps, holds in ((240, False), (480, True)):
         a = assemble(m, 0.04 / steps, force_step=True)

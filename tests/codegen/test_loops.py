@@ -10,14 +10,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from support import CONTACT_LAWS, SQUARE, bits, contact_law, four_bar, lanes, with_settings
+import mechanisms
+from support import CONTACT_LAWS, SQUARE, bits, contact_law, four_bar, lanes
 from vfife.assembly.assemble import assemble
 from vfife.codegen import javascript
 from vfife.codegen.python import straight_line
 from vfife.kernels.arrays import BLOCKS
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
-from vfife.model.drivers import Ramp, Torque
-from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
 LANES = 4
@@ -48,27 +47,8 @@ def elastic_bars(lane: int) -> Mechanism:
 
 
 def swing(lane: int) -> Mechanism:
-    """A ramp that drives, a torque and a force over time, gravity, damping, a pendulum with clearance hung from one without."""
-    m = Mechanism("swing", gravity=(0.3, -9.81 - lane))
-    m.point("O", 0.1, 0.2)
-    m.link("arm", length=0.2, mass=1.0, angle=0.4)
-    m.link("upper", length=0.3, mass=0.8, angle=-1.2)
-    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), pins={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
-    m.revolute("O", "ground.O", "arm.start")
-    m.revolute("P", "arm.end", "upper.start")
-    m.clearance(
-        "Q",
-        "upper.end",
-        "lower.eye",
-        clearance=3e-4,
-        bearing_radius=0.01,
-        contact=LankaraniNikravesh(restitution=0.8, stiffness=1e9),
-        friction=Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2),
-    )
-    m.drivers["arm"] = Ramp(body="arm", speed=40.0 + lane, duration=0.004)
-    m.drivers["lower"] = Torque(body="lower", value=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
-    m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
-    return with_settings(m, damping=2.0)
+    """Drivers and loads over time, damping, a joint with clearance on one without."""
+    return mechanisms.swing(LankaraniNikravesh(restitution=0.8, stiffness=1e9), lane)
 
 
 def journals(lane: int) -> Mechanism:

@@ -17,17 +17,9 @@ from vfife.codegen.straight_line import trace
 from vfife.codegen.trace import Branch
 from vfife.errors import LawError, SourceError
 from vfife.kernels.arrays import CONTACT_SLOTS
-from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh, Pair
+from vfife.laws import ContactLaw, LankaraniNikravesh, Pair
 
-
-@pytest.fixture(autouse=True)
-def only_built_in_laws():
-    """Laws of these tests do not stay in the registries, which other tests go through."""
-    before = dict(ContactLaw.registry), dict(FrictionLaw.registry)
-    yield
-    for law, kept in zip((ContactLaw, FrictionLaw), before, strict=True):
-        law.registry.clear()
-        law.registry.update(kept)
+pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
 
 class OneStiffness:

@@ -32,5 +32,5 @@ def test_a_stiffness_in_newtons_per_metre_is_told_what_it_should_be():
     text = FOUR_BAR.replace(OLD, f'law = "{LuGre.name}"\nbristle_stiffness = "1e5 N/m"\nstatic_coefficient = 0.01\n')
     with pytest.raises(ModelError, match=r"bristle_stiffness.*a stiffness per unit of normal force"):
         loads(text)
-    with pytest.raises(ModelError, match="raise the one or lower the other"):
+    with pytest.raises(ModelError, match="Raise the one or lower the other"):
         loads(text.replace('bristle_stiffness = "1e5 N/m"\n', ""))

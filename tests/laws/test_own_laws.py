@@ -75,14 +75,7 @@ class Rubbing(vfife.FrictionLaw):
 '''
 
 
-@pytest.fixture(autouse=True)
-def only_built_in_laws():
-    """Laws of these tests do not stay in the registries."""
-    before = dict(ContactLaw.registry), dict(FrictionLaw.registry)
-    yield
-    for law, kept in zip((ContactLaw, FrictionLaw), before, strict=True):
-        law.registry.clear()
-        law.registry.update(kept)
+pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
 
 def loaded(tmp_path: Path, text: str = COPY, name: str = "my_laws.py") -> list:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from mechanisms import swing
 from support import (
     CRANK_SPEED,
     EPS,
@@ -22,14 +23,11 @@ from support import (
     particle,
     pin,
     times,
-    with_settings,
     within,
 )  # fmt: skip
 from vfife.assembly.assemble import assemble
 from vfife.kernels.arrays import BY_NAME
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
-from vfife.model.drivers import Ramp, Torque
-from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.transient import run
 
@@ -142,37 +140,13 @@ def same_motion(one, other, tolerance: float) -> None:
 # ------------------------------------------------------------------------------------------------------------- left and right
 
 
-def swinging() -> Mechanism:
-    """Ramp, torque, force, gravity and damping at once."""
-    m = Mechanism("swing", gravity=(0.3, -9.81))
-    m.point("O", 0.1, 0.2)
-    m.link("arm", length=0.2, mass=1.0, angle=0.4)
-    m.link("upper", length=0.3, mass=0.8, angle=-1.2)
-    m.rigid_body("lower", mass=0.5, inertia=2e-3, center=(0.1, 0.01), pins={"eye": (0.0, 0.0), "tip": (0.2, 0.05)}, angle=-0.9)
-    m.revolute("O", "ground.O", "arm.start")
-    m.revolute("P", "arm.end", "upper.start")
-    m.clearance(
-        "Q",
-        "upper.end",
-        "lower.eye",
-        clearance=3e-4,
-        bearing_radius=0.01,
-        contact=Pereira(restitution=0.8),
-        friction=Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2),
-    )
-    m.drivers["arm"] = Ramp(body="arm", speed=40.0, duration=0.004)
-    m.drivers["lower"] = Torque(body="lower", value=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
-    m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
-    return with_settings(m, damping=2.0)
-
-
 MODELS = {
     "case c": (four_bar("BCD"), 2e-6),
     "case b": (four_bar("C"), 2e-6),
     "two-particle": (four_bar("BCD", "two-particle", contact=Pereira(restitution=0.5), section=SQUARE), 2e-6),
     "elastic": (four_bar("", "elastic", elements=2, section=SQUARE), 1e-6),
     "chain": (free_chain(), 2e-6),
-    "swing": (swinging(), 4e-6),
+    "swing": (swing(Pereira(restitution=0.8)), 4e-6),
 }
 
 

@@ -96,6 +96,15 @@ def test_an_ensemble_is_asked_the_same(given: dict[str, Any], words: str) -> Non
     assert words in str(told.value)
 
 
+def test_the_members_of_an_ensemble_are_examined() -> None:
+    with pytest.raises(ModelError, match=r"ensemble\(\), mechanisms = .*: this is a Mechanism; allowed: a list of Mechanisms"):
+        vfife.ensemble(four_bar(), step="2 us", turns=1)  # type: ignore[arg-type]
+    with pytest.raises(ModelError, match=r"mechanisms\[1\] = 3"):
+        vfife.ensemble([four_bar(), 3], step="2 us", turns=1)  # type: ignore[list-item]
+    with pytest.raises(ModelError, match="clearance"):
+        vfife.ensemble([four_bar(), four_bar(clearance=-1e-4)], step="2 us", turns=1)
+
+
 def test_a_comparison_is_asked_the_same() -> None:
     with pytest.raises(ModelError, match=r"compare\(\), turns = -1: zero or negative"):
         vfife.compare(four_bar(), ["pereira"], turns=-1)

@@ -122,9 +122,7 @@ def contact(record: Record) -> Array:
     depth = np.maximum(record.block("contact_penetration"), 0.0)
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        row = assembly.layout.row("contact_slots", index)
-        slots = tuple(float(value) for value in assembly.state[row : row + len(law.slots)])
-        total += elastic_energy(law, depth[:, index], slots)
+        total += elastic_energy(law, depth[:, index], assembly.contact_slots(index))
     return total
 
 

@@ -81,3 +81,13 @@ class Assembly:
     contact_paths: tuple[Path | None, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
+
+    def contact_slots(self, index: int) -> tuple[float, ...]:
+        """Parameters of the law of a contact."""
+        return slots_of(self.layout, self.state, index, len(self.mechanism.contacts[self.contact_joints[index]].contact.slots))
+
+
+def slots_of(layout: Layout, state: NDArray[np.float64], index: int, count: int) -> tuple[float, ...]:
+    """So many parameters of the law of a contact, from its record."""
+    row = layout.row("contact_slots", index)
+    return tuple(float(value) for value in state[row : row + count])

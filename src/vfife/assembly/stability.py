@@ -10,7 +10,6 @@ counts in any direction, and its arm as if it were across.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,6 +23,7 @@ from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.constraint import levers
 from ..kernels.topology import PINNED, Topology
 from ..laws.elasticity import elastic_energy, tangent
+from .assembled import slots_of
 
 if TYPE_CHECKING:
     from .entities import Touch
@@ -190,8 +190,8 @@ def contact_stiffness(
     """Tangent (N/m) of each contact's law under twice the force that it is expected to carry, and the mobility (1/kg) that it meets."""
     found = []
     for index, touch in enumerate(touches):
-        law, row = touch.joint.contact, layout.row("contact_slots", index)
-        slots = tuple(float(v) for v in state[row : row + len(law.slots)])
+        law = touch.joint.contact
+        slots = slots_of(layout, state, index, len(law.slots))
         mobility = joint_mobility(layout, state, topology, index)
         force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(law, slots, state, layout, mobility)
         found.append((tangent(law, slots, force)[1], mobility))
@@ -199,9 +199,8 @@ def contact_stiffness(
 
 
 def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
-    """Stiffness (N/m) with which each contact counts on its bodies: those of a joint with one wall share it, as two corners of a block do."""
-    together = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
-    return [k / together[touch.joint.name, touch.touching.normal] for touch, (k, _) in zip(touches, stiffness, strict=True)]
+    """Stiffness (N/m) with which each contact counts on its bodies: of the four corners of a block in its guide two carry at once."""
+    return [touch.joint.share * k for touch, (k, _) in zip(touches, stiffness, strict=True)]
 
 
 def contact_periods(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[tuple[str, float]]:
@@ -257,9 +256,10 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with the angle, and the quarter turn Q of
     the forces of joints, which stay in space while the bodies turn.
     """
-    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
+    joined = sorted({*topology.joint_bearing, *topology.joint_journal})
+    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
     turn = 1e-6
-    now, before, after = (_constraints(layout, state, topology, angle) for angle in (0.0, -turn, turn))
+    now, before, after = (_constraints(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
     left = np.linalg.pinv(now * inverse @ now.T, rcond=1e-10, hermitian=True) @ ((after - before) / (2.0 * turn) * inverse @ now.T)
     quarter = np.zeros_like(left)
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
@@ -268,21 +268,21 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     return float(np.abs(np.linalg.eigvals(left @ quarter)).max(initial=0.0))
 
 
-def _constraints(layout: Layout, state: Array, topology: Topology, turn: float) -> Array:
-    """Rows of all constraints on (x, y, theta) of the particles, as the step has them, all bodies turned by an angle (rad)."""
+def _constraints(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float) -> Array:
+    """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies turned by an angle (rad)."""
     integers, _, rows = tables(topology)
     S = np.zeros(rows)
     S[: layout.rows] = state
     angle = np.where(np.arange(topology.particles) > 0, state[layout["particle_theta"]] + turn, 0.0)[list(topology.bound)]
     S[layout["c"]], S[layout["s"]] = np.cos(angle), np.sin(angle)
     levers(S, [int(value) for value in integers])
-    starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], topology.particles, 3))
+    starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], len(joined), 3))
     for joint, (bearing, journal) in enumerate(zip(topology.joint_bearing, topology.joint_journal, strict=True)):
         for k in range(starts[joint], starts[joint + 1]):
             row = layout.record("constraint", k)
             nx, ny, jb, jk = (S[row + field] for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk))
-            found[k, bearing] -= nx, ny, jb
-            found[k, journal] += nx, ny, jk
+            found[k, joined.index(bearing)] -= nx, ny, jb
+            found[k, joined.index(journal)] += nx, ny, jk
     return found.reshape(len(found), -1)
 
 

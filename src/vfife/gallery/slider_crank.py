@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..laws import Ambrosio, Frictionless, LankaraniNikravesh
 from ..model.bodies import RigidBody
 from ..model.mechanism import Mechanism, Settings
@@ -22,9 +24,7 @@ def slider_crank_loose_pin(
 ) -> Mechanism:
     """Slider-crank whose pin between rod and block has play (m)."""
     m = _crank_and_rod("slider-crank with a loose pin", speed, turns)
-    rub = Ambrosio(coefficient=friction, v0=1e-4, v1=1e-2) if friction else Frictionless()
-    options = {"bearing_radius": 0.010, "contact": LankaraniNikravesh(restitution=restitution), "friction": rub}
-    m.clearance("pin", "rod.end", "block.center", clearance=clearance, **options)
+    m.clearance("pin", "rod.end", "block.center", clearance=clearance, bearing_radius=0.010, **_surfaces(restitution, friction))
     m.slider("guide", "ground.O", "block.center")
     return m
 
@@ -34,11 +34,10 @@ def slider_crank_loose_guide(
 ) -> Mechanism:
     """Slider-crank whose block, 60 mm by 30 mm, has play (m, on each side) in its guide; the pin lies 10 mm behind the middle of the block."""
     m = _crank_and_rod("slider-crank with a loose guide", speed, turns)
-    rub = Ambrosio(coefficient=friction, v0=1e-4, v1=1e-2) if friction else Frictionless()
     m.bodies["block"] = RigidBody(name="block", mass=0.14, inertia=1.0e-4, position=(CRANK + ROD + 0.010, 0.0), pins={"pin": (-0.010, 0.0)})
     m.revolute("pin", "rod.end", "block.pin")
-    options = {"length": 0.060, "height": 0.030, "contact": LankaraniNikravesh(restitution=restitution), "friction": rub}
-    m.clearance_slider("guide", "ground.O", "block.center", clearance=clearance, **options)
+    surfaces = _surfaces(restitution, friction)
+    m.clearance_slider("guide", "ground.O", "block.center", clearance=clearance, length=0.060, height=0.030, **surfaces)
     return m
 
 
@@ -52,3 +51,8 @@ def _crank_and_rod(name: str, speed: float, turns: float) -> Mechanism:
     m.revolute("crankpin", "crank.end", "rod.start")
     m.drive("crank", speed=speed)
     return m
+
+
+def _surfaces(restitution: float, friction: float) -> dict[str, Any]:
+    rub = Ambrosio(coefficient=friction, v0=1e-4, v1=1e-2) if friction else Frictionless()
+    return {"contact": LankaraniNikravesh(restitution=restitution), "friction": rub}

@@ -4,16 +4,27 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Literal, TypeVar
+from typing import ClassVar, Literal, TypeVar, Unpack
 
 from ..fields import PLACE, SCALAR, Choice, Each, Entries, Inner, Many, Measure, Names, Text, Whole, described, quantity
-from .bodies import Body, Frame, Link, PointMass, RigidBody
+from .bodies import Body, Frame, Link, Member, Point, PointMass, RigidBody
 from .drivers import ConstantSpeed, Driver
 from .joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
 from .loads import PointForce
+from .options import (
+    ClearanceSliderOptions,
+    ContactOptions,
+    ExternalContactOptions,
+    FrameOptions,
+    LinkOptions,
+    PointMassOptions,
+    RigidBodyOptions,
+    SliderOptions,
+)
 from .springs import AnySpring, Bushing, ForceElement, Spring, Stop, TorsionalSpring
 
 StartMode = Literal["consistent", "rough"]
+Triple = tuple[float, float, float]
 STATIC = ("static",)
 Journals = Literal["centred", "seated"]
 AnyBody = TypeVar("AnyBody", bound=Body)
@@ -104,47 +115,59 @@ class Mechanism:
 
     def point(self, name: str, x: float, y: float) -> None:
         """A point of the ground (m)."""
+        if name in self.points:
+            raise ValueError(f"there is a point called {name!r} already")
         self.points[name] = (float(x), float(y))
 
-    def link(self, name: str, *, length: float, **options: Any) -> Link:
+    def link(self, name: str, *, length: float, **options: Unpack[LinkOptions]) -> Link:
         """Adds a link; ``model`` = "rigid", "elastic" or "two-particle", the rest as in :class:`~vfife.model.bodies.Link`."""
         return self._add_body(Link(name=name, length=length, **options))
 
-    def rigid_body(self, name: str, *, mass: float, inertia: float, **options: Any) -> RigidBody:
+    def rigid_body(self, name: str, *, mass: float, inertia: float, **options: Unpack[RigidBodyOptions]) -> RigidBody:
         """Adds a rigid body with any number of pins; see :class:`~vfife.model.bodies.RigidBody`."""
         return self._add_body(RigidBody(name=name, mass=mass, inertia=inertia, **options))
 
-    def point_mass(self, name: str, *, mass: float, **options: Any) -> PointMass:
+    def point_mass(self, name: str, *, mass: float, **options: Unpack[PointMassOptions]) -> PointMass:
         """Adds a particle; see :class:`~vfife.model.bodies.PointMass`."""
         return self._add_body(PointMass(name=name, mass=mass, **options))
 
-    def frame(self, name: str, **options: Any) -> Frame:
+    def frame(self, name: str, *, nodes: dict[str, Point], members: tuple[Member, ...], **options: Unpack[FrameOptions]) -> Frame:
         """Adds a frame of welded elastic members; see :class:`~vfife.model.bodies.Frame`."""
-        return self._add_body(Frame(name=name, **options))
+        return self._add_body(Frame(name=name, nodes=nodes, members=members, **options))
 
     def revolute(self, name: str, bearing: str, journal: str) -> IdealRevolute:
         """Adds an ideal revolute joint between two pins, each ``body.pin`` or ``ground.point``."""
         return self._add_joint(IdealRevolute(name=name, bearing=bearing, journal=journal))
 
-    def clearance(self, name: str, bearing: str, journal: str, **options: Any) -> ClearanceRevolute:
+    def clearance(
+        self, name: str, bearing: str, journal: str, *, clearance: float, bearing_radius: float, **options: Unpack[ContactOptions]
+    ) -> ClearanceRevolute:
         """Adds a revolute joint with clearance; options as in :class:`~vfife.model.joints.ClearanceRevolute`."""
-        return self._add_joint(ClearanceRevolute(name=name, bearing=bearing, journal=journal, **options))
+        return self._add_joint(
+            ClearanceRevolute(name=name, bearing=bearing, journal=journal, clearance=clearance, bearing_radius=bearing_radius, **options)
+        )
 
-    def slider(self, name: str, bearing: str, journal: str, **options: Any) -> Slider:
+    def slider(self, name: str, bearing: str, journal: str, **options: Unpack[SliderOptions]) -> Slider:
         """Adds an ideal slider: the journal's pin moves along a guide through the bearing's; see :class:`~vfife.model.joints.Slider`."""
         return self._add_joint(Slider(name=name, bearing=bearing, journal=journal, **options))
 
-    def clearance_slider(self, name: str, bearing: str, journal: str, **options: Any) -> ClearanceSlider:
+    def clearance_slider(
+        self, name: str, bearing: str, journal: str, *, clearance: float, length: float, height: float, **options: Unpack[ClearanceSliderOptions]
+    ) -> ClearanceSlider:
         """Adds a block with play in a guide; see :class:`~vfife.model.joints.ClearanceSlider`."""
-        return self._add_joint(ClearanceSlider(name=name, bearing=bearing, journal=journal, **options))
+        return self._add_joint(
+            ClearanceSlider(name=name, bearing=bearing, journal=journal, clearance=clearance, length=length, height=height, **options)
+        )
 
     def weld(self, name: str, bearing: str, journal: str) -> Weld:
         """Joins two bodies rigidly at a pin of each; with the ground it is a clamp."""
         return self._add_joint(Weld(name=name, bearing=bearing, journal=journal))
 
-    def external_contact(self, name: str, bearing: str, journal: str, **options: Any) -> ExternalContact:
+    def external_contact(
+        self, name: str, bearing: str, journal: str, *, journal_radius: float, **options: Unpack[ExternalContactOptions]
+    ) -> ExternalContact:
         """Adds a contact between a round pin and a line or another round; see :class:`~vfife.model.joints.ExternalContact`."""
-        return self._add_joint(ExternalContact(name=name, bearing=bearing, journal=journal, **options))
+        return self._add_joint(ExternalContact(name=name, bearing=bearing, journal=journal, journal_radius=journal_radius, **options))
 
     def gear(self, name: str, first: str, second: str, *, ratio: float) -> Gear:
         """Couples the angles of two bodies; see :class:`~vfife.model.joints.Gear`."""
@@ -153,24 +176,32 @@ class Mechanism:
         self.gears[name] = Gear(name=name, first=first, second=second, ratio=ratio)
         return self.gears[name]
 
-    def spring(self, name: str, first: str, second: str, **options: Any) -> Spring:
+    def spring(
+        self, name: str, first: str, second: str, *, stiffness: float = 0.0, damping: float = 0.0, free_length: float | None = None
+    ) -> Spring:
         """Adds a spring and damper between two pins; see :class:`~vfife.model.springs.Spring`."""
-        return self._add_spring(Spring(name=name, first=first, second=second, **options))
+        spring = Spring(name=name, first=first, second=second, stiffness=stiffness, damping=damping, free_length=free_length)
+        return self._add_spring(spring)
 
-    def torsional_spring(self, name: str, first: str, second: str, **options: Any) -> TorsionalSpring:
+    def torsional_spring(
+        self, name: str, first: str, second: str, *, stiffness: float = 0.0, damping: float = 0.0, free_angle: float | None = None
+    ) -> TorsionalSpring:
         """Adds a torsional spring and damper between two bodies; see :class:`~vfife.model.springs.TorsionalSpring`."""
-        return self._add_spring(TorsionalSpring(name=name, first=first, second=second, **options))
+        spring = TorsionalSpring(name=name, first=first, second=second, stiffness=stiffness, damping=damping, free_angle=free_angle)
+        return self._add_spring(spring)
 
-    def stop(self, name: str, first: str, second: str, **options: Any) -> Stop:
+    def stop(self, name: str, first: str, second: str, *, low: float, high: float, stiffness: float, damping: float = 0.0) -> Stop:
         """Adds a rotational stop between two bodies; see :class:`~vfife.model.springs.Stop`."""
-        return self._add_spring(Stop(name=name, first=first, second=second, **options))
+        return self._add_spring(Stop(name=name, first=first, second=second, low=low, high=high, stiffness=stiffness, damping=damping))
 
-    def bushing(self, name: str, first: str, second: str, **options: Any) -> Bushing:
+    def bushing(self, name: str, first: str, second: str, *, stiffness: Triple, damping: Triple = (0.0, 0.0, 0.0)) -> Bushing:
         """Adds an elastic bearing between two pins; see :class:`~vfife.model.springs.Bushing`."""
-        return self._add_spring(Bushing(name=name, first=first, second=second, **options))
+        return self._add_spring(Bushing(name=name, first=first, second=second, stiffness=stiffness, damping=damping))
 
     def drive(self, body: str, *, speed: float) -> ConstantSpeed:
         """Turns a body at constant speed (rad/s) about its ideal joint to the ground; other drivers go to :attr:`drivers`."""
+        if body in self.drivers:
+            raise ValueError(f"there is a driver called {body!r} already")
         driver = ConstantSpeed(body=body, speed=speed)
         self.drivers[body] = driver
         return driver

@@ -51,6 +51,15 @@ class Arguments:
             remedy = "read it with load_model first" if isinstance(value, str) or hasattr(value, "__fspath__") else "make one, or read a model file"
             self.fault(name, f"this is {kind_of(value)}", value, "a Mechanism", remedy)
 
+    def mechanisms(self, values: Any) -> list[Mechanism]:
+        """A sequence of mechanisms."""
+        if not isinstance(values, Sequence):
+            self.fault("mechanisms", f"this is {kind_of(values)}", values, "a list of Mechanisms", "put it in square brackets")
+            return []
+        for k, value in enumerate(values):
+            self.mechanism(value, f"mechanisms[{k}]")
+        return list(values)
+
     def quantity(self, name: str, value: Any, unit: str, *, zero: bool = False) -> float | None:
         """A finite quantity above zero (or zero, where that is allowed): a number in SI units, or a text with a unit; None stays None."""
         if value is None:

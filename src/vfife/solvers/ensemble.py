@@ -23,6 +23,7 @@ from ..codegen.native import widest
 from ..codegen.runner import Runner
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
+from ..model.validate import validate
 from .arguments import Arguments, Loop
 from .record import Record, recorded_rows
 from .status import Status
@@ -72,12 +73,11 @@ def ensemble(
     ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each
     of ``outputs``. ``lanes``: simulations side by side in a vector register, as many as this machine's hold if not given. ``workers``: threads,
     as many as there are cores if not given. ``progress`` is told how many members of how many are done. Raises ModelError with all faults of
-    the arguments, ValueError for a mechanism without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it
-    within a turn.
+    the arguments or of a mechanism, ValueError for one without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends
+    it within a turn.
     """
     given = Arguments("ensemble")
-    for k, mechanism in enumerate(mechanisms):
-        given.mechanism(mechanism, f"mechanisms[{k}]")
+    mechanisms = given.mechanisms(mechanisms)
     steps, loop = given.each("step", step, len(mechanisms)), given.loop(loop)
     counts = {"turns": turns, "outputs": outputs, "lanes": lanes, "workers": workers}
     for name, value in counts.items():
@@ -85,6 +85,8 @@ def ensemble(
     given.quantity("tolerance", tolerance, "1", zero=True)
     given.callable("progress", progress)
     given.tell()
+    for mechanism in mechanisms:
+        validate(mechanism)
     assemblies = [placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)]
     return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, progress=progress)
 

@@ -26,7 +26,7 @@ def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> t
     ``state``: S at present, for lengths and axial forces of elements; ``pressed`` (N): what each contact has carried of late, ``force`` at least.
     """
     mass, inertia = _elements(assembly, state)
-    load = held(assembly.layout, state, assembly.topology, _contacts(assembly, state, np.maximum(2.0 * pressed, force)))
+    load = held(assembly.layout, state, assembly.topology, _contacts(assembly, np.maximum(2.0 * pressed, force)))
     # springs, axes of bushings and contacts are on four motions, torsional springs on two
     return (mass + 4.0 * load.straight) / OMEGA, (inertia + 4.0 * load.levers + 2.0 * load.about) / OMEGA
 
@@ -45,14 +45,12 @@ def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
     return mass, inertia
 
 
-def _contacts(assembly: Assembly, state: Array, force: Array) -> list[float]:
+def _contacts(assembly: Assembly, force: Array) -> list[float]:
     """The tangent (N/m) of each contact law under a force (N) for each."""
     found = []
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        row = assembly.layout.row("contact_slots", index)
-        slots = tuple(float(value) for value in state[row : row + len(law.slots)])
-        found.append(tangent(law, slots, float(force[index]))[1] if force[index] > 0.0 else 0.0)
+        found.append(tangent(law, assembly.contact_slots(index), float(force[index]))[1] if force[index] > 0.0 else 0.0)
     return found
 
 

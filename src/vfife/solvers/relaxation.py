@@ -1,10 +1,10 @@
 """Dynamic relaxation: the step of a run with fictitious masses, one iteration each, damped until nothing moves.
 
-All particles have about the same stable step (``stiffness.py``). Damping is critical for the slowest motion under way. Its frequency is Rayleigh's
-quotient of the last change, w^2 = -sum(m dx da)/sum(m dx^2), with dx, da the changes of position and acceleration between two looks: Underwood,
-Dynamic relaxation, in Belytschko, Hughes (eds.), Computational Methods for Transient Analysis (1983) 245-265; the accelerations are those after
-the reactions, so that joints need no tangent. Where the quotient is negative, as while a structure snaps through, damping is halved from look to
-look, and the motion runs off to the next equilibrium.
+All particles have about the same stable step (``fictitious_mass.py``). Damping is critical for the slowest motion under way. Its frequency is
+Rayleigh's quotient of the last change, w^2 = -sum(m dx da)/sum(m dx^2), with dx, da the changes of position and acceleration between two looks:
+Underwood, Dynamic relaxation, in Belytschko, Hughes (eds.), Computational Methods for Transient Analysis (1983) 245-265; the accelerations are
+those after the reactions, so that joints need no tangent. Where the quotient is negative, as while a structure snaps through, damping is halved
+from look to look, and the motion runs off to the next equilibrium.
 """
 
 from __future__ import annotations

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from ..laws import Ambrosio, LankaraniNikravesh
-from ..model.bodies import Section
+from ..model.bodies import LinkModel, Section
 from ..model.mechanism import Mechanism
+from ..model.options import ContactOptions
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 
@@ -17,19 +18,22 @@ CLEAR = "independent Runge-Kutta of order 4 with located onsets, 3.2 million ste
 LENGTHS = {"crank": 0.4, "coupler": 0.26, "follower": 0.46}
 
 
-def four_bar(clear: str, speed: float, mass: float = 1.0, model: str = "rigid", play: float = 2e-4, restitution: float = 0.9) -> Mechanism:
+def four_bar(clear: str, speed: float, mass: float = 1.0, model: LinkModel = "rigid", play: float = 2e-4, restitution: float = 0.9) -> Mechanism:
     """Ground 0.15 m, 7.8 kg/m; the joints named in ``clear`` with play (m)."""
     m = Mechanism("four-bar")
     m.point("A", 0.0, 0.0)
     m.point("D", 0.15, 0.0)
     for (name, length), angle in zip(LENGTHS.items(), (0.0, 0.89, 0.454), strict=True):
-        kind = {"model": model, "section": Section(1e-3, 1e-12)} if name != "crank" else {}
-        m.link(name, length=length, mass=7.8 * length * (mass if name == "follower" else 1.0), angle=angle, **kind)
+        heavy = mass if name == "follower" else 1.0
+        chosen: LinkModel = model if name != "crank" else "rigid"
+        section = Section(1e-3, 1e-12) if name != "crank" else None
+        m.link(name, length=length, mass=7.8 * length * heavy, angle=angle, model=chosen, section=section)
     m.revolute("A", "ground.A", "crank.start")
-    surfaces = {"clearance": play, "bearing_radius": 0.01, "contact": LankaraniNikravesh(restitution=restitution, stiffness=6.6e10)}
+    law = LankaraniNikravesh(restitution=restitution, stiffness=6.6e10)
+    laws: ContactOptions = {"contact": law, "friction": Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2)}
     for name, bearing, journal in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
         if name in clear:
-            m.clearance(name, bearing, journal, **surfaces, friction=Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2))
+            m.clearance(name, bearing, journal, clearance=play, bearing_radius=0.01, **laws)
         else:
             m.revolute(name, bearing, journal)
     m.drive("crank", speed=speed)

@@ -10,6 +10,7 @@ import numpy as np
 from ..laws import Ambrosio, LankaraniNikravesh
 from ..model.drivers import ConstantSpeed
 from ..model.mechanism import Mechanism
+from ..model.options import ClearanceSliderOptions
 from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run
@@ -91,7 +92,8 @@ def guide_with_play(nudge: Nudge) -> Rows:
     speeds = {"crank": (0.0, 0.0765 * spin, spin), "rod": (0.0, 0.1530 * (spin - 75.0), -75.0), "block": (0.0, 0.1530 * (spin - 150.0), 0.0)}
     for name, velocity in speeds.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
-    options = {"contact": LankaraniNikravesh(restitution=0.4), "friction": Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2), "corner_radius": 1e-4}
+    friction = Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2)
+    options: ClearanceSliderOptions = {"contact": LankaraniNikravesh(restitution=0.4), "friction": friction, "corner_radius": 1e-4}
     m.clearance_slider("S", "ground.O", "block.center", clearance=c * nudge("clearance"), length=0.1, height=0.05, **options)
     seen = run(m, step=5e-7, duration=0.02, outputs=4000)
     time, corner = first_contact(c)
@@ -121,17 +123,23 @@ def first_contact(clearance: float) -> tuple[float, int]:
     return float(times[first]), 1 if height[first] > 0.0 else 3
 
 
+def _block_on_arm(name: str, mass: float, distance: float, speed: float) -> Mechanism:
+    """A block (kg) that slides along an arm, which turns at a constant speed (rad/s)."""
+    m = Mechanism(name)
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("arm", mass=1.0, inertia=0.2)
+    m.revolute("O", "ground.O", "arm.center")
+    m.rigid_body("block", mass=mass, inertia=1e-3, position=(distance, 0.0))
+    m.slider("S", "arm.center", "block.center")
+    m.drive("arm", speed=speed)
+    return m
+
+
 @verified("Slider on a rotating arm", "closed form: r = r₀ cosh ωt, N = 2 m ω r', torque N r", nudges={"speed": 1.005, "mass": 1.02})
 def slider_on_rotating_arm(nudge: Nudge) -> Rows:
     """A block free along an arm that turns at constant speed: distance, force of the guide (Coriolis), torque of the driver."""
     w, r0, mass = 8.0, 0.1, 0.7
-    m = Mechanism("slider on an arm")
-    m.point("O", 0.0, 0.0)
-    m.rigid_body("arm", mass=1.0, inertia=0.2)
-    m.revolute("O", "ground.O", "arm.center")
-    m.rigid_body("block", mass=mass * nudge("mass"), inertia=1e-3, position=(r0, 0.0))
-    m.slider("S", "arm.center", "block.center")
-    m.drive("arm", speed=w * nudge("speed"))
+    m = _block_on_arm("slider on an arm", mass * nudge("mass"), r0, w * nudge("speed"))
     time = 0.3
     seen = run(m, duration=time, step=1e-5, outputs=5000)
     r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))
@@ -211,13 +219,7 @@ def quick_return(nudge: Nudge) -> Rows:
 def driven_travel(nudge: Nudge) -> Rows:
     """A block pushed along a turning arm at constant speed: path and force of the driver, m r ω²."""
     w, v, r0, mass = 6.0, 0.4, 0.2, 0.5
-    m = Mechanism("driven travel")
-    m.point("O", 0.0, 0.0)
-    m.rigid_body("arm", mass=1.0, inertia=0.2)
-    m.revolute("O", "ground.O", "arm.center")
-    m.rigid_body("block", mass=mass * nudge("mass"), inertia=1e-3, position=(r0, 0.0))
-    m.slider("S", "arm.center", "block.center")
-    m.drive("arm", speed=w)
+    m = _block_on_arm("driven travel", mass * nudge("mass"), r0, w)
     m.drivers["push"] = ConstantSpeed(slider="S", speed=v * nudge("speed"))
     seen = run(m, duration=0.5, step=2e-5, outputs=5000)
     r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))

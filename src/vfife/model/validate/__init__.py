@@ -38,14 +38,17 @@ def faults(mechanism: Mechanism) -> list[Fault]:
     known = read(mechanism, reading)
     found = [Fault(place(path), one.what, one.value, one.limit, one.remedy) for path, one in reading.refused]
     checks = Checks(known, told={path for path, _ in reading.refused}, written=lambda path: written(mechanism, path))
-    found += across(checks)
+    # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a speed.
+    found += across(checks, settings=mechanism.settings.analysis != "static")
     return found or check_laws(mechanism)
 
 
-def across(checks: Checks) -> list[Fault]:
+def across(checks: Checks, settings: bool = True) -> list[Fault]:
     """Faults that no field shows alone, of a mechanism that may be known in part only."""
-    for check in (check_names, check_bodies, check_joints, check_gears, check_springs, check_drivers, check_loads, check_settings):
+    for check in (check_names, check_bodies, check_joints, check_gears, check_springs, check_drivers, check_loads):
         check(checks)
+    if settings:
+        check_settings(checks)
     return checks.faults
 
 
