@@ -10,6 +10,7 @@ counts in any direction, and its arm as if it were across.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -199,8 +200,9 @@ def contact_stiffness(
 
 
 def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
-    """Stiffness (N/m) with which each contact counts on its bodies: of the four corners of a block in its guide two carry at once."""
-    return [touch.joint.share * k for touch, (k, _) in zip(touches, stiffness, strict=True)]
+    """Stiffness (N/m) with which each contact counts on its bodies: those of a joint with one wall share it, as two corners of a block do."""
+    together = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
+    return [k / together[touch.joint.name, touch.touching.normal] for touch, (k, _) in zip(touches, stiffness, strict=True)]
 
 
 def contact_periods(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[tuple[str, float]]:

@@ -31,7 +31,6 @@ class ClearanceSlider(Contact):
     kind: ClassVar[str] = "clearance-slider"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "length": 0.1, "height": 0.05}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "length", "height", "corner_radius")
-    share: ClassVar[float] = 0.5  # two of the four corners carry at once
 
     clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
     length: float = quantity("m", "length of the block, along the guide", above=0.0)

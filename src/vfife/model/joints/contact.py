@@ -36,7 +36,6 @@ class Contact(Joint):
     journal_material: Material | None = described(Named(Material), "material of the journal; its body's if left out", None)
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
-    share: ClassVar[float] = 1.0  # of its contacts' stiffness that its bodies meet at once
 
     @property
     def landing(self) -> float:
