@@ -212,7 +212,7 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
         return dataclasses.replace(b, **changes)
 
     def driver(d: Any) -> Any:
-        name = {"Torque": "torque", "AngleTable": "angles"}.get(type(d).__name__, "speed")
+        name = {"Torque": "value", "AngleTable": "values"}.get(type(d).__name__, "speed")
         value = getattr(d, name)
         return dataclasses.replace(d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value})
 
