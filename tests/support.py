@@ -91,22 +91,12 @@ def contact_law(law: Any, **parameters: Any) -> Any:
     return law(**needed | {f.name: parameters[f.name] for f in fields if f.name in parameters})
 
 
-def all_contact_laws() -> Mechanism:
-    """A journal in a bearing for each contact law: what a run is assembled beside, so that one loop is compiled for all of them."""
-    m = Mechanism("all contact laws")
-    m.point("O", 0.0, 0.0)
-    for law in CONTACT_LAWS:
-        m.point_mass(law.name, mass=1.0)
-        m.clearance(law.name, "ground.O", f"{law.name}.center", clearance=2e-4, bearing_radius=0.01, contact=contact_law(law))
-    return m
-
-
 def with_settings(mechanism: Mechanism, **settings: Any) -> Mechanism:
     """The mechanism with other settings (damping, path_unit ...)."""
     return dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **settings))
 
 
-def go(mechanism: Mechanism, step: float, *, loop: str = "data-driven", **options: Any) -> Record:
+def go(mechanism: Mechanism, step: float, *, loop: str = "auto", **options: Any) -> Record:
     """Assembles and runs; every run of a test must come to its end."""
     record = run(assemble(mechanism, step, force_step=True, **options), loop=loop)  # type: ignore[arg-type]
     assert record.status == "complete"
@@ -212,7 +202,7 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
         return dataclasses.replace(b, **changes)
 
     def driver(d: Any) -> Any:
-        name = {"Torque": "torque", "AngleTable": "angles"}.get(type(d).__name__, "speed")
+        name = {"Torque": "value", "AngleTable": "values"}.get(type(d).__name__, "speed")
         value = getattr(d, name)
         return dataclasses.replace(d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value})
 

@@ -75,7 +75,7 @@ def imported(folder: str) -> dict[str, str]:
     """Distributions that the files of a folder import, with a place of each. All of ours are imported by the name they are installed by."""
     ours = {"vfife", *(path.stem for path in (ROOT / "tests").iterdir())}
     found: dict[str, str] = {}
-    for name, tree, _ in parsed(ROOT / folder):
+    for name, tree, _ in FILES if folder == "src/vfife" else parsed(ROOT / folder):
         for one in imports(name, tree):
             top = one.module.partition(".")[0]
             if top and top not in sys.stdlib_module_names and top not in ours:

@@ -47,7 +47,7 @@ except SystemExit as end:
 @pytest.mark.parametrize(
     ("what", "code", "unwanted"),
     [
-        ("import vfife", "import vfife", {"numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"}),
+        ("import vfife", "import vfife", {"numpy", "numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"}),
         ("vfife --help", HELP, {"numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"}),
     ],
     ids=["import", "help"],

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from mechanisms import every_law
 from support import bits, go, journal_in_bearing, lanes, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.codegen.python import straight_line
@@ -24,16 +25,10 @@ CONTACT = LankaraniNikravesh(restitution=0.6, stiffness=1e9)
 STEP, EVERY, OUTPUTS, INTERPRETED, LANES = 4e-6, 50, 40, 12, 4
 
 
-SHARES = 3  # of the laws that are written out at a time: compilation takes the square of the lines
-
-
-def model(lane: int, share: int | None = None) -> Mechanism:
-    """A spinning disc on an arm in a bearing of its own for every law; a driven crank, a link on it and one hung with play from that.
-
-    With a ``share`` only every third law is there.
-    """
+def model(lane: int) -> Mechanism:
+    """A spinning disc on an arm in a bearing of its own for every law; a driven crank, a link on it and one hung with play from that."""
     m = Mechanism("every law", gravity=(0.4, -9.81 - lane))
-    for n, law in enumerate(LAWS if share is None else LAWS[share::SHARES]):
+    for n, law in enumerate(LAWS):
         changes = {"coefficient": 0.12 + 0.01 * lane} if any(field.name == "coefficient" for field in dataclasses.fields(law)) else {}
         arm = 0.02 if n % 2 else 0.0
         m.point(f"O{n}", 0.1 * n, 0.0)
@@ -62,9 +57,10 @@ def model(lane: int, share: int | None = None) -> Mechanism:
 
 
 @cache
-def computed(loop: str, width: int, share: int | None = None) -> tuple[np.ndarray, Layout, np.ndarray]:
+def computed(loop: str, width: int) -> tuple[np.ndarray, Layout, np.ndarray]:
     """Rows of so many lanes, all state and extremes; their layout and numbers."""
-    assemblies = [assemble(model(lane, share), STEP * (1 - 0.05 * lane), duration=1e-3, force_step=True) for lane in range(width)]
+    options = {"duration": 1e-3, "force_step": True, "beside": every_law()}  # one compilation serves other tests too
+    assemblies = [assemble(model(lane), STEP * (1 - 0.05 * lane), **options) for lane in range(width)]
     runner = lanes(assemblies, loop)
     rows = np.concatenate([runner.advance(1, 1), runner.advance(EVERY, INTERPRETED if loop == "interpreted" else OUTPUTS)])
     return rows, runner.layout, runner.kept
@@ -74,9 +70,8 @@ def same(ours: np.ndarray, theirs: np.ndarray) -> bool:
     return bool((bits(ours) == bits(theirs)).all())
 
 
-@pytest.mark.parametrize("share", range(SHARES))
-def test_four_lanes_are_data_driven_each(share):
-    assert same(computed("generated", LANES, share)[0], computed("data-driven", LANES, share)[0])
+def test_four_lanes_are_data_driven_each():
+    assert same(computed("generated", LANES)[0], computed("data-driven", LANES)[0])
 
 
 def test_interpreted_is_data_driven():
@@ -118,7 +113,7 @@ def test_memory_is_state_and_in_pieces_as_in_one():
     layout = computed("data-driven", LANES)[1]
     rows = {int(row) + part for row in layout["contact_memory"] for part in range(FRICTION_MEMORY)}
     assert rows <= set(layout.of("state"))
-    whole, pieces = (lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "data-driven") for _ in range(2))
+    whole, pieces = (lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "generated") for _ in range(2))
     whole.advance(600, 1)
     for count in (1, 7, 592):
         pieces.advance(count, 1)

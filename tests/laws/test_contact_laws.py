@@ -11,7 +11,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import vfife.laws  # registers them
-from support import CONTACT_LAWS, all_contact_laws, contact_law, go, journal_in_bearing, particle
+from support import CONTACT_LAWS, contact_law, go, journal_in_bearing, particle
 from vfife.kernels.geometry import normal_force
 from vfife.laws import ContactLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira
 
@@ -206,7 +206,7 @@ def test_the_oracle_bites(restitution):
 def rebound_in_a_run(law: ContactLaw) -> float:
     """Share of its speed that a journal of 2 kg, thrown against its bearing at 0.7 m/s, gets back in the step itself."""
     m = journal_in_bearing(0.7, mass=2.0, contact=law, friction=Frictionless(), clearance=2e-4)
-    record = go(m, 1e-7, duration=2e-3, outputs=100, beside=all_contact_laws())
+    record = go(m, 1e-7, duration=2e-3, outputs=100)
     onsets, depth = record.block("contact_onsets")[:, 0], record.block("contact_penetration")[:, 0]
     assert onsets.tolist().count(1.0) > 5
     parted = np.flatnonzero((onsets == 1) & (depth < 0))

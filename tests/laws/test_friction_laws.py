@@ -91,7 +91,7 @@ def test_is_a_frozen_value(law):
 @each_law
 def test_static_friction_is_no_weaker_than_kinetic(law):
     if hasattr(law(), "static_coefficient"):
-        with pytest.raises(ValueError, match="raise the one or lower the other"):
+        with pytest.raises(ValueError, match="Raise the one or lower the other"):
             law(coefficient=0.3, static_coefficient=0.2)
 
 

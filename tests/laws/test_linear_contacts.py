@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from support import all_contact_laws, go, journal_in_bearing, particle
+from support import go, journal_in_bearing, particle
 from vfife.laws import Anagnostopoulos, Frictionless, Impact, KelvinVoigt, Pair
 
 PAIR = Pair(0.01, 2e-4, 0.02, effective_mass=2.0)
@@ -31,7 +31,7 @@ def rebound(force, mass: float, speed: float, pulls: bool = False) -> float:
 def rebound_in_a_run(law) -> float:
     """The same in the step: a journal of 2 kg thrown against its bearing. The jump of the force at onset makes this first order in the step."""
     m = journal_in_bearing(SPEED, mass=MASS, contact=law, friction=Frictionless(), clearance=2e-4)
-    record = go(m, 2e-8, duration=2e-3, outputs=100, beside=all_contact_laws())
+    record = go(m, 2e-8, duration=2e-3, outputs=100)
     onsets, depth = record.block("contact_onsets")[:, 0], record.block("contact_penetration")[:, 0]
     parted = np.flatnonzero((onsets == 1) & (depth < 0))
     parted = parted[parted > np.argmax(onsets == 1)]

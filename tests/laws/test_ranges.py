@@ -62,9 +62,9 @@ def test_any_damping_factor_goes_with_any_elastic_force(law, name):
 
 
 def test_an_unknown_damping_factor_is_told():
-    with pytest.raises(ValueError, match="damping 'flroes' of the law 'liu' is unknown; did you mean 'flores'"):
+    with pytest.raises(ValueError, match='law "liu": damping = "flroes".*Did you mean "flores"'):
         Liu(damping="flroes")
-    with pytest.raises(ValueError, match="there are none, hunt-crossley"):
+    with pytest.raises(ValueError, match='allowed: "none" or "hunt-crossley"'):
         Liu(damping="?")
 
 

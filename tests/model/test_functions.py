@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from vfife.codegen.source import Gathered
 from vfife.kernels.polynomial import polynomial
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.functions import Polynomials, clamped, largest_speed, motion_function, torque_function, turning_speed
@@ -64,7 +65,11 @@ def test_periodic_tables_repeat_and_others_do_not():
 def test_compiled_as_interpreted():
     from numba import njit
 
-    compiled = njit(polynomial)
+    gathered = Gathered()  # with what it calls, as the step's text is
+    gathered.add(polynomial)
+    space = {"math": math, "jit": njit}
+    exec(gathered.text(), space)
+    compiled = space["polynomial"]
     functions = [
         motion_function(Harmonic(body="b", amplitude=0.7, frequency=3.3, phase=0.1), 0.2),
         motion_function(Ramp(body="b", speed=4.0, duration=0.3)),

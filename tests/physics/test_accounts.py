@@ -26,7 +26,7 @@ def pendulum(angle: float = -0.5) -> Mechanism:
 
 
 def ran(m: Mechanism, duration: float, step: float, outputs: int = 100) -> Record:
-    return run(assemble(m, step, duration=duration, outputs=outputs), loop="data-driven")
+    return run(assemble(m, step, duration=duration, outputs=outputs))
 
 
 def angular_momentum(record: Record) -> np.ndarray:
@@ -113,7 +113,7 @@ def test_automatic_step_resolves_what_hangs_on_a_slow_crank() -> None:
     m.link("low", length=0.3, mass=1.0, angle=0.2)
     m.revolute("K", "rod.end", "low.start")
     m.drive("rod", speed=1e-2)
-    record = run(assemble(m, duration=2.0), loop="data-driven")
+    record = run(assemble(m, duration=2.0))
     assert record.status == "complete"
     assert ledger(record).error < 1e-5
 

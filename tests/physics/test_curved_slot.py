@@ -202,6 +202,31 @@ def test_a_pin_on_a_straight_wall_rubs_as_a_block_on_an_incline():
     assert along == pytest.approx(0.5 * GRAVITY * (1.0 - 0.2) / math.sqrt(2.0) * 0.09, rel=5e-3)
 
 
+@pytest.mark.parametrize("moment", ["mid-overlap", "surface"])
+@pytest.mark.parametrize("path", [{"radius": 0.4, "centre": (0.1, 0.2)}, {"points": VALLEY, "fillet": 0.15}], ids=["circle", "polyline"])
+def test_two_free_bodies_keep_their_momentum_and_its_moment(path, moment):
+    """A bead rubs along the slot of a free plate: force and friction on both act at one place, or the sum of moments would change."""
+    m = Mechanism("free")
+    loose = {"clearance": 1e-3, "journal_radius": 0.02, "contact": SOFT["contact"], "friction": Ambrosio(coefficient=0.3, v0=1e-3, v1=1e-2)}
+    joint = ClearanceCurvedSlot(name="slot", bearing="plate.eye", journal="bead.center", friction_moment=moment, **path, **loose)
+    x, y = joint.first_place
+    m.rigid_body("plate", mass=3.0, inertia=0.2, pins={"eye": (0.0, 0.0)}, center=(0.3, 0.1), position=(0.0, 0.0), velocity=(0.2, 0.1, 1.0))
+    m.rigid_body("bead", mass=1.0, inertia=1e-3, position=(x, y), velocity=(1.5, 2.0, 20.0))
+    m.joints["slot"] = joint
+    record = go(m, 1e-5, duration=0.3, outputs=30)
+    plate, bead_ = particle(record, "plate"), particle(record, "bead")
+
+    def spin(one, mass, inertia):
+        return mass * (one["x"] * one["v"] - one["y"] * one["u"]) + inertia * one["w"]
+
+    total = spin(plate, 3.0, 0.2) + spin(bead_, 1.0, 1e-3)
+    rubbed = record.block("contact_friction_work")[-1, 0]
+    assert record.block("contact_onsets")[-1, 0] > 0 and rubbed > 1e-3
+    apart = 0.0 if moment == "mid-overlap" else 1e-3  # at the surfaces friction acts a penetration apart, on purpose
+    assert np.ptp(total) < 1e-11 + apart * abs(total[0])
+    assert np.ptp(3.0 * plate["u"] + bead_["u"]) < 1e-12
+
+
 def test_the_mirror_image_moves_as_a_mirror_image():
     def groove(sign):
         points = tuple((x, sign * y) for x, y in VALLEY)

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 import vfife
+from mechanisms import every_law
 from support import bits, lanes
 from vfife.analysis.forces import eccentricity, joint_force
 from vfife.assembly.assemble import assemble
@@ -65,7 +66,7 @@ def test_force_is_the_integral_of_the_pressure(eps, turning, closing):
 @pytest.mark.parametrize(("eps", "speed"), [(0.3, 100.0), (0.7, 100.0), (0.7, -100.0), (0.9, 300.0)])
 def test_settles_where_the_closed_form_says(eps, speed):
     """Eccentricity and attitude angle under a constant load: tan phi = pi sqrt(1 - eps^2)/(4 eps), to the side that turning drags it."""
-    result = vfife.simulate(shaft(speed, (0.0, -load(eps, abs(speed)))), duration=0.3, step=2e-6, loop="data-driven", outputs=100)
+    result = vfife.simulate(shaft(speed, (0.0, -load(eps, abs(speed)))), duration=0.3, step=2e-6, outputs=100)
     x, y = eccentricity(result.record)[-1, 0]
     assert math.hypot(x, y) / CLEARANCE == pytest.approx(eps, rel=3e-4)
     assert math.atan2(x, -y) == pytest.approx(math.copysign(math.atan(math.pi * math.sqrt(1.0 - eps**2) / (4.0 * eps)), speed), abs=2e-4)
@@ -80,7 +81,7 @@ def test_settles_where_the_closed_form_says(eps, speed):
 def test_a_load_squeezes_the_film_in_the_time_of_the_closed_form():
     """Without turning W = A pi (1 + 2 eps^2)/(1 - eps^2)^(5/2) eps', so t = A pi/W integral; a light shaft, 0.1 to 0.8 of the clearance."""
     force = 200.0
-    result = vfife.simulate(shaft(0.0, (force, 0.0), mass=1e-3), duration=0.06, step=1e-6, loop="data-driven", outputs=6000)
+    result = vfife.simulate(shaft(0.0, (force, 0.0), mass=1e-3), duration=0.06, step=1e-6, outputs=6000)
     eps = eccentricity(result.record)[:, 0, 0] / CLEARANCE
     times = np.interp([0.1, 0.8], eps, result.time)
     passed = SCALE * math.pi / force * quad(lambda e: (1.0 + 2.0 * e * e) / (1.0 - e * e) ** 2.5, 0.1, 0.8)[0]
@@ -93,7 +94,7 @@ def test_dry_contact_takes_over_where_the_film_is_thin():
     """Without turning a load comes to rest on Hertz' elastic force at last: the film is gone from one film thickness of penetration on."""
     stiffness, force = 1e10, 500.0
     model = shaft(0.0, (force, 0.0), film_thickness=2e-6, stiffness=stiffness)
-    result = vfife.simulate(model, duration=1.0, step=2e-6, loop="data-driven", outputs=50)
+    result = vfife.simulate(model, duration=1.0, step=2e-6, outputs=50)
     assert eccentricity(result.record)[-1, 0, 0] - CLEARANCE == pytest.approx((force / stiffness) ** (2.0 / 3.0), rel=1e-3)
     assert result.ledger.error < 1e-3
     p = Hydrodynamic(viscosity=VISCOSITY, film_thickness=2e-6).parameters(PAIR)
@@ -112,14 +113,14 @@ def driven() -> vfife.Mechanism:
 
 
 def test_every_loop_gives_the_same_bits():
-    model = assemble(driven(), 2e-6, duration=1e-2, force_step=True)
+    model = assemble(driven(), 2e-6, duration=1e-2, force_step=True, beside=every_law())  # one compilation serves other tests too
     rows = {loop: bits(lanes([model], loop).advance(200, 5)) for loop in ("interpreted", "data-driven", "generated")}
     assert (rows["interpreted"] == rows["data-driven"]).all() and (rows["generated"] == rows["data-driven"]).all()
 
 
 def test_the_ledger_closes_in_a_mechanism():
     """Shaft work fed into the film, damping and dry contact are all counted; halving the step halves what is left open, at least."""
-    open_ = [vfife.simulate(driven(), turns=0.5, step=step, loop="data-driven").ledger.error for step in (2e-6, 1e-6)]
+    open_ = [vfife.simulate(driven(), turns=0.5, step=step).ledger.error for step in (2e-6, 1e-6)]
     assert open_[1] < 1e-3 and open_[1] < 0.7 * open_[0]
 
 

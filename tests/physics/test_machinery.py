@@ -164,13 +164,13 @@ def reflected(m: Mechanism) -> Mechanism:
 
     def driver(d):
         if isinstance(d, Torque) and (d.speeds or d.angles):
-            turned = {key: tuple(-v for v in reversed(getattr(d, key))) for key in ("torque", "speeds", "angles") if getattr(d, key)}
+            turned = {key: tuple(-v for v in reversed(getattr(d, key))) for key in ("value", "speeds", "angles") if getattr(d, key)}
             return dataclasses.replace(d, **turned)
         along = bool(d.slider or d.point)
         d = dataclasses.replace(d, direction=(d.direction[0], -d.direction[1]))
         if along:
             return d
-        name = {"Harmonic": "amplitude", "StepTo": "travel", "AngleTable": "angles", "Torque": "torque"}.get(type(d).__name__, "speed")
+        name = {"Harmonic": "amplitude", "StepTo": "travel", "AngleTable": "values", "Torque": "value"}.get(type(d).__name__, "speed")
         value = getattr(d, name)
         return dataclasses.replace(d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value})
 

@@ -40,7 +40,7 @@ def placed(mechanism: Mechanism, places: dict[str, tuple[float, float, float]], 
     return a
 
 
-def went(assembly: Assembly, loop: str = "data-driven") -> Record:
+def went(assembly: Assembly, loop: str = "auto") -> Record:
     record = run(assembly, loop=loop)  # type: ignore[arg-type]
     assert record.status == "complete"
     return record

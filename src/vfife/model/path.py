@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..kernels.path import from_path
-
 Point = tuple[float, float]
 Rows = tuple[float, ...]
 SHARPEST = math.radians(175.0)  # turn of a corner, beyond which its arc would lie nowhere near it
@@ -75,6 +73,8 @@ class Path:
 
     def seen(self, x: float, y: float) -> tuple[float, float, float]:
         """Distance (m) of a point from the path, positive on its left, and the path's normal to the left at the foot."""
+        from ..kernels.path import from_path  # with the arrays of the kernels, which `import vfife` does without
+
         distance, nx, ny = from_path([number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y)
         return float(distance), float(nx), float(ny)
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from ..kernels.polynomial import polynomial
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 HARMONIC_PIECES = 128  # a period: of degree 6 through value, rate and second derivative, they are right to 1e-15 of the amplitude
 
@@ -31,6 +33,8 @@ class Polynomials:
 
     @cached_property
     def _table(self) -> NDArray[np.float64]:
+        import numpy as np
+
         padded = [tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients]
         count = len(self.starts)
         head = (count,) if self.period is None else (-count, self.period)
@@ -71,6 +75,8 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
 
     Pieces of degree 6 with the value, rate and second derivative of the sine at both ends, and its value in the middle.
     """
+    import numpy as np
+
     h = 2.0 * math.pi / HARMONIC_PIECES
     powers = np.arange(7)
     ends = [(at, order) for at in (0.0, 1.0) for order in (0, 1, 2)] + [(0.5, 0)]

@@ -8,12 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array: TypeAlias = "NDArray[np.float64]"
+
 Colour = Literal["ink", "grey", "spring", "bearing", "journal"]
 Shape = Literal["ring", "dot", "pin", "square", "bearing"]
 COILS = 7
@@ -101,6 +103,8 @@ class JointSeen:
 
     def space(self, points: Any) -> Array:
         """Points (n, 2) in m, in the bearing's frame from its pin, as they are drawn."""
+        import numpy as np
+
         x, y = self.factor * np.asarray(points, dtype=float).T
         c, s = facing(self.angles[0])
         return np.asarray(self.bearing + np.stack([c * x - s * y, s * x + c * y], axis=1), dtype=float)
@@ -118,22 +122,30 @@ class PairSeen:
 
 def facing(angle: float) -> Array:
     """Unit vector at an angle (rad)."""
+    import numpy as np
+
     return np.array([math.cos(angle), math.sin(angle)])
 
 
 def left_of(along: Array) -> Array:
     """A vector turned by a right angle, anticlockwise."""
+    import numpy as np
+
     return np.array([-along[1], along[0]])
 
 
 def ring(centre: Array, radius: float, **look: Any) -> Curve:
     """A circle."""
+    import numpy as np
+
     turn = np.linspace(0.0, 2.0 * np.pi, 121)
     return Curve(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1), **look)
 
 
 def standing(seen: JointSeen) -> list[Stroke]:
     """A triangle on a hatched strip where a pin is the ground's."""
+    import numpy as np
+
     if not any(seen.ground):
         return []
     x, y = seen.bearing if seen.ground[0] else seen.journal
@@ -145,6 +157,8 @@ def standing(seen: JointSeen) -> list[Stroke]:
 
 def under(seen: JointSeen) -> Label:
     """The name of a pin: under the sign of the ground, else beside the pin."""
+    import numpy as np
+
     if not seen.ground[0]:
         return Label(seen.journal)
     return Label(seen.bearing - np.array([0.0, (GROUND_DEPTH + 0.03) * seen.size]), fixed=True)
@@ -174,6 +188,8 @@ def beside(seen: JointSeen, direction: tuple[float, float], gap: float) -> Label
 
 def zigzag(first: Array, second: Array, width: float) -> Array:
     """Corners of a spring drawn between two points, straight for an eighth at each end, shape (corners, 2)."""
+    import numpy as np
+
     along = second - first
     across = left_of(along) / (np.linalg.norm(along) or 1.0) * width
     shares = np.concatenate([[0.0, 0.125], np.linspace(0.125, 0.875, 2 * COILS + 1)[1:-1], [0.875, 1.0]])
@@ -184,6 +200,8 @@ def zigzag(first: Array, second: Array, width: float) -> Array:
 
 def tangent(first: tuple[Array, float], second: tuple[Array, float], side: float) -> Array:
     """Ends of the outer tangent of two circles on one side, shape (2, 2)."""
+    import numpy as np
+
     (p, r), (q, s) = first, second
     along = (q - p) / (np.linalg.norm(q - p) or 1.0)
     sine = (r - s) / (np.linalg.norm(q - p) or 1.0)

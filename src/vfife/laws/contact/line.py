@@ -11,8 +11,6 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ...kernels.elementary import log, logarithmic
 from ..law import Pair
 from .cylinder import Cylinder
@@ -47,6 +45,8 @@ class LineContact(Cylinder):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """alpha F^2 (w/2 - 1/4) (J), which is F delta minus the integral of alpha F ln(beta/F); the tangent's share beyond."""
+        import numpy as np
+
         force = np.vectorize(lambda depth: self.force(float(depth), 0.0, p)[0], otypes=[float])
         depth = np.minimum(penetration, p[2])
         beyond, held = np.asarray(penetration) - depth, force(depth)

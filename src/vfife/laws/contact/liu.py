@@ -6,12 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ..law import Pair
 from .cylinder import Cylinder
-
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +36,10 @@ class Liu(Cylinder):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """K times the integral of sqrt(x^3/(dR + x)) (J): by Gauss' rule of 20 nodes in the root of x, exact to rounding."""
+        import numpy as np  # here, as elsewhere below, so that `import vfife` stays quick
+
+        nodes, weights = np.polynomial.legendre.leggauss(20)
         depth = np.asarray(penetration, dtype=float)[..., None]
-        u = 0.5 * (1.0 + NODES)
-        stored = p[0] * (WEIGHTS * u**4 * depth**2.5 / np.sqrt(p[1] + depth * u * u)).sum(axis=-1)
+        u = 0.5 * (1.0 + nodes)
+        stored = p[0] * (weights * u**4 * depth**2.5 / np.sqrt(p[1] + depth * u * u)).sum(axis=-1)
         return stored if np.ndim(penetration) else float(stored)

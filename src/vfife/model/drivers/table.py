@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ...fields import Many, Measure, described
 from ..polynomials import Polynomials, spline
 from ..renamed import renamed
@@ -40,6 +38,8 @@ class AngleTable(Driver):
     @property
     def largest_speed(self) -> float:
         """Largest speed (rad/s or m/s) on its way, looked for at 1000 times."""
+        import numpy as np
+
         function = self.motion()
         return max(abs(function(time)[1]) for time in np.linspace(self.times[0], self.times[-1], LOOKS))
 

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ...fields import PLACE, Many, described, quantity
 from ...laws import Material, Pair
 from ..conflict import Conflict
@@ -196,6 +194,8 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Con
 
 def walls(seen: JointSeen, path: Path, gap: float) -> list[Stroke]:
     """The two walls beside the middle of a slot, ``gap`` from it as drawn."""
+    import numpy as np
+
     found: list[Stroke] = []
     for side in (1.0, -1.0):
         wall = []

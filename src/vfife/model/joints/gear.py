@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...fields import Text, described, quantity
 from ..rows import Row, Turn
 from ..strokes import Array, Curve, PairSeen, Stroke, ring, tangent
@@ -34,12 +32,16 @@ class Gear:
 
     def wheels(self, seen: PairSeen) -> tuple[tuple[Array, float], tuple[Array, float]]:
         """Centre and radius of both wheels: r_1 = |ratio| r_2, touching where the gears are external."""
+        import numpy as np
+
         distance, ratio = float(np.linalg.norm(seen.second - seen.first)) or 0.2 * seen.size, abs(self.ratio)
         second = distance / (1.0 + ratio) if self.ratio < 0.0 else 0.3 * distance / max(1.0, ratio)
         return (seen.first, ratio * second), (seen.second, second)
 
     def strokes(self, seen: PairSeen) -> list[Stroke]:
         """Pitch circles of external gears; wheels with a belt where both turn the same way."""
+        import numpy as np
+
         first, second = self.wheels(seen)
         found: list[Stroke] = [
             ring(centre, radius, colour=colour, width=1.6, dashes="-." if self.ratio < 0.0 else "-", rank=4.0)

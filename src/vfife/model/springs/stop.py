@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ...fields import Text, described, quantity
 from ..conflict import Conflict
 from ..strokes import Curve, PairSeen, Stroke, facing
@@ -48,6 +46,8 @@ class Stop(ForceElement):
 
     def strokes(self, seen: PairSeen) -> list[Stroke]:
         """Cheeks at the two angles of the second body seen from the first; the sector between them is free."""
+        import numpy as np
+
         at, radius, found = seen.second, 0.06 * seen.size, []
         for angle in (self.low, self.high):
             out = radius * facing(seen.angle + angle)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ...fields import Text, described, quantity
 from ..strokes import Curve, PairSeen, Stroke
 from .force_element import Axes, ForceElement, SpringNumbers
@@ -42,6 +40,8 @@ class TorsionalSpring(ForceElement):
 
     def strokes(self, seen: PairSeen) -> list[Stroke]:
         """A spiral."""
+        import numpy as np
+
         turn = np.linspace(0.0, 4.5 * np.pi, 200)
         radius = seen.size * (0.012 + 0.022 * turn / turn[-1])
         points = seen.second + radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
