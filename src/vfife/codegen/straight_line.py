@@ -118,7 +118,8 @@ def about(topology: Topology) -> int:
     """
     graph = derive(topology)
     bands = [row - first for row, first in enumerate(graph.first)]
-    own = 65 * len(topology.frame_nodes) + 60 * len(topology.trig) + 30 * len(topology.free) + 50 * len(bands)
+    bound = len(set(topology.bound) & set(topology.free))
+    own = 50 * len(topology.frame_nodes) + 15 * (len(topology.free) + bound) + 60 * len(topology.trig) + 50 * len(bands)
     joined = 150 * len(topology.contact_bearing) + 40 * len(topology.spring_first) + sum(band * band + 10 * band for band in bands)
     return own + joined + sum(graph.constrained) * (sum(5 * band + 55 for band in bands) + 15 * len(graph.jointed))
 
