@@ -8,8 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from . import laws as _laws
-from .laws import *  # noqa: F403
+from .laws import MATERIALS, ContactLaw, FrictionLaw, Law, Material, Pair, quantity
+from .laws import contact as _contact
+from .laws import friction as _friction
+from .laws.contact import *  # noqa: F403
+from .laws.friction import *  # noqa: F403
 from .model import drivers as _drivers
 from .model import joints as _joints
 from .model import loads as _loads
@@ -77,11 +80,17 @@ def __getattr__(name: str) -> Any:
 
 # Laws and kinds make themselves known in their rooms, so that a new one is its file and an import line there.
 __all__ = [
+    "MATERIALS",
     "Comparison",
+    "ContactLaw",
     "Frame",
+    "FrictionLaw",
+    "Law",
     "Link",
+    "Material",
     "Mechanism",
     "Member",
+    "Pair",
     "PointMass",
     "Result",
     "RigidBody",
@@ -97,10 +106,12 @@ __all__ = [
     "load_laws",
     "load_model",
     "load_result",
+    "quantity",
     "save_model",
     "simulate",
 ]
-__all__ += _laws.__all__
+__all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists
+__all__ += _friction.__all__
 __all__ += _joints.__all__
 __all__ += _springs.__all__
 __all__ += _drivers.__all__
