@@ -80,7 +80,7 @@ def elementary(x: np.ndarray, exponent: float) -> dict[str, Callable[[], float]]
         ("log, C library", "math.log(x[k])"),
     ):
         body = f"@jit\ndef many(x, n, out):\n    for k in range(len(x)):\n        out[k] = {text}\n    return 0\n"
-        many = compiled(f"{gathered.text()}\n\n{body}", "many")
+        many = compiled(f"{gathered.text()}\n\n{body}", "many", "f1 d f1")
         runs[name] = timed(lambda many=many: many(x, exponent, out))  # type: ignore[misc]
     runs["power, NumPy"] = timed(lambda: np.power(x, exponent, out=out))
     return runs

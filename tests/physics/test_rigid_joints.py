@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rigid import Drive, Gear, Pin, Slide, Travel, Weld
+from rigid import Drive, Gear, Pin, Slide, Slot, Travel, Weld
 from vfife.errors import AssemblyError
 from vfife.kinematics.mobility import mobility
 from vfife.kinematics.solve import RigidSystem, accelerations, close, velocities
+from vfife.model.path import circle
 
 GROUND = [0.0, 0.0, 0.0]
 
@@ -173,7 +174,7 @@ def test_a_travel_on_a_turning_arm_meets_coriolis():
 
 # ------------------------------------------------------------------------------------------------------ random mechanisms
 
-KINDS = st.sampled_from(["pin", "slide", "slot", "weld", "gear"])
+KINDS = st.sampled_from(["pin", "slide", "slot", "weld", "gear", "curve"])
 NUMBER = st.floats(-1.0, 1.0).map(lambda value: round(value, 3))
 
 
@@ -191,10 +192,11 @@ def mechanisms(draw):
         offset = position[b, 2] - position[a, 2]
         sides = a, local(a, at), b, local(b, at)
         guided = a, local(a, at + draw(NUMBER) * t), turned(-position[a, 2], t), b, local(b, at)
-        ratio = draw(st.sampled_from([-3.0, -0.5, 2.0]))
+        ratio, size = draw(st.sampled_from([-3.0, -0.5, 2.0])), draw(st.sampled_from([0.3, 1.0, 4.0]))
         return {
             "pin": lambda: Pin(f"j{k}", *sides), "weld": lambda: Weld(f"j{k}", *sides, offset),
             "slide": lambda: Slide(f"j{k}", *guided, False, offset), "slot": lambda: Slide(f"j{k}", *guided, True),
+            "curve": lambda: Slot(f"j{k}", *sides[:2], circle(tuple(turned(2.0 * size, (size, 0.0))), size), *sides[2:]),
             "gear": lambda: Gear(f"j{k}", a, b, ratio, position[b, 2] - ratio * position[a, 2]),
         }[kind]()  # fmt: skip
 

@@ -1,126 +1,98 @@
-"""From text to a callable: compiled and cached on disk, or interpreted.
+"""From a gathered text to a callable: compiled by numba and kept as object code, or run as plain Python.
 
-A text is written to a file in a folder named by its hash, numba version and processor, and compiled from there with numba's disk cache. Files
-are written under another name and renamed; whatever is wrong with a cached file, it is thrown away and compiled again.
+numba is imported where a text is compiled; what it made is read from the cache and called without it.
 """
 
 from __future__ import annotations
 
-import hashlib
-import importlib.util
+import ctypes
+import math
 import platform
-import shutil
+import re
 import sys
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
+from importlib.metadata import version
 from typing import Any
 
-from .cache import cache_folder, private
+import numpy as np
 
-HEADER = '''"""Written by vfife; compiled from its physics. Safe to delete."""
-import math
-import numba
+from . import cache
+from .lock import WRITING
+from .native import Code, object_code, processor
 
-lean = dict(error_model="numpy", no_rewrites=True, no_cfunc_wrapper=True, _nrt=False)
-jit = numba.njit(forceinline=True, no_cpython_wrapper=True, **lean)
-entry = numba.njit(cache=True, nogil=True, **lean)
-
-'''
-
-
-def key(text: str) -> str:
-    """Hash of everything that decides the machine code."""
-    import llvmlite
-    import numba
-
-    parts = (text, numba.__version__, llvmlite.__version__, sys.version, platform.machine())
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:24]
-
-
-def location(text: str) -> Path:
-    """File that the cache holds for a text."""
-    name = key(text)
-    return cache_folder() / name / f"step_{name}.py"
-
-
-def place(text: str) -> Path:
-    """Writes the text where the cache holds it, or to a folder of this process's own if the cache cannot be written."""
-    path = location(text)
-    if private(cache_folder()) and path.exists():
-        if path.read_bytes() == text.encode():
-            return path
-        shutil.rmtree(path.parent, ignore_errors=True)  # cut short by a crash or a full disk
-    try:
-        if not private(cache_folder()):
-            raise OSError
-        fresh = Path(tempfile.mkdtemp(prefix="new-", dir=cache_folder()))
-    except OSError:
-        own = Path(tempfile.mkdtemp(prefix="vfife-")) / path.name
-        own.write_text(text)
-        return own
-    (fresh / path.name).write_text(text)
-    try:
-        fresh.rename(path.parent)
-    except OSError:  # another process was first
-        shutil.rmtree(fresh, ignore_errors=True)
-    return path
-
-
-def load(path: Path) -> Any:
-    """The module at ``path``."""
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"{path} cannot be loaded")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-def compiled(body: str, name: str) -> Callable[..., Any]:
-    """The function ``name`` of the text, compiled at its first call or read from the cache."""
-    text = HEADER + named(body, name)
-    return _Recovering(place(text), name, text)
-
-
-def named(body: str, name: str) -> str:
-    """The text with the function ``name`` as the one that is called from outside."""
-    return body.replace(f"@jit\ndef {name}(", f"@entry\ndef {name}(")
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_rewrites": True, "no_cfunc_wrapper": True, "no_cpython_wrapper": True, "_nrt": False}
+EFFORT = 3  # of LLVM's code generator, as numba has it
+DTYPES = {"f": np.float64, "u": np.uint32}
 
 
 def interpreted(body: str, name: str) -> Callable[..., Any]:
-    """The same function run as plain Python: slow, and the same bits."""
-    import math
-
+    """The function ``name`` of a text run as plain Python: slow, and the same bits."""
     space: dict[str, Any] = {"math": math, "jit": lambda f: f}
     exec(compile(body, f"<vfife {name}>", "exec"), space)  # the text is our own and the user's laws, never a model file's
     function: Callable[..., Any] = space[name]
     return function
 
 
-class _Recovering:
-    """Calls a cached function; a cache that cannot be read is deleted and the function compiled anew, once."""
+def compiled(body: str, name: str, arguments: str) -> Callable[..., Any]:
+    """The function ``name`` of a text, from the cache or compiled; it returns nothing.
 
-    def __init__(self, path: Path, name: str, text: str) -> None:
-        self.path, self.name, self.text = path, name, text
-        self.function = getattr(load(path), name)
-        self.sound = False
-
-    def __call__(self, *arguments: Any) -> Any:
-        if self.sound:
-            return self.function(*arguments)
-        try:
-            self.function.compile(tuple(_type(a) for a in arguments))
-        except Exception:
-            shutil.rmtree(self.path.parent / "__pycache__", ignore_errors=True)
-            self.path = place(self.text)
-            self.function = getattr(load(self.path), self.name)
-        self.sound = True
-        return self.function(*arguments)
+    ``arguments`` are kinds, one each: ``d`` a number, ``i`` an integer, ``f2`` an array of numbers of two dimensions, ``u1`` one of unsigned
+    integers of 32 bits.
+    """
+    kinds = arguments.split()
+    parts = (body, name, arguments, version("numba"), version("llvmlite"), sys.version, platform.machine(), *processor())
+    file = f"loop-{cache.digest(part.encode() for part in parts)}.o"
+    with WRITING:
+        code = cache.read(file)
+        if code is None:
+            code = object_code(_machine_text(body, name, kinds), EFFORT)
+            cache.keep(file, code)
+        return _Called(code, kinds)
 
 
-def _type(value: Any) -> Any:
+def _machine_text(body: str, name: str, kinds: list[str]) -> str:
+    """LLVM's text of the function, called ``entry``, as numba writes it: a place for the answer and one for an error go first."""
     import numba
+    from numba import types
 
-    return numba.typeof(value)
+    space: dict[str, Any] = {"math": math, "jit": numba.njit(forceinline=True, **OPTIONS)}
+    exec(compile(body.replace(f"@jit\ndef {name}(", f"def {name}("), f"<vfife {name}>", "exec"), space)  # our own text and the user's laws
+    numbers = {"d": types.float64, "i": types.int64}
+    signature = [numbers.get(kind) or types.Array(numba.from_dtype(np.dtype(DTYPES[kind[0]])), int(kind[1:]), "C") for kind in kinds]
+    function = numba.njit(tuple(signature), nogil=True, **OPTIONS)(space[name])
+    overload: Any = next(iter(function.overloads.values()))
+    text: str = overload.library.get_llvm_str()
+    symbol = overload.fndesc.llvm_func_name
+    found = re.search(r'define [^@\n]*@("?)' + re.escape(symbol) + r"\1\(", text)
+    if found is None:
+        raise ImportError(f"numba gave no function {symbol}")
+    return re.sub(rf'@"?{re.escape(symbol)}"?(?=\()', "@entry", text)
+
+
+class _Called:
+    """A compiled function, called with numbers and contiguous arrays.
+
+    numba takes an array as owner, parent, number and size of its items, address, shape and strides.
+    """
+
+    def __init__(self, code: bytes, kinds: list[str]) -> None:
+        self.kinds = kinds
+        types: list[Any] = []
+        for kind in kinds:
+            if kind[0] in DTYPES:
+                types += [*[ctypes.c_void_p] * 2, *[ctypes.c_int64] * 2, ctypes.c_void_p, *[ctypes.c_int64] * 2 * int(kind[1:])]
+            else:
+                types.append(ctypes.c_double if kind == "d" else ctypes.c_int64)
+        self.code = Code(code, "entry", ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *types))
+
+    def __call__(self, *arguments: Any) -> None:
+        given: list[Any] = []
+        for kind, value in zip(self.kinds, arguments, strict=True):
+            if kind[0] not in DTYPES:
+                given.append(value)
+                continue
+            if value.dtype != DTYPES[kind[0]] or value.ndim != int(kind[1:]) or not value.flags.c_contiguous:
+                raise TypeError(f"an array of {value.dtype} and shape {value.shape} was given where one of kind {kind} is expected")
+            given += [None, None, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+        answer, error = ctypes.c_int64(), ctypes.c_void_p()
+        self.code.function(ctypes.addressof(answer), ctypes.addressof(error), *given)

@@ -10,7 +10,7 @@ from importlib.resources import files
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .schedule import Line, Load, Store, Test, ordered, woven
+from .schedule import Line, Load, Store, Test, ordered, streamed, woven
 from .straight_line import Function, functions, trace
 from .trace import Operand, rows_used
 
@@ -65,6 +65,6 @@ def written(topology: Topology) -> str:
         DRIVER.read_text(),
         definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
         definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
-        definition("whole(S, n)", map(line, woven(whole, list(whole.operations)))),
+        definition("whole(S, n)", map(line, woven(whole, streamed(whole)))),
     ]
     return "\n".join(parts)

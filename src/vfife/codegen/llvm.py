@@ -12,13 +12,14 @@ from importlib.resources import files
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .schedule import Line, Load, Store, Test, ordered, woven
+from .schedule import Line, Load, Store, Test, ordered, streamed, woven
 from .straight_line import Function, functions, trace
 from .trace import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
+BLOCK = 400  # lines between two ends of a block
 DRIVER = files(__package__).joinpath("driver.ll")
 
 
@@ -102,9 +103,18 @@ class Writer:
         bits = self.fresh(f"bitcast {self.truth} {self.value(condition)} to i{self.width}")
         return self.fresh(f"icmp ne i{self.width} {bits}, 0")
 
-    def lines(self, lines: Iterable[Line]) -> None:
-        """Lines in their order; where the rare condition holds, the way goes to ``rare``."""
+    def lines(self, lines: Iterable[Line]) -> str:
+        """Lines in their order; where the rare condition holds, the way goes to ``rare``. The name of the last block is returned.
+
+        After ``BLOCK`` lines a block ends with a way out that is never taken: the time of compilation grows with the square of a block.
+        """
+        block, size = "body", 0
         for line in lines:
+            size += 1
+            if size == BLOCK:
+                self.count, size = self.count + 1, 0
+                block = f"b{self.count}"
+                self.out += [f"  br i1 %going, label %{block}, label %never", f"{block}:"]
             if isinstance(line, Operation):
                 self.operation(line)
             elif isinstance(line, Load):
@@ -112,7 +122,9 @@ class Writer:
             elif isinstance(line, Store):
                 self.store(line.row, line.value)
             elif isinstance(line, Test):
+                block, size = "common", 0
                 self.out += [f"  br i1 {self.any(line.condition)}, label %rare, label %common", "common:"]
+        return block
 
 
 class Lane(Writer):
@@ -146,12 +158,13 @@ def lean(step: Trace, width: int, searching: bool) -> str:
     """``lean(S, T, stride, n0, count)``: steps until one that something rare wants; their number is returned."""
     w = Writer(width, step.truths)
     w.begin(searching)
-    w.lines(woven(step, ordered(step)))
-    last, rare = ("common", "rare:\n  %clean = sub i64 %step, %n0\n  ret i64 %clean\n") if step.rare else ("body", "")
+    last = w.lines(woven(step, ordered(step)))
+    rare = "rare:\n  %clean = sub i64 %step, %n0\n  ret i64 %clean\n" if step.rare else ""
     body = "\n".join(w.out)
     return f"""define internal i64 @lean(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline {{
 entry:
   %end = add i64 %n0, %count
+  %going = icmp sgt i64 %count, 0
   br label %body
 body:
   %step = phi i64 [ %n0, %entry ], [ %next, %{last} ]
@@ -161,17 +174,26 @@ body:
   br i1 %more, label %body, label %done
 done:
   ret i64 %count
+never:
+  ret i64 0
 {rare}}}
 """
 
 
 def whole(step: Trace, width: int, searching: bool) -> str:
-    """``whole(S, T, stride, n)``: step n, whatever it wants."""
+    """``whole(S, T, stride, n)``: step n, whatever it wants. It is taken seldom, so no time is spent on making it fast."""
     w = Writer(width, step.truths)
     w.begin(searching)
-    w.lines(woven(step, list(step.operations)))
+    w.lines(woven(step, streamed(step)))
     body = "\n".join(w.out)
-    return f"define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %step) noinline {{\n{body}\n  ret void\n}}\n"
+    return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %step) noinline optnone {{
+  %going = icmp sge i64 %step, 0
+{body}
+  ret void
+never:
+  ret void
+}}
+"""
 
 
 def searched(found: list[Function], width: int, step_row: int) -> str:

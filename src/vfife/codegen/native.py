@@ -19,7 +19,7 @@ from .source import data_driven
 
 Rows = NDArray[np.float64]
 
-EFFORT = 2  # of LLVM's code generator, as in -O2; nothing of it changes a bit
+EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time; nothing of it changes a bit
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
 ADVANCE = ctypes.CFUNCTYPE(None, POINTER, POINTER, NUMBER, NUMBER, NUMBER, NUMBER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
 
@@ -79,20 +79,28 @@ def name_of(topology: Topology, width: int) -> str:
     return f"step-{cache.digest([*origin(topology), *(part.encode() for part in parts)])}.o"
 
 
+class Code:
+    """A function of object code in memory, which it keeps."""
+
+    def __init__(self, code: bytes, name: str, kind: Any) -> None:
+        llvm = _target()
+        with WRITING:
+            self.engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
+            self.engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+            self.engine.finalize_object()
+            self.function = kind(self.engine.get_function_address(name))
+
+
 class Loaded:
-    """A step in memory; ``advance`` is called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
+    """A step in memory; it is called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
 
     def __init__(self, code: bytes, width: int) -> None:
-        llvm = _target()
         self.width = width
-        self.engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
-        self.engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-        self.engine.finalize_object()
-        self.function = ADVANCE(self.engine.get_function_address("advance"))
+        self.code = Code(code, "advance", ADVANCE)
 
     def __call__(self, S: Rows, T: Rows, n0: int, count: int, out: Rows, kept: NDArray[np.uint32], extremes: NDArray[np.uint32]) -> None:
         """``out.shape[0]`` times ``count`` steps from step ``n0``."""
-        self.function(
+        self.code.function(
             S.ctypes.data, T.ctypes.data, len(T) // self.width, n0, count, len(out), out.ctypes.data, kept.ctypes.data, len(kept),
             extremes.ctypes.data, len(extremes),
         )  # fmt: skip

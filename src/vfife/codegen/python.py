@@ -10,7 +10,7 @@ from ..kernels.arrays import Layout
 from ..kernels.elementary import nearest
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import Topology
-from .schedule import Line, Load, Store, Test, ordered, woven
+from .schedule import Line, Load, Store, Test, ordered, streamed, woven
 from .straight_line import Function, functions, trace
 from .trace import Operand, rows_used
 
@@ -72,7 +72,7 @@ def written(topology: Topology) -> str:
     parts = [
         definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
         definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
-        definition("whole(S, n)", [*map(line, woven(whole, list(whole.operations))), "return True"]),
+        definition("whole(S, n)", [*map(line, woven(whole, streamed(whole))), "return True"]),
         ADVANCE,
     ]
     return "\n\n".join(parts)

@@ -21,6 +21,7 @@ from .source import data_driven
 
 Rows = NDArray[np.float64]
 Integers = NDArray[np.uint32]
+ARGUMENTS = "f1 f1 u1 f1 i i i i f3 u1 u1"  # of the data-driven loop
 
 
 def aligned(count: int) -> Rows:
@@ -37,13 +38,13 @@ def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpre
             return interpreted(data_driven(contact, friction), "advance")
         names = [f"{law.__module__}.{law.__qualname__}" for law in contact + friction]
         if not all(name.startswith("vfife.laws.") for name in names):  # a law from elsewhere may call anything
-            return compiled(written_out(data_driven(contact, friction), "advance"), "advance")
+            return compiled(written_out(data_driven(contact, friction), "advance"), "advance", ARGUMENTS)
         name = f"text-{cache.digest([cache.sources(), repr(names).encode()])}.py"  # writing it takes a third of a second
         text = cache.read(name)
         if text is None:
             text = written_out(data_driven(contact, friction), "advance").encode()
             cache.keep(name, text)
-        return compiled(text.decode(), "advance")
+        return compiled(text.decode(), "advance", ARGUMENTS)
 
 
 class DataDriven:

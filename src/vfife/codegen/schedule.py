@@ -11,12 +11,14 @@ nothing, so that nothing is ever undone. Held back to the very end, the writes w
 from __future__ import annotations
 
 import heapq
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 from .trace import Operand, Operation, Trace, is_row
 
 FORWARD = 8  # cycles from a store to a load of the same row
 WIDTH = 3  # lines begun in a cycle
+WINDOW = 100  # lines that are looked at in search of the next
 CYCLES = {"sqrt": 21, "/": 13}  # rough latency, 3 of all others
 
 
@@ -42,23 +44,21 @@ class Test(NamedTuple):
 Line: TypeAlias = "Load | Store | Test | Operation"
 
 
-def remaining(trace: Trace) -> list[int]:
+def remaining(trace: Trace) -> dict[str, int]:
     """Cycles from the end of each operation to the end of what waits for it, counted over three steps."""
     rows: dict[Operand, list[str]] = {}
     for number, value in trace.stores.items():
         rows.setdefault(value, []).append(f"v{number}")
-    after = [0] * len(trace.operations)
+    after: dict[str, int] = {}
+    backwards = [(o.name, tuple(set(o.uses)), CYCLES.get(o.operator, 3), rows.get(o.name, ())) for o in reversed(trace.operations)]
     loads: dict[str, int] = {}
-    backwards = [
-        (k, o.name, tuple(set(o.uses)), CYCLES.get(o.operator, 3), rows.get(o.name, ())) for k, o in reversed(list(enumerate(trace.operations)))
-    ]
     for _ in range(3):
         later: dict[str, int] = {}
-        for k, name, uses, cycles, stored in backwards:
+        for name, uses, cycles, stored in backwards:
             most = later.get(name, 0)
             for row in stored:
                 most = max(most, FORWARD + loads.get(row, 0))
-            after[k] = most
+            after[name] = most
             for used in uses:
                 if later.get(used, 0) < most + cycles:
                     later[used] = most + cycles
@@ -67,49 +67,83 @@ def remaining(trace: Trace) -> list[int]:
 
 
 def ordered(trace: Trace) -> list[Operation]:
-    """List scheduling: of the operations whose operands are there, the one with most behind it first; before it, all that the test waits for."""
-    operations = trace.operations
-    rank = {operation.name: k for k, operation in enumerate(operations)}
+    """List scheduling: of the operations whose operands are there, the one with most behind it first; before it, all that the test waits for.
+
+    Only so many operations ahead of the streamed order are looked at: in a long frame, what has most behind it would otherwise be made for all
+    elements at once and be put aside for want of registers, which takes half as long again.
+    """
+    operations = streamed(trace)
+    place = {operation.name: k for k, operation in enumerate(operations)}
     after = remaining(trace)
-    for k in _ahead(trace, rank):
-        after[k] += 1 << 30
+    most = [after[operation.name] for operation in operations]
+    for k in _ahead(operations, place, trace.rare):
+        most[k] += 1 << 30
     missing = [0] * len(operations)
     users: list[list[int]] = [[] for _ in operations]
     for k, operation in enumerate(operations):
-        for name in set(operation.uses):
-            if name in rank:
-                missing[k] += 1
-                users[rank[name]].append(k)
-    ready = [(-after[k], k) for k in range(len(operations)) if not missing[k]]
-    heapq.heapify(ready)
+        for name in set(operation.uses) & place.keys():
+            missing[k] += 1
+            users[place[name]].append(k)
+    begin = [0] * len(operations)  # cycle at which an operation's operands are there
+    ready: list[tuple[int, int]] = []
     coming: list[tuple[int, int]] = []
+    done = [False] * len(operations)
     result: list[Operation] = []
-    cycle = 0
+    low = high = cycle = 0
     while len(result) < len(operations):
+        while low < len(operations) and done[low]:
+            low += 1
+        while high < min(low + WINDOW, len(operations)):
+            if not missing[high]:
+                heapq.heappush(coming, (begin[high], high))
+            high += 1
         while coming and coming[0][0] <= cycle:
             k = heapq.heappop(coming)[1]
-            heapq.heappush(ready, (-after[k], k))
+            heapq.heappush(ready, (-most[k], k))
         for _ in range(min(WIDTH, len(ready))):
             k = heapq.heappop(ready)[1]
             result.append(operations[k])
+            done[k] = True
             for user in users[k]:
                 missing[user] -= 1
-                if not missing[user]:
-                    heapq.heappush(coming, (cycle + CYCLES.get(operations[k].operator, 3), user))
+                begin[user] = max(begin[user], cycle + CYCLES.get(operations[k].operator, 3))
+                if not missing[user] and user < high:
+                    heapq.heappush(coming, (begin[user], user))
         cycle += 1
     return result
 
 
-def _ahead(trace: Trace, rank: dict[str, int]) -> set[int]:
+def streamed(trace: Trace) -> list[Operation]:
+    """Each operation just before it is needed: first all that the test waits for, then result after result, element by element."""
+    operations = trace.operations
+    place = {operation.name: k for k, operation in enumerate(operations)}
+    used = {name for operation in operations for name in operation.uses}
+    ends = [k for k, operation in enumerate(operations) if operation.name not in used]
+    done = [False] * len(operations)
+    result: list[Operation] = []
+    for end in [*sorted(_ahead(operations, place, trace.rare)), *ends]:
+        waiting = [(end, False)]
+        while waiting:
+            k, complete = waiting.pop()
+            if complete and not done[k]:
+                done[k] = True
+                result.append(operations[k])
+            elif not done[k]:
+                waiting.append((k, True))
+                waiting += [(place[name], False) for name in reversed(operations[k].uses) if name in place and not done[place[name]]]
+    return result
+
+
+def _ahead(operations: Sequence[Operation], place: dict[str, int], rare: Operand) -> set[int]:
     """The operations that the rare condition waits for."""
     found: set[int] = set()
-    waiting = [trace.rare]
+    waiting = [rare]
     while waiting:
         name = waiting.pop()
-        k = rank.get(name, -1) if isinstance(name, str) else -1
+        k = place.get(name, -1) if isinstance(name, str) else -1
         if k >= 0 and k not in found:
             found.add(k)
-            waiting += trace.operations[k].uses
+            waiting += operations[k].uses
     return found
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from .bushing import Bushing
-from .force_element import ForceElement
+from .force_element import ForceElement as ForceElement
 from .linear import Spring
 from .stop import Stop
 from .torsional import TorsionalSpring
 
-AnySpring = Spring | TorsionalSpring | Stop | Bushing
+AnySpring = ForceElement
 
-__all__ = ["AnySpring", "Bushing", "ForceElement", "Spring", "Stop", "TorsionalSpring"]
+# What all of them share is imported by its name; the kinds are public, and those of vfife too.
+__all__ = ["Bushing", "Spring", "Stop", "TorsionalSpring"]
