@@ -38,7 +38,7 @@ def test_ledger_notices_a_wrong_work() -> None:
     where = [k for k, row in enumerate(record.kept) if row in record.assembly.layout["contact_friction_work"]]
     rows = record.rows.copy()
     rows[:, where] *= 0.99
-    assert ledger(dataclasses.replace(record, rows=rows)).error > 1e-4
+    assert ledger(dataclasses.replace(record, source=rows)).error > 1e-4
 
 
 @pytest.mark.parametrize("release", ["none", "start", "both"])

@@ -81,4 +81,4 @@ def test_nothing_is_compared_with_nothing() -> None:
 def test_measures_of_numbers_that_blew_up_are_left_out(record) -> None:
     rows = record.rows.copy()
     rows[-1] = math.nan
-    assert all(map(math.isfinite, measures(dataclasses.replace(record, rows=rows)).values()))
+    assert all(map(math.isfinite, measures(dataclasses.replace(record, source=rows)).values()))

@@ -9,7 +9,9 @@ import pytest
 
 import vfife
 from cli.models import CASE_C
-from laws.test_own_laws import COPY, only_built_in_laws  # noqa: F401
+from laws.test_own_laws import COPY
+
+pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
 SHORT = {"turns": 0.5, "loop": "data-driven"}
 

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from cli.models import PENDULUM
-from laws.test_own_laws import COPY, only_built_in_laws  # noqa: F401
+from laws.test_own_laws import COPY
 from vfife.laws import ContactLaw
+
+pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
 MODEL = (
     PENDULUM.replace("duration = 0.05", "duration = 0.002")
