@@ -17,9 +17,11 @@ from measure import Options, Part, interleaved, seconds, table
 
 from vfife import Mechanism, Section
 from vfife.assembly.assemble import assemble
+from vfife.codegen.native import widest
 from vfife.codegen.runner import Runner
 
 TARGET = {"data-driven": 20e6, "generated": 80e6}
+FOUR_BAR = 242e6  # element-steps/s of the four-bar in four lanes that code compiled by numba reached
 SECTION = Section.square(1e-3)
 
 
@@ -105,14 +107,20 @@ def measure(options: Options) -> Part:
         "generated_4_lanes": (bar(40), "generated", 4),
         "generated_4_lanes_four_bar": (four_bar(8), "generated", 4),
     }
+    if widest() >= 8:
+        models["generated_8_lanes_four_bar"] = four_bar(8), "generated", 8
     prepared = {name: speed(*model, size) for name, model in models.items()}
     best = interleaved(3 if options.quick else 9, {name: timed for name, (_, timed) in prepared.items()})
     rows: list[tuple[Any, ...]] = []
     for name, (mechanism, loop, lanes) in models.items():
         rate = 1.0 / best[name]
         part.measured[name] = {"element_steps_per_s": rate, "elements": prepared[name][0], "lanes": lanes}
-        if name != "generated_1_lane_four_bar":
+        if name in ("data_driven", "data_driven_four_bar", "generated_4_lanes"):
             part.ratios[f"elastic.{name}"] = rate / TARGET[loop]
+        if name == "generated_4_lanes_four_bar":
+            part.ratios[f"elastic.{name}"] = rate / FOUR_BAR
+        if name == "generated_8_lanes_four_bar":
+            part.ratios["elastic.generated_8_over_4_lanes_four_bar"] = rate * best["generated_4_lanes_four_bar"]
         shown = f"{mechanism.name}, {prepared[name][0]} elements, {loop}, lanes: {lanes}"
         rows.append((shown, rate / 1e6, 1e9 * best[name]))
     if options.peers:

@@ -15,6 +15,8 @@ from typing import Any
 from limit_model import FOLLOWER_PIN, runner
 from measure import HERE, Options, Part, seconds, table
 
+from vfife.codegen.native import widest
+
 SOURCE = HERE / "limit" / "four_bar_limit.c"
 FLAGS = ["-O3", "-march=native", "-ffast-math"]
 VARIANTS = {
@@ -22,16 +24,17 @@ VARIANTS = {
     "located": ["-DLOCATED"],  # vfife's step: onset located, damping and friction in closed form
     "ledger": ["-DLOCATED", "-DLEDGER"],  # and the works, powers and extremes that vfife keeps
 }
-LOOPS = {"generated_1_lane": ("generated", 1), "generated_4_lanes": ("generated", 4), "data_driven": ("data-driven", 1)}
+WIDE = (1, 4, 8) if widest() >= 8 else (1, 4)
+LOOPS = {f"generated_{lanes}_lane{'s' * (lanes > 1)}": ("generated", lanes) for lanes in WIDE} | {"data_driven": ("data-driven", 1)}
 LINE = re.compile(r"simulation (?P<ns>\S+).* N  onsets (?P<onsets>\S+).*pin (?P<x>\S+) (?P<y>\S+)")
 COMPILER = os.environ.get("CC", "gcc")
 
 
 def build(folder: Path) -> dict[str, Path]:
-    """Compiles every variant for one lane and for four."""
+    """Compiles every variant for one lane and for several."""
     programs = {}
     for name, switches in VARIANTS.items():
-        for lanes in (1, 4):
+        for lanes in WIDE:
             out = folder / f"{name}_{lanes}"
             options = [*FLAGS, *switches, f"-DLANES={lanes}"]
             subprocess.run([COMPILER, *options, str(SOURCE), "-o", str(out), "-lm"], check=True)
@@ -119,8 +122,8 @@ def measure(options: Options) -> Part:
             part.ratios[f"limit.{name}" if variant == "limit" else f"limit.{variant}_{name}"] = ratio
         rows.append((name.replace("_", " "), best[name], *against.values()))
     for variant in VARIANTS:
-        both = f"{best[f'{variant}_1']:.1f}, {best[f'{variant}_4']:.1f}"
-        rows.append((f"C, {variant}: 1 lane, 4 lanes", both, None, None, None))
+        all_widths = ", ".join(f"{best[f'{variant}_{lanes}']:.1f}" for lanes in WIDE)
+        rows.append((f"C, {variant}: {', '.join(map(str, WIDE))} lanes", all_widths, None, None, None))
     title = "ns per step and simulation; ratio to the C program as given, with vfife's step, and with its ledger too"
     part.tables.append(table(title, "loop", "ns", "given", "located", "ledger", rows=rows))
     rows = [(str(r["steps"]), r["limit"], r["located"], f"{r['onsets']:.0f}, {r['located_onsets']:.0f}") for r in moved]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import math
 import os
 import platform
 import time
@@ -12,6 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from rich.table import Table
+
+from vfife import load_model
+from vfife.assembly.assemble import assemble
+from vfife.codegen.llvm import written
+from vfife.codegen.source import data_driven
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -78,6 +85,22 @@ def versions(*names: str) -> dict[str, str]:
         except PackageNotFoundError:
             continue
     return found
+
+
+def step_text() -> str:
+    """Hash of the text of the step, as it is compiled for case c in either loop: numbers taken with another text are of another program."""
+    topology = assemble(load_model(EXAMPLES / "four_bar_case_c.toml"), 1e-6, turns=1, force_step=True).topology
+    texts = written(topology, 1), data_driven(topology.contact_laws, topology.friction_laws)
+    return hashlib.sha256("".join(texts).encode()).hexdigest()[:16]
+
+
+def plain(value: Any) -> Any:
+    """The same with None for numbers that are not finite, which JSON does not know."""
+    if isinstance(value, dict):
+        return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def table(title: str, *columns: str, rows: list[tuple[Any, ...]]) -> Table:

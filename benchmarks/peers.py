@@ -7,6 +7,7 @@ building of the model are left out for everybody.
 
 from __future__ import annotations
 
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from vfife.solvers.transient import run as advance
 TURN = 0.04
 MODELS = {"a": "four_bar_ideal.toml", "b": "four_bar_case_b.toml", "c": "four_bar_case_c.toml"}
 LOOPS = ("generated", "data-driven")
+DIVERGED = {"ms": inf, "err_alpha": inf, "err_force": inf, "refused_by_default": 1.0}
 
 
 class Case:
@@ -38,6 +40,8 @@ class Case:
             self.assemblies[step] = assemble(self.mechanism, step, turns=2, outputs=20, force_step=True)
         assembly = self.assemblies[step]
         record = advance(assembly, loop=loop)  # type: ignore[arg-type]
+        if record.status != "complete":  # no second revolution, hence no maximum of it
+            return dict(DIVERGED)
         late = record.steps * assembly.choice.step > TURN * (1 + 1e-9)
         alpha = record.block("body_alpha_max")[late, assembly.bodies["follower"].row].max()
         joint = "contact" if "C" in assembly.contacts else "joint"
@@ -73,6 +77,8 @@ def peer(candidate: Candidate, case: str, repeat: int) -> dict[str, Any]:
         found = run(candidate.name, candidate.script, "--case", case, "--repeat", str(repeat), *candidate.command)
     except Missing as error:
         return {"missing": str(error)}
+    if not all(isinstance(found.get(name), float) and isfinite(found[name]) for name in ("err_alpha", "err_force", "wall_per_rev_s")):
+        return {"missing": f"{candidate.name} diverged at a step of {candidate.step:g}, so it has no maximum and no ratio is taken"}
     return {"step": candidate.step, "ms": 1e3 * found["wall_per_rev_s"], **found}
 
 
@@ -85,6 +91,8 @@ def fine(case: Case, repeat: int, part: Part, compare: bool) -> list[tuple[Any, 
     part.measured[f"case_{case.case}_fine"] = {"vfife_step": step, "vfife": found, "steps": len(scan), "wrong": wrong}
     rows = [row(f"{case.case}, fine grid  vfife, generated", step, found)]
     rival = peer(STRICT[case.case], case.case, repeat) if compare else {"missing": ""}
+    if compare and "missing" in rival:
+        part.notes.append(f"peers: case {case.case}, fine grid: {rival['missing']}")
     if "missing" not in rival:
         part.measured[f"case_{case.case}_fine"]["mujoco"] = rival
         part.ratios[f"peers.case_{case.case}_fine_grid"] = rival["ms"] / found["ms"]
@@ -94,6 +102,8 @@ def fine(case: Case, repeat: int, part: Part, compare: bool) -> list[tuple[Any, 
 
 def row(label: str, step: float, found: dict[str, Any]) -> tuple[Any, ...]:
     """A line of the table."""
+    if not isfinite(found["ms"]):
+        return label, f"{step:g}", "diverged", None, None
     return label, f"{step:g}", found["ms"], 100 * found["err_alpha"], 100 * found["err_force"]
 
 
@@ -120,10 +130,11 @@ def measure(options: Options) -> Part:
             rivals += [found] if candidate.decides else []
         if rivals:
             rival = min(rivals, key=lambda found: found["ms"])
-            part.ratios[f"peers.case_{name}"] = rival["ms"] / best["generated"]["ms"]
             equal = case.best(rival["step"], "generated", 2 * repeat)
             part.measured[f"case_{name}"]["vfife_at_equal_step"] = equal
-            part.ratios[f"peers.case_{name}_equal_step"] = rival["ms"] / equal["ms"]
+            compared = {f"peers.case_{name}": best["generated"], f"peers.case_{name}_equal_step": equal}
+            part.ratios |= {key: rival["ms"] / ours["ms"] for key, ours in compared.items() if isfinite(ours["ms"])}
+            part.notes += [f"{key}: vfife diverged, so there is no ratio" for key, ours in compared.items() if not isfinite(ours["ms"])]
         if name in FINE:
             rows += fine(case, repeat, part, options.peers)
     if not options.peers:

@@ -14,7 +14,7 @@ from typing import Any
 
 from measure import EXAMPLES, ROOT, Options, Part, seconds, table
 
-LIMITS = {"import": 0.3, "help": 0.5, "run_warm": 1.5, "run_cold": 12.0}
+LIMITS = {"import": 0.3, "help": 0.5, "run_warm": 0.7, "run_cold": 2.5}
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 VFIFE = [sys.executable, "-m", "vfife"]
 # The same number of outputs whatever the length; peak memory in KiB (bytes on macOS, where only the ratio counts).

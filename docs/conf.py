@@ -12,7 +12,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parent
 SOURCE = ROOT / "src" / "vfife"
 os.environ.setdefault("MPLBACKEND", "Agg")
-sys.path[:0] = [str(ROOT / "src"), str(HERE)]
+sys.path[:0] = [str(ROOT / "src"), str(HERE), str(ROOT / "benchmarks")]
 
 project = "vfife"
 author = "The vfife authors"
@@ -104,6 +104,16 @@ def fill_verification_page(app, docname, source) -> None:
         source[0] = source[0].replace("@CASES@", tables(CASES.values()))
 
 
+def fill_benchmarks_page(app, docname, source) -> None:
+    """Put the numbers of benchmarks/latest.json into benchmarks.md before it is read, and whether they are those of the step as it is."""
+    if docname == "benchmarks":
+        from measure import step_text
+        from page import tables
+
+        for mark, text in tables(step_text()).items():
+            source[0] = source[0].replace(mark, text)
+
+
 def keep_docstring_layout(app, what, name, obj, options, lines) -> None:
     """Show a docstring as plain text, whose layout carries meaning: the summary, then the rest as it stands."""
     text = [line.rstrip() for line in lines]
@@ -122,6 +132,7 @@ def setup(app) -> None:
     app.connect("builder-inited", write_module_pages)
     app.connect("source-read", fill_api_page)
     app.connect("source-read", fill_verification_page)
+    app.connect("source-read", fill_benchmarks_page)
     app.connect("autodoc-process-docstring", keep_docstring_layout)
 
 # Rooms may use the same short word (a Table of a model file and one of a page); annotations name both by it alone.

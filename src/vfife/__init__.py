@@ -110,7 +110,7 @@ __all__ = [
     "save_model",
     "simulate",
 ]
-__all__ += _contact.__all__
+__all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists
 __all__ += _friction.__all__
 __all__ += _joints.__all__
 __all__ += _springs.__all__
