@@ -7,7 +7,7 @@ MAKEFLAGS += --no-print-directory
 
 VENV := .venv
 PYTHON := $(VENV)/bin/python
-XDIST ?= -n 2
+XDIST ?= -n 2 --dist loadfile
 # Which Python makes .venv: the first of these that will do.
 BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 

@@ -13,7 +13,7 @@ from laws.test_own_laws import COPY
 
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
-SHORT = {"turns": 0.5, "loop": "data-driven"}
+SHORT = {"turns": 0.5}
 
 
 def test_each_run_is_the_run_of_its_law() -> None:

@@ -21,7 +21,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 @cache
 def run(name: str) -> Result:
     """The mechanism with its default values, run as it says itself."""
-    result = vfife.simulate(getattr(gallery, name)(), loop="data-driven", reference=False)
+    result = vfife.simulate(getattr(gallery, name)(), reference=False)
     assert result.record.status == "complete"
     return result
 
@@ -308,7 +308,7 @@ MEASURED = {
 @pytest.mark.parametrize("name", MEASURED)
 def test_the_measure_holds(name: str):
     measure, value, tolerance = MEASURED[name]
-    result = vfife.simulate(getattr(gallery, name)(), loop="data-driven")
+    result = vfife.simulate(getattr(gallery, name)())
     assert result.record.status == "complete"
     assert result.measures[measure] == pytest.approx(value, abs=tolerance)
 

@@ -22,8 +22,8 @@ from vfife.result import Result
 def run(name: str) -> Result:
     """A short run of it."""
     if name == "everything":
-        return vfife.simulate(everything(), duration=0.02, step=2e-6, outputs=50, loop="data-driven")
-    return vfife.simulate(getattr(gallery, name)(), loop="data-driven", reference=False)
+        return vfife.simulate(everything(), duration=0.02, step=2e-6, outputs=50)
+    return vfife.simulate(getattr(gallery, name)(), reference=False)
 
 
 def words(result: Result) -> set[str]:
@@ -67,14 +67,14 @@ def test_forces_of_a_loose_guide_and_moments_of_gears_have_panels():
 
 
 def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
-    result = vfife.simulate(gallery.williams_toggle(elements=60, drops=(0.05,)), loop="data-driven")
+    result = vfife.simulate(gallery.williams_toggle(elements=60, drops=(0.05,)))
     assert words(result) == {"toggle", "weld", "load"}
     chain = vfife.Mechanism("chain", gravity=(0.0, -9.81))
     chain.point("O", 0.0, 0.0)
     for k in range(20):
         chain.link(f"l{k}", length=0.1, mass=0.1)
         chain.revolute(f"j{k}", "ground.O" if k == 0 else f"l{k - 1}.end", f"l{k}.start")
-    found = figures(vfife.simulate(chain, duration=0.01, loop="data-driven"))
+    found = figures(vfife.simulate(chain, duration=0.01))
     legend = [text.get_text() for text in found["mechanism"].legends[0].get_texts()]
     assert "… and 9 more bodies" in legend and len(legend) < 15
     assert len(found["forces"].axes) == len(found["accelerations"].axes) == 16
