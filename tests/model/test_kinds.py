@@ -16,7 +16,7 @@ from vfife.assembly.assemble import assemble
 from vfife.kinematics.initial import ideal_motion
 from vfife.model.drivers import Driver
 from vfife.model.joints import Contact, Joint
-from vfife.model.loads import PointForce
+from vfife.model.loads import Load, PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.model.springs import ForceElement
 from vfife.model.validate import validate
@@ -27,7 +27,7 @@ from vfife.result import Result
 from vfife.solvers.transient import run
 
 SOURCE = Path(vfife.__file__).parent
-JOINTS, SPRINGS, DRIVERS = (dict(base.registry) for base in (Joint, ForceElement, Driver))
+JOINTS, SPRINGS, DRIVERS, LOADS = (dict(base.registry) for base in (Joint, ForceElement, Driver, Load))
 
 
 def with_joint(kind: str) -> Mechanism:
@@ -69,7 +69,15 @@ def with_driver(kind: str) -> Mechanism:
     return m
 
 
+def with_load(kind: str) -> Mechanism:
+    """A link on a pivot and a load at its end."""
+    m = pendulum()
+    m.loads["load"] = LOADS[kind](name="load", at="arm.end", **LOADS[kind].sample)
+    return m
+
+
 CASES = [(with_joint, kind) for kind in JOINTS] + [(with_spring, kind) for kind in SPRINGS] + [(with_driver, kind) for kind in DRIVERS]
+CASES += [(with_load, kind) for kind in LOADS]
 EVERY = pytest.mark.parametrize(("make", "kind"), CASES, ids=[f"{make.__name__[5:]} {kind}" for make, kind in CASES])
 
 
@@ -90,7 +98,7 @@ def test_it_is_written_and_read_back(make, kind):
     m = make(kind)
     validate(m)
     back = loads(dump(m))
-    assert (back.joints, back.springs, back.drivers) == (m.joints, m.springs, m.drivers)
+    assert (back.joints, back.springs, back.drivers, back.loads) == (m.joints, m.springs, m.drivers, m.loads)
 
 
 @EVERY
@@ -127,7 +135,7 @@ def test_it_is_drawn_with_a_sign_and_a_name(make, kind):
     assert {"joint", "pivot"} & names
 
 
-@EVERY
+@pytest.mark.parametrize(("make", "kind"), CASES[: -len(LOADS)])
 def test_it_is_told_in_words(make, kind):
     assembly = result(make, kind).record.assembly
     if make is with_joint:
@@ -176,7 +184,9 @@ def named(tree: ast.Module) -> set[str]:
 
 
 def test_no_other_file_names_a_kind():
-    kinds = {cls.__name__: cls.__module__ for base in (JOINTS, SPRINGS, DRIVERS) for cls in base.values() if cls.__module__.startswith("vfife.")}
+    kinds = {
+        cls.__name__: cls.__module__ for base in (JOINTS, SPRINGS, DRIVERS, LOADS) for cls in base.values() if cls.__module__.startswith("vfife.")
+    }
     offenders, used = [], set()
     for path in sorted(SOURCE.rglob("*.py")):
         name = path.relative_to(SOURCE).as_posix()

@@ -141,7 +141,7 @@ def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
     found = []
     for one in mechanism.loads.values():
         body, _, pin = one.at.partition(".")
-        found.append(Action(one.factor(), NO_BODIES, ((body, pin, (*one.force, one.moment)),), one.follow, one.steady))
+        found.append(Action(one.factor(), NO_BODIES, ((body, pin, one.acts),), one.follows, one.steady))
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             body = driven_body(name, driver)

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 
 class Kind:
-    """Base of joints, springs and drivers. A room's own base has a ``registry``; each class below it with a ``kind`` of its own enters there."""
+    """Base of joints, springs, drivers and loads. A room's own base has a ``registry``, which each class below it with a ``kind`` enters."""
 
     kind: ClassVar[str] = ""  # the word in a model file
     sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops

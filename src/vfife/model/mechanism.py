@@ -10,7 +10,7 @@ from ..fields import PLACE, SCALAR, Choice, Each, Entries, Inner, Many, Measure,
 from .bodies import Body, Frame, Link, Member, Point, PointMass, RigidBody
 from .drivers import ConstantSpeed, Driver
 from .joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
-from .loads import PointForce
+from .loads import Load
 from .options import (
     ClearanceSliderOptions,
     ContactOptions,
@@ -106,7 +106,7 @@ class Mechanism:
     drivers: dict[str, Driver] = described(
         Entries(Driver), "drivers by name, which is that of the body unless body, slider or point is given", factory=dict, key="driver"
     )
-    loads: dict[str, PointForce] = described(Entries(PointForce), "loads by name", factory=dict, key="load")
+    loads: dict[str, Load] = described(Entries(Load), "loads by name", factory=dict, key="load")
     gears: dict[str, Gear] = described(Entries(Gear), "gears and belts by name", factory=dict, key="gear")
     springs: dict[str, AnySpring] = described(Entries(ForceElement), "springs, dampers, stops and bushings by name", factory=dict, key="spring")
     start: StartSettings = described(Inner(StartSettings), "how a run starts", factory=StartSettings)

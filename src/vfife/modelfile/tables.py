@@ -14,7 +14,7 @@ from ..laws import ContactLaw, FrictionLaw, Law, Material
 from ..model.bodies import LINK_MODELS, Frame, Link, PointMass, RigidBody
 from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
-from ..model.loads import PointForce
+from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.springs import ForceElement, Spring
 
@@ -22,7 +22,8 @@ Raw = dict[str, Any]
 
 LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
-FAMILIES: dict[str, tuple[Any, type]] = {"joint": (Joint, IdealRevolute), "spring": (ForceElement, Spring)}  # and what needs no kind
+# Sections of several kinds, told by a word, and the kind that needs none.
+FAMILIES: dict[str, tuple[Any, type]] = {"joint": (Joint, IdealRevolute), "spring": (ForceElement, Spring), "load": (Load, PointForce)}
 BODIES: dict[type, str] = {Link: "", RigidBody: "rigid", PointMass: "particle", Frame: "frame"}  # and the model that says so
 TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point", "direction")}
 
@@ -99,7 +100,7 @@ def tables(section: str) -> tuple[Table, ...]:
         return (Table(Material, whole=True),)
     if section == "driver":
         return tuple(Table(noun, target=target) for noun in Driver.registry.values() for target in TARGETS if target in noun.drives)
-    known = {"gear": Gear, "load": PointForce, "run": Settings, "start": StartSettings}
+    known = {"gear": Gear, "run": Settings, "start": StartSettings}
     return (Table(known[section]),) if section in known else ()
 
 

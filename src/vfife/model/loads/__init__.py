@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .load import Load
 from .point_force import PointForce
 
-__all__ = ["PointForce"]
+__all__ = ["Load", "PointForce"]
