@@ -13,11 +13,12 @@ NANOSECONDS = {
     "generated": {"step": 10.0, "clearance": 38.0, "ideal": 40.0, "element": 5.0},
 }
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
-STRAIGHT_LINE_COMPILATION = {"step": 0.2, "clearance": 0.02, "ideal": 0.02, "element": 0.03}  # s, once for all models of the same topology
+STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4  # s, and for each line of the step, once for all models of the same topology
 
 
 def estimate(assembly: Assembly) -> dict[str, Any]:
     """Loop, time of a step (ns), time of all steps and of a first compilation (s), bytes of the record."""
+    from ..codegen.straight_line import about
     from ..solvers.record import recorded_rows
     from ..solvers.transient import choose_loop
 
@@ -30,11 +31,11 @@ def estimate(assembly: Assembly) -> dict[str, Any]:
     }
     loop = choose_loop(assembly, "auto")
     ns = sum(NANOSECONDS[loop][name] * count for name, count in counts.items())
-    written = sum(STRAIGHT_LINE_COMPILATION[name] * count for name, count in counts.items())
+    begin, each = STRAIGHT_LINE_COMPILATION
     return {
         "loop": loop,
         "ns_per_step": ns,
         "seconds": 1e-9 * ns * choice.steps,
-        "compile_seconds": written if loop == "generated" else DATA_DRIVEN_COMPILATION,
+        "compile_seconds": begin + each * about(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION,
         "bytes": 8 * len(recorded_rows(assembly)) * (choice.outputs + 1),
     }

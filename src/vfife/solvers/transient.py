@@ -10,6 +10,7 @@ import numpy as np
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import unsound
 from ..codegen.runner import Runner
+from ..codegen.straight_line import about
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .progress import Progress
@@ -18,13 +19,7 @@ from .status import Status
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
-LARGEST_STRAIGHT_LINE = 300  # elements and joints of a topology that is still written out
-
-
-def entities(assembly: Assembly) -> int:
-    """Elements and joints: what a step's work grows with."""
-    t = assembly.topology
-    return len(t.frame_nodes) + len(t.contact_bearing) + len(t.joint_bearing) + len(t.spring_first)
+LONGEST_STRAIGHT_LINE = 25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
 
 
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
@@ -33,7 +28,7 @@ def choose_loop(assembly: Assembly, loop: Loop) -> str:
         return "interpreted" if loop == "interpreted" else "data-driven"
     if loop != "auto":
         return loop
-    return "data-driven" if entities(assembly) > LARGEST_STRAIGHT_LINE or assembly.topology.path_unit != 1 else "generated"
+    return "generated" if assembly.topology.path_unit == 1 and about(assembly.topology) <= LONGEST_STRAIGHT_LINE else "data-driven"
 
 
 def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: Writer | None = None) -> Record:

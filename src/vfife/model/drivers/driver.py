@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from ...fields import Direction, Text, described, key_of
+from ..kind import Kind
 from ..polynomials import Polynomials
 
 Point = tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Driver:
+class Driver(Kind):
     """What is driven: the angle of ``body``, the travel of the joint ``slider``, or the pin ``point`` along ``direction`` (fixed in space).
 
     The angle (rad) counts from the body's start angle; a body turns about its one ideal revolute to the ground, or, with ``against``, relative
@@ -26,19 +27,11 @@ class Driver:
     direction: Point = described(Direction(), "direction, fixed in space", (1.0, 0.0))
     against: str = described(Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground")
 
-    kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
-    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
     lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
     moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
     drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
     revolves: ClassVar[bool] = False  # may turn a body round and round
     registry: ClassVar[dict[str, type[Driver]]] = {}
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Registers a kind."""
-        super().__init_subclass__(**kwargs)
-        if cls.__dict__.get("kind"):
-            cls.registry[cls.kind] = cls
 
     @property
     def target(self) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from ...fields import Text, described
 from ..conflict import Conflict
+from ..kind import Kind
 from ..rows import Coincide, Row, place_row
 from ..strokes import JointSeen, Label, Stroke, under
 
@@ -15,22 +16,14 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Joint:
+class Joint(Kind):
     """Two pins in one place: ``bearing`` and ``journal`` are ``body.pin`` or ``ground.point``."""
 
     name: str
     bearing: str = described(Text("pin"), 'the bearing side, "body.pin" or "ground.point"')
     journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
-    kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
-    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
     registry: ClassVar[dict[str, type[Joint]]] = {}
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Registers a kind."""
-        super().__init_subclass__(**kwargs)
-        if cls.__dict__.get("kind"):
-            cls.registry[cls.kind] = cls
 
     @property
     def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:

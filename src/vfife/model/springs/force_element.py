@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from ...fields import Text, described
 from ..conflict import Conflict
+from ..kind import Kind
 from ..strokes import PairSeen, Stroke
 
 Axes = Literal["linear", "torsional", "stop", "bushing"]
@@ -28,23 +29,15 @@ class SpringNumbers:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ForceElement:
+class ForceElement(Kind):
     """A massless element between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or bodies where it acts about the axis."""
 
     name: str
     first: str = described(Text("pin"), 'one end, "body.pin" or "ground.point"')
     second: str = described(Text("pin"), 'the other end, "body.pin" or "ground.point"')
 
-    kind: ClassVar[str] = ""  # the word in a model file; a class that has one of its own is a kind
-    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
     axes: ClassVar[Axes] = "linear"  # along the line between two pins, about the axis between two bodies, with limits there, or along three axes
     registry: ClassVar[dict[str, type[ForceElement]]] = {}
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Registers a kind."""
-        super().__init_subclass__(**kwargs)
-        if cls.__dict__.get("kind"):
-            cls.registry[cls.kind] = cls
 
     def conflicts(self) -> Iterator[Conflict]:
         """Sizes that do not go together; of what is not known (None) nothing is said."""

@@ -1,0 +1,19 @@
+"""What makes a class of nouns a kind: a word in a model file, by which its room finds it."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+
+class Kind:
+    """Base of joints, springs and drivers. A room's own base has a ``registry``; each class below it with a ``kind`` of its own enters there."""
+
+    kind: ClassVar[str] = ""  # the word in a model file
+    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
+    registry: ClassVar[dict[str, Any]] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Registers a kind."""
+        super().__init_subclass__(**kwargs)
+        if cls.__dict__.get("kind"):
+            cls.registry[cls.kind] = cls
