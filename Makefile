@@ -30,7 +30,7 @@ test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
 
 oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the oldest that is allowed
-	@$(OLDEST)/bin/python -m pytest $(XDIST) $(OLDEST_TESTS) $(PYTEST)
+	@$(OLDEST)/bin/python -m pytest --disable-warnings $(XDIST) $(OLDEST_TESTS) $(PYTEST)
 
 coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines the tests run
 	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=src/vfife/kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)

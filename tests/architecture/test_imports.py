@@ -73,7 +73,7 @@ def normal(name: str) -> str:
 
 def imported(folder: str) -> dict[str, str]:
     """Distributions that the files of a folder import, with a place of each. All of ours are imported by the name they are installed by."""
-    ours = {"vfife", *(path.stem for path in (ROOT / "tests").iterdir())}
+    ours = {"vfife", *(path.stem for room in ("tests", "benchmarks") for path in (ROOT / room).iterdir())}
     found: dict[str, str] = {}
     for name, tree, _ in FILES if folder == "src/vfife" else parsed(ROOT / folder):
         for one in imports(name, tree):

@@ -30,12 +30,14 @@ class ProgressLine:
         self.step_count, self.told, self.last = 0, time.monotonic(), ""
 
     def __enter__(self) -> ProgressLine:
-        self.bars.start()
-        self.bars.refresh()
+        if self.live:
+            self.bars.start()
+            self.bars.refresh()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.bars.stop()
+        if self.live:  # elsewhere the oldest rich would print an empty line
+            self.bars.stop()
         if not self.live and not self.quiet and self.last and kind is None:
             self.console.print(self.last, markup=False)
 
