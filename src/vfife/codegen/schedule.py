@@ -5,7 +5,7 @@ other) it waits for roots and quotients with little else to do; ordered by the l
 two thirds of the time. Order changes no bit: every line is a single assignment.
 
 What the rare condition waits for comes before all else, and nothing is written before it is known: a step that must not be taken has changed
-nothing, so that nothing is ever undone. Held back to the very end, the writes would cost a third more time.
+nothing, so that nothing is ever undone.
 """
 
 from __future__ import annotations
