@@ -18,6 +18,7 @@ from .contact import Contact
 from .joint import Joint, Point
 
 WIDTH = 0.02  # of an ideal slot, as a share of the drawing
+LABEL = 0.06  # height of the name above the pin, as a share of the drawing
 CENTRE = "centre of a round slot, from the bearing's pin in the frame of its body"
 RADIUS = "radius of a round slot; leave it out for one along points"
 POINTS = "points of a slot along a polyline, from the bearing's pin in the frame of its body"
@@ -69,8 +70,8 @@ class CurvedSlot(Joint):
         return [*walls(seen, self.path, 0.5 * WIDTH * seen.size), Mark(seen.journal, "pin", "journal", "pin in a curved slot")]
 
     def label(self, seen: JointSeen) -> Label:
-        """Beside the pin."""
-        return Label(seen.journal)
+        """Above the pin."""
+        return Label(seen.journal + (0.0, LABEL * seen.size), fixed=True)
 
     @property
     def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
@@ -153,8 +154,8 @@ class ClearanceCurvedSlot(Contact):
         return [*walls(seen, self.path, seen.factor * (self.journal_radius + self.clearance)), pin]
 
     def label(self, seen: JointSeen) -> Label:
-        """Beside the pin."""
-        return Label(seen.journal)
+        """Above the pin."""
+        return Label(seen.journal + (0.0, LABEL * seen.size), fixed=True)
 
     @property
     def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
