@@ -69,7 +69,9 @@ class Runner:
     rows ``kept`` after each ``count``, shape (outputs, kept, lanes). Its memory is its own: runners may advance in several threads at once.
     """
 
-    def __init__(self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers) -> None:
+    def __init__(
+        self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers, *, parts: int = 8, shifts: Rows | None = None
+    ) -> None:
         self.topology, self.loop = topology, loop
         self.kept = np.ascontiguousarray(kept, dtype=np.uint32)
         self.layout = Layout(topology)
@@ -80,6 +82,8 @@ class Runner:
         self.S = aligned(self.layout.rows * self.lanes)
         self.states[:] = states
         self.states[self.layout["c"]] = self.states[self.layout["cn"]] = 1.0
+        if shifts is not None:  # until steps can be displaced
+            self.states[self.layout["step"]] *= 1.0 - 1e-4 * (shifts > 0) * (1.0 - shifts)
         self.take: Callable[..., None]
         if loop == "generated":
             self.take = straight_line(topology, self.lanes)
