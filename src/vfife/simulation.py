@@ -147,9 +147,10 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
         return assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
 
-    assembly = again(asked.step, FIRST_CONTACT_STEPS if wanted else CONTACT_STEPS)
+    looked = bool(wanted and mechanism.contacts and (wanted != "auto" or asked.loop in ("auto", "generated")))
+    assembly = again(asked.step, FIRST_CONTACT_STEPS if looked else CONTACT_STEPS)
     companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
-    if wanted and not companions and assembly.choice.automatic:  # nobody looks whether a coarse step will do
+    if looked and not companions and assembly.choice.automatic:  # a large frame: nobody looks whether a coarse step will do
         assembly = again(asked.step)
     return Prepared(assembly, ideal, asked.loop, again, companions)
 
