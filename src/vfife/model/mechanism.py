@@ -74,6 +74,9 @@ class Settings:
         Measure("s", above=0.0, words=("auto",)), 'time step, or "auto" for the largest that is stable and accurate', "auto"
     )
     outputs: int = described(Whole(1, 100_000_000), "outputs per turn; per run without a crank", 720)
+    parts: int = described(
+        Whole(1, 64), "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it is, as in the paper", 8
+    )
     companions: int | Literal["auto"] = described(
         Whole(0, MOST_COMPANIONS, words=("auto",)), 'runs with displaced steps beside it, or "auto" for as many as cost nothing; 0 for none', "auto"
     )

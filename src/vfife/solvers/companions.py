@@ -40,7 +40,7 @@ class Parting:
 class Companions:
     """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last turn and the output before it.
 
-    ``shifts`` (1) are their first steps as parts of a step: output n of companion k is at time (n - 1 + shifts[k]) dt. ``lost`` are those whose
+    ``shifts`` (1) are their first steps as parts of a step: step n of companion k is at time (n + shifts[k]) dt. ``lost`` are those whose
     numbers are no longer finite.
     """
 
@@ -172,4 +172,4 @@ class Watch:
 def oldest_needed(assembly: Assembly, last: int) -> int:
     """The step of the output before the turn that ends with a step; 0 without a crank."""
     choice = assembly.choice
-    return max(0, int(np.ceil(last - choice.turn / choice.step - choice.outputs_every - 0.5))) if choice.turn else 0
+    return max(0, int(np.ceil(last - choice.turn / choice.step - 0.5))) if choice.turn else 0

@@ -48,11 +48,11 @@ def run(
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     chosen = choose_loop(assembly, loop)
-    shifts = lanes(companions, chosen)
-    states, tables = np.repeat(assembly.state[:, None], len(shifts), axis=1), np.repeat(assembly.tables[None, :], len(shifts), axis=0)
-    runner = Runner(assembly.topology, states, tables, chosen, kept, shifts=shifts if companions else None)
-    gathering = Gathering(assembly, kept, shifts[1 : companions + 1]) if companions else None
-    choice = assembly.choice
+    choice, smaller = assembly.choice, assembly.mechanism.settings.parts
+    first = lanes(companions, chosen)
+    states, tables = np.repeat(assembly.state[:, None], len(first), axis=1), np.repeat(assembly.tables[None, :], len(first), axis=0)
+    runner = Runner(assembly.topology, states, tables, chosen, kept, parts=smaller, shares=first)
+    gathering = Gathering(assembly, kept, first[1 : companions + 1]) if companions else None
     parts: list[Rows] = []
 
     def keep(done: int, every: Rows) -> None:
@@ -65,7 +65,7 @@ def run(
             file.append(steps, rows, beside)
 
     status, done, wall = Status.COMPLETE, 0, 0.0
-    most = max(1, CHUNK_BYTES // (8 * len(kept) * len(shifts)))
+    most = max(1, CHUNK_BYTES // (8 * len(kept) * len(first)))
     chunk = 1
     keep(0, runner.advance(1, 1))
     try:
