@@ -113,8 +113,9 @@ class Gathering:
     def take(self, steps: NDArray[np.int64], rows: Array) -> Beside:
         """Outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
         count = len(self.shifts)
-        part = np.ascontiguousarray(rows[:, self.columns, 1 : count + 1])
-        self.lost |= set(np.flatnonzero(~np.isfinite(part).all(axis=(0, 1))).tolist())
+        part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
+        if not np.isfinite(part.sum()):
+            self.lost |= set(np.flatnonzero(~np.isfinite(part).all(axis=(0, 1))).tolist())
         if self.parting is None:
             self.parting = self.watch.look(steps, rows[..., : count + 1])
         self.parts.append((steps, part))

@@ -55,10 +55,9 @@ def run(
     gathering = Gathering(assembly, kept, first[1 : companions + 1]) if companions else None
     parts: list[Rows] = []
 
-    def keep(done: int, every: Rows) -> None:
-        steps = (done + np.arange(len(every), dtype=np.int64)) * choice.outputs_every
-        beside = gathering.take(steps, every) if gathering is not None and len(every) else None
-        rows = np.ascontiguousarray(every[:, :, 0])
+    def keep(done: int, rows: Rows, every: Rows) -> None:
+        steps = (done + np.arange(len(rows), dtype=np.int64)) * choice.outputs_every
+        beside = gathering.take(steps, every) if gathering is not None and len(rows) else None
         if file is None:
             parts.append(rows)
         else:
@@ -67,17 +66,19 @@ def run(
     status, done, wall = Status.COMPLETE, 0, 0.0
     most = max(1, CHUNK_BYTES // (8 * len(kept) * len(first)))
     chunk = 1
-    keep(0, runner.advance(1, 1))
+    every = runner.advance(1, 1)
+    keep(0, every[:, :, 0].copy(), every)
     try:
         while done < choice.outputs:
             some = min(chunk, choice.outputs - done, most)
             began = time.perf_counter()
-            rows = runner.advance(choice.outputs_every, some)
+            every = runner.advance(choice.outputs_every, some)
             spent = time.perf_counter() - began
             wall += spent
-            broken = unsound(assembly, kept, rows[:, :, 0]).any(axis=1)
+            rows = every[:, :, 0].copy()
+            broken = unsound(assembly, kept, rows).any(axis=1)
             sound = int(np.argmax(broken)) if broken.any() else len(rows)
-            keep(done + 1, rows[:sound])
+            keep(done + 1, rows[:sound], every[:sound])
             if file is not None:
                 file.checkpoint(int((done + some) * choice.outputs_every), runner.states[lasting, 0])
             done += sound
