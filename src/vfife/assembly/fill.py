@@ -129,7 +129,7 @@ class Filler:
 
     def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> float:
         if joint.turn == FREE and joint.place != ALONG:
-            return 0.0
+            return joint.length
         angles = [float(self.state[self.layout.row("particle_theta", end[0])]) for end in (joint.bearing, joint.journal)]
         begin = 0.0 if joint.function < 0 else self._function(joint.function, tables)
         if joint.place != ALONG:

@@ -184,7 +184,7 @@ BLOCKS: tuple[Block, ...] = (
         joint_journal_y | m | pin in the journal body's frame
         joint_direction_x | 1 | direction of a guide, in the bearing body's frame
         joint_direction_y | 1 | direction of a guide, in the bearing body's frame
-        joint_offset | rad or m | angle, or travel, between the bodies at the start
+        joint_offset | rad or m | angle, or travel, between the bodies at the start; length of a massless link
         joint_ratio | 1 | turns of the journal's body for one of the bearing's"""),
     *_blocks("parameter", "piece", """
         piece_x | m | begin of a piece of a path, in the frame of the bearing's body, from its pin

@@ -69,6 +69,12 @@ class SliderOptions(TypedDict, total=False):
     turning: bool
 
 
+class DistanceOptions(TypedDict, total=False):
+    """Of a massless link."""
+
+    angle: float
+
+
 class ContactOptions(TypedDict, total=False):
     """Of every joint with play."""
 
