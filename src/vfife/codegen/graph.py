@@ -27,7 +27,7 @@ from ..kernels.arrays import (
     TILE_INDEX,
     Layout,
 )
-from ..kernels.topology import CURRENT, FREE, PINNED, Topology
+from ..kernels.topology import CURRENT, FREE, PINNED, STOP, Topology
 
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
@@ -150,10 +150,11 @@ class Lists:
         """Contacts with what their laws ask for."""
         t = self.t
         ahead = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
+        kinked = [int(getattr(t.friction_laws[kind], "regime", None) is not None) for kind in t.friction_form]
         film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
         return self.records(
             "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
-            t.contact_form, t.friction_form, ahead, film, t.contact_kind or [0] * len(t.contact_bearing),
+            t.contact_form, t.friction_form, ahead, kinked, film, t.contact_kind or [0] * len(t.contact_bearing),
             *self.paths(t.contact_path, len(t.contact_bearing)),
         )  # fmt: skip
 
@@ -230,8 +231,10 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = made.low, made.graph.size, inverse, y, gn, gt
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
-    flags = (made.layout.plain, t.path_unit, t.damped, worked, made.graph.close_again)
-    integers[[HEADER.plain, HEADER.path_unit, HEADER.damped, HEADER.worked, HEADER.close_again]] = flags
+    watched = bool(t.contact_bearing or t.function_start or STOP in t.spring_kind)
+    flags = (made.layout.plain, t.particles - len(t.bound), t.path_unit, t.damped, worked, made.graph.close_again, watched)
+    names = ("plain", "plain_count", "path_unit", "damped", "worked", "close_again", "watched")
+    integers[[getattr(HEADER, name) for name in names]] = flags
     return integers, made.layout, gt + made.count
 
 

@@ -71,6 +71,9 @@ class Settings:
         Measure("s", above=0.0, words=("auto",)), 'time step, or "auto" for the largest that is stable and accurate', "auto"
     )
     outputs: int = described(Whole(1, 100_000_000), "outputs per turn; per run without a crank", 720)
+    parts: int = described(
+        Whole(1, 64), "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it is, as in the paper", 8
+    )
     damping: float = quantity("1/s", "mass-proportional damping", 0.0, low=0.0)
     path_unit: int = described(Whole(1, 1_000_000), "steps in a path unit of the elements", 1)
     analysis: Literal["dynamic", "static"] = described(

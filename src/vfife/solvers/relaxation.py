@@ -70,7 +70,7 @@ class Relaxation:
         watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]).astype(np.uint32)
         self.longest = FEW if assembly.contacts else LONGEST
         self.pressed = np.zeros(len(assembly.contacts))
-        self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched)
+        self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1)
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
         self.between = SHORTEST

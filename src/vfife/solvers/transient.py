@@ -40,8 +40,8 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     chosen = choose_loop(assembly, loop)
-    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept)
-    choice = assembly.choice
+    choice, smaller = assembly.choice, assembly.mechanism.settings.parts
+    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept, parts=smaller)
     parts: list[Rows] = []
 
     def keep(done: int, rows: Rows) -> None:
