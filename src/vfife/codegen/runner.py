@@ -79,7 +79,7 @@ class Runner:
         self.done = 0
         self.S = aligned(self.layout.rows * self.lanes)
         self.states[:] = states
-        self.states[self.layout["c"]] = self.states[self.layout["cn"]] = 1.0
+        self.states[self.layout["c"]] = 1.0
         self.take: Callable[..., None]
         if loop == "generated":
             self.take = straight_line(topology, self.lanes)
