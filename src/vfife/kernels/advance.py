@@ -49,6 +49,7 @@ def resize(S, I, size, shift, repeated):
     for m in range(I[HEADER.constraint_count]):
         q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m]
         S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (S[q + CONSTRAINT.force] - S[q + CONSTRAINT.before]) * (size / old)
+    S[SYSTEM.pivots_before] = S[SYSTEM.pivots] - (S[SYSTEM.pivots] - S[SYSTEM.pivots_before]) * (size / old)
     S[SYSTEM.step] = size
     S[SYSTEM.shift] = shift
     S[SYSTEM.repeated] += repeated
