@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
+from .analysis.ranges import own_ranges
 from .analysis.trust import finer
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
@@ -29,6 +30,7 @@ from .solvers.statics import equilibrium
 from .solvers.status import Status
 from .solvers.transient import choose_loop, run
 
+Earlier: TypeAlias = dict[str, tuple[float, float]]
 Tried: TypeAlias = tuple[tuple[float, float | None], ...]
 StartFrom: TypeAlias = Result | str | Path | States
 
@@ -62,10 +64,10 @@ class Prepared:
         """The meta of its run file."""
         return self.meta(self.assembly)
 
-    def meta(self, assembly: Assembly, model: str | None = None) -> dict[str, Any]:
+    def meta(self, assembly: Assembly, model: str | None = None, earlier: Earlier | None = None) -> dict[str, Any]:
         """The same of a run with another step; ``model`` is the text of the mechanism where it is written already."""
         found = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
-        return found | kept_companions(assembly, displacements(self.companions))
+        return found | kept_companions(assembly, displacements(self.companions), earlier or {})
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
@@ -170,10 +172,14 @@ def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None
         return Result(equilibrium(assembly, loop=loop, progress=progress, file=file))
     record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions)
     while (tried := finer(record)) is not None:
+        ideal = None if prepared.reference is None else prepared.reference.measures
+        earlier = {name: (one.low, one.high) for name, one in own_ranges(record, ideal).items()} if record.companions else {}
         assembly = halved(prepared, assembly, tried)
         if file is not None:
-            file.begin(prepared.meta(assembly, file.meta["model"]))
+            file.begin(prepared.meta(assembly, file.meta["model"], earlier))
         record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions)
+        if record.companions is not None:
+            record.companions.earlier = earlier
     return Result(record, prepared.reference)
 
 

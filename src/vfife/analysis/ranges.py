@@ -56,7 +56,21 @@ def companion_records(record: Record) -> Iterator[Record]:
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
-    """The measures of a run (:func:`~vfife.analysis.measures.measures`) with their ranges over run and companions."""
+    """The measures of a run (:func:`~vfife.analysis.measures.measures`) with their ranges over run and companions.
+
+    Companions share the size of the step. Where a try with twice the step was given up, and its range does not hold what has come out now, it was
+    that size which decided: then the ranges reach over both.
+    """
+    found = own_ranges(record, reference)
+    earlier = {} if record.companions is None else record.companions.earlier
+    if not earlier or followed(found, earlier, record.assembly.mechanism.settings.tolerance):
+        return found
+    both = {name: (min(one.low, *earlier[name]), max(one.high, *earlier[name])) for name, one in found.items() if name in earlier}
+    return {name: Measured(one.value, *both.get(name, (one.low, one.high))) for name, one in found.items()}
+
+
+def own_ranges(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
+    """The measures with their ranges over run and companions, whatever was tried before."""
     own = measures(record, reference)
     others = [measures(one, reference) for one in companion_records(record)]
     found = {}
@@ -66,25 +80,29 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict
     return found
 
 
-def spreads(found: Mapping[str, Measured]) -> dict[str, float]:
-    """Width of the range of each largest value of a turn over its size (1), by name.
+def followed(found: Mapping[str, Measured], earlier: Mapping[str, tuple[float, float]], tolerance: float) -> bool:
+    """Whether every largest value lies within its earlier range, widened by the tolerance of its size."""
+    sizes_now = sizes(found)
+    return all(low - tolerance * sizes_now[name] <= found[name] <= high + tolerance * sizes_now[name]
+               for name, (low, high) in earlier.items() if name in sizes_now)  # fmt: skip
 
-    Its size is the largest of the range, or a tenth of the largest of its kind where it is less. What never touches has none.
+
+def sizes(found: Mapping[str, Measured]) -> dict[str, float]:
+    """The size of each largest value of a turn, by name: the largest of its range, or a tenth of the largest of its kind where it is less.
+
+    What never touches has none.
     """
-    of_kind = {kind: [(name, one) for name, one in found.items() if name.endswith(f".{kind}")] for kind in JUDGED}
     result = {}
-    for members in of_kind.values():
+    for kind in JUDGED:
+        members = [(name, one) for name, one in found.items() if name.endswith(f".{kind}")]
         floor = LEAST * max((one.high for _, one in members), default=0.0)
-        for name, one in members:
-            if one.high > 0.0:
-                result[name] = (one.high - max(one.low, 0.0)) / max(one.high, floor)
+        result.update({name: max(one.high, floor) for name, one in members if one.high > 0.0})
     return result
 
 
-def widest_range(found: Mapping[str, Measured]) -> tuple[str, float] | None:
-    """Name and relative width of the measure that is known worst, None where there is none."""
-    every = spreads(found)
-    return max(every.items(), key=lambda item: item[1]) if every else None
+def spreads(found: Mapping[str, Measured]) -> dict[str, float]:
+    """Width of the range of each largest value of a turn over its size (1), by name."""
+    return {name: (found[name].high - max(found[name].low, 0.0)) / size for name, size in sizes(found).items()}
 
 
 def band(record: Record, series: Callable[[Record], Array]) -> tuple[Array, Array] | None:
