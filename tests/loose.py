@@ -65,7 +65,11 @@ def made_up(seed: int) -> Mechanism:
 
 
 def _laws(draw: np.random.Generator) -> dict[str, Any]:
-    friction = (Frictionless(), Ambrosio(coefficient=float(draw.uniform(0.02, 0.2)), v0=1e-3, v1=2e-2), Coulomb(coefficient=float(draw.uniform(0.02, 0.2))))
+    friction = (
+        Frictionless(),
+        Ambrosio(coefficient=float(draw.uniform(0.02, 0.2)), v0=1e-3, v1=2e-2),
+        Coulomb(coefficient=float(draw.uniform(0.02, 0.2))),
+    )
     return {"contact": LankaraniNikravesh(restitution=float(draw.uniform(0.5, 0.95))), "friction": friction[draw.integers(3)]}
 
 
@@ -82,7 +86,12 @@ def _four_bar(draw: np.random.Generator) -> Mechanism:
     m.link("crank", length=crank, mass=0.5)
     m.link("coupler", length=coupler, mass=float(draw.uniform(0.3, 1.5)), angle=bend)
     m.link("rocker", length=rocker, mass=float(draw.uniform(0.3, 1.5)), angle=math.atan2(end[1], end[0] - ground))
-    for name, bearing, journal in (("A", "ground.A", "crank.start"), ("B", "crank.end", "coupler.start"), ("C", "coupler.end", "rocker.end"), ("D", "ground.D", "rocker.start")):
+    for name, bearing, journal in (
+        ("A", "ground.A", "crank.start"),
+        ("B", "crank.end", "coupler.start"),
+        ("C", "coupler.end", "rocker.end"),
+        ("D", "ground.D", "rocker.start"),
+    ):
         m.revolute(name, bearing, journal)
     loose = ("B", "C", "D", "BC", "CD", "BD", "BCD")[draw.integers(7)]
     for joint in loose:
@@ -92,7 +101,11 @@ def _four_bar(draw: np.random.Generator) -> Mechanism:
 
 
 def _slider_crank(draw: np.random.Generator) -> Mechanism:
-    options = {"clearance": float(draw.uniform(1e-4, 6e-4)), "restitution": float(draw.uniform(0.6, 0.95)), "friction": float(draw.choice([0.0, 0.05, 0.15]))}
+    options = {
+        "clearance": float(draw.uniform(1e-4, 6e-4)),
+        "restitution": float(draw.uniform(0.6, 0.95)),
+        "friction": float(draw.choice([0.0, 0.05, 0.15])),
+    }
     made = (gallery.slider_crank_loose_pin, gallery.slider_crank_loose_guide)[draw.integers(2)]
     return made(speed=float(draw.uniform(30.0, 150.0)), turns=1.0, **options)
 
@@ -112,6 +125,12 @@ def _bouncing(draw: np.random.Generator) -> Mechanism:
     m = Mechanism("made up throw", gravity=(0.0, -9.81))
     slope = float(draw.uniform(-0.4, 0.4))
     m.point("floor", 0.0, 0.0)
-    m.rigid_body("disc", mass=1.0, inertia=8e-4, position=(0.0, float(draw.uniform(0.06, 0.15))), velocity=(float(draw.uniform(-1, 1)), -0.5, float(draw.uniform(-20, 20))))
+    m.rigid_body(
+        "disc",
+        mass=1.0,
+        inertia=8e-4,
+        position=(0.0, float(draw.uniform(0.06, 0.15))),
+        velocity=(float(draw.uniform(-1, 1)), -0.5, float(draw.uniform(-20, 20))),
+    )
     m.external_contact("floor", "ground.floor", "disc.center", journal_radius=0.04, direction=(math.cos(slope), math.sin(slope)), **_laws(draw))
     return with_settings(m, duration=0.25)
