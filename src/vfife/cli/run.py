@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..results.folder import RunFolder
     from ..solvers.arguments import Loop
 
+GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 
 
@@ -110,7 +111,7 @@ def simulated(
     with sentences(str(asked or "runs")):
         place = make_folder(asked, model)
         (place.path / "model.toml").write_text(meta["model"], encoding="utf-8")
-        file = RunFile.create(place.run_file, meta)
+        file = RunFile.create(place.run_file, meta, gather=GATHER)
     for note in place.notes if not quiet else ():
         tell("note", f"{note}.")
     with file:

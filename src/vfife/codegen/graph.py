@@ -27,7 +27,7 @@ from ..kernels.arrays import (
     TILE_INDEX,
     Layout,
 )
-from ..kernels.topology import FREE, PINNED, STOP, Topology
+from ..kernels.topology import CURRENT, FREE, PINNED, STOP, Topology
 
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
@@ -143,7 +143,7 @@ class Lists:
         chosen = {"bound": [p for p in t.bound if p in free], "trig": t.trig, "jointed": self.graph.jointed, "pinned": self.graph.pinned}
         found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
         found["tile"] = tiles(t, self.layout)
-        found["frame"] = self.records("frame", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.frame_release, units)
+        found["frame"] = self.records("frame", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.frame_release, units, t.strains)
         return found
 
     def contacts(self) -> NDArray[np.int64]:
@@ -190,7 +190,8 @@ class Lists:
         """Springs, drivers, loads, bodies and functions."""
         t, layout, body = self.t, self.layout, self.body
         ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
-        spans = {nodes: layout.record("frame", e) for e, nodes in enumerate(t.frame_nodes) if nodes in ends}
+        present = [(e, nodes) for e, nodes in enumerate(t.frame_nodes) if t.strains[e] == CURRENT and nodes in ends]
+        spans = {nodes: layout.record("frame", e) for e, nodes in present}  # whose inverse length is that of a body's chord
         return {
             "spring": self.records("spring", self.bodies(t.spring_first), self.bodies(t.spring_second), t.spring_kind),
             "driven": self.records("driven", self.bodies(t.driven), self.function(t.driven_function)),

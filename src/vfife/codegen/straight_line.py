@@ -13,7 +13,7 @@ from typing import Any
 from ..kernels import advance
 from ..kernels import step as loop
 from ..kernels.arrays import PARTICLE, Layout
-from ..kernels.topology import ALONG, FREE, TIME, Topology
+from ..kernels.topology import AIMED, FREE, TIME, Topology
 from .graph import derive, tables
 from .lock import WRITING
 from .source import dispatch, films, regimes
@@ -58,7 +58,7 @@ def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[i
             if body not in armed and body != 0:
                 known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
     for joint, (place, turn) in enumerate(topology.held):
-        if place != ALONG and turn == FREE:
+        if place not in AIMED and turn == FREE:
             known[layout.row("joint_offset", joint)] = 0.0
     return known
 

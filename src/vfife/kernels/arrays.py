@@ -79,7 +79,7 @@ BLOCKS: tuple[Block, ...] = (
         frame_moment_2 | N m | internal moment at the second node at step n
         reference_length | m | length at the start of the path unit"""),
     *_blocks("memory", "frame", """
-        reference_inverse_length | 1/m | its inverse
+        reference_inverse_length | 1/m | its inverse, or that of the length without forces where stiffness counts on it
         reference_cosine | 1 | direction at the start of the path unit
         reference_sine | 1 | direction at the start of the path unit
         reference_theta_1 | rad | rotation of the first node at the start of the path unit
@@ -193,7 +193,7 @@ BLOCKS: tuple[Block, ...] = (
         joint_journal_y | m | pin in the journal body's frame
         joint_direction_x | 1 | direction of a guide, in the bearing body's frame
         joint_direction_y | 1 | direction of a guide, in the bearing body's frame
-        joint_offset | rad or m | angle, or travel, between the bodies at the start
+        joint_offset | rad or m | angle, or travel, between the bodies at the start; length of a massless link
         joint_ratio | 1 | turns of the journal's body for one of the bearing's"""),
     *_blocks("parameter", "piece", """
         piece_x | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
@@ -287,7 +287,7 @@ PLAIN = _fields("particle").SIZE
 
 
 # Records of the integer array: rows of S and kinds.
-FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
+FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release", "unit", "strain"))
 CONTACT_INDEX = Fields(
     (name, 1)
     for name in (

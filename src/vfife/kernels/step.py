@@ -33,7 +33,7 @@ from .frame import axial, bending, bending_released, chord, nodal_force, step_tu
 from .geometry import arm, seldom
 from .polynomial import polynomial
 from .spring import springs
-from .topology import TIME, TURNED
+from .topology import CURRENT, TIME, TURNED
 
 
 def argument(S, kind, i, j, time, dt):
@@ -140,7 +140,10 @@ def loads(S, I):
 
 
 def elements(S, I, first, last, renew):
-    """Element forces from the reversed rigid-body motion; the reference is renewed where a path unit ends."""
+    """Element forces from the reversed rigid-body motion; the reference is renewed where a path unit ends.
+
+    Stiffness counts on the length that the element has there, as the paper's does, or for good on the length that it has without forces.
+    """
     own = I[HEADER.path_unit] == 1
     for m in range(first, last):
         r = I[HEADER.frame] + FRAME_INDEX.SIZE * m
@@ -182,7 +185,8 @@ def elements(S, I, first, last, renew):
         S[e + FRAME.moment_2] = m2
         if renew:
             S[e + FRAME.reference_length] = length
-            S[e + FRAME.reference_inverse_length] = inverse
+            if I[r + FRAME_INDEX.strain] == CURRENT:
+                S[e + FRAME.reference_inverse_length] = inverse
             S[e + FRAME.reference_cosine] = c
             S[e + FRAME.reference_sine] = s
             S[e + FRAME.reference_theta_1] = S[i + PARTICLE.theta]

@@ -9,11 +9,12 @@ from typing import ClassVar, Literal, TypeVar, Unpack
 from ..fields import PLACE, SCALAR, Choice, Each, Entries, Inner, Many, Measure, Names, Text, Whole, described, quantity
 from .bodies import Body, Frame, Link, Member, Point, PointMass, RigidBody
 from .drivers import ConstantSpeed, Driver
-from .joints import ClearanceRevolute, ClearanceSlider, Contact, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
+from .joints import ClearanceRevolute, ClearanceSlider, Contact, Distance, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
 from .loads import Load
 from .options import (
     ClearanceSliderOptions,
     ContactOptions,
+    DistanceOptions,
     ExternalContactOptions,
     FrameOptions,
     LinkOptions,
@@ -173,6 +174,10 @@ class Mechanism:
     def weld(self, name: str, bearing: str, journal: str) -> Weld:
         """Joins two bodies rigidly at a pin of each; with the ground it is a clamp."""
         return self._add_joint(Weld(name=name, bearing=bearing, journal=journal))
+
+    def distance(self, name: str, bearing: str, journal: str, *, length: float, **options: Unpack[DistanceOptions]) -> Distance:
+        """Adds a rigid link without mass between two pins; see :class:`~vfife.model.joints.Distance`."""
+        return self._add_joint(Distance(name=name, bearing=bearing, journal=journal, length=length, **options))
 
     def external_contact(
         self, name: str, bearing: str, journal: str, *, journal_radius: float, **options: Unpack[ExternalContactOptions]

@@ -1,15 +1,16 @@
 """One SQLite file a run: model, start, versions, history, checkpoints, events; whole up to the last transaction.
 
 Rows of S are stored chunk by chunk, and read into memory or, where they are many, into a mapped file of no name. SQLite keeps its rollback
-journal (no write-ahead log), so a finished run is one file.
+journal (no write-ahead log), so a finished run is one file. A transaction waits several times for the disk, so those of a short run are gathered.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import shutil
 import sqlite3
-import tempfile
+import time
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -79,13 +80,15 @@ def damaged(file: Any, what: str) -> str:
 class RunFile:
     """A run file, open for writing (:meth:`create`) or reading (:meth:`open`); a context manager that closes it."""
 
-    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+    def __init__(self, path: Path, connection: sqlite3.Connection, gather: float = 0.0) -> None:
         self.path, self._connection = path, connection
+        self._gather, self._kept, self._waiting = gather, time.monotonic(), False
 
     @classmethod
-    def create(cls, path: str | Path, meta: Mapping[str, Any] | None = None, *, replace: bool = False) -> RunFile:
+    def create(cls, path: str | Path, meta: Mapping[str, Any] | None = None, *, replace: bool = False, gather: float = 0.0) -> RunFile:
         """A new run file with ``meta``: anything JSON can say, and arrays; best from :func:`~vfife.results.provenance.provenance`.
 
+        What is written within ``gather`` seconds becomes one transaction, which ends with a checkpoint; each is one of its own by default.
         Raises RunFileError where the file cannot be made, or is there already and ``replace`` is false.
         """
         path = Path(path)
@@ -100,7 +103,7 @@ class RunFile:
             connection.execute("PRAGMA synchronous = NORMAL")
             connection.execute(f"PRAGMA application_id = {APPLICATION}")
             connection.execute(f"PRAGMA user_version = {FORMAT}")
-            file = cls(path, connection)
+            file = cls(path, connection, gather)
             with file._transaction():
                 for statement in SCHEMA.strip().split("\n"):
                     connection.execute(statement)
@@ -132,9 +135,14 @@ class RunFile:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
+    @told
     def close(self) -> None:
-        """Closes the file; every transaction is on disk already."""
-        self._connection.close()
+        """Closes the file; what was gathered goes to the disk first."""
+        try:
+            if self._waiting:
+                self._settle()
+        finally:
+            self._connection.close()
 
     # ------------------------------------------------------------------------------------------------------- writing
 
@@ -154,7 +162,7 @@ class RunFile:
         """
         if len(steps) == 0:
             return
-        with self._transaction():
+        with self._transaction(math.inf):
             if int(steps[0]) == 0:
                 self._forget()
             row = self._connection.execute("SELECT count(*), coalesce(max(output) + 1, 0) FROM steps").fetchone()
@@ -175,7 +183,7 @@ class RunFile:
     @told
     def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
         """Keeps the state after ``step``, from which a run can go on, in the order of the blocks of the start."""
-        with self._transaction():
+        with self._transaction(self._gather):
             self._connection.execute("INSERT OR REPLACE INTO checkpoints VALUES (?, ?)", (int(step), packed(state)))
             old = "DELETE FROM checkpoints WHERE step NOT IN (SELECT step FROM checkpoints ORDER BY step DESC LIMIT ?)"
             self._connection.execute(old, (CHECKPOINTS,))
@@ -192,7 +200,7 @@ class RunFile:
         entries, arrays = parted(meta)
         parts = {"meta": json.dumps(entries).encode(), "steps": packed(steps.astype(float)), "rows": packed(rows)}
         parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
-        with self._transaction():
+        with self._transaction(math.inf):
             self._connection.executemany("INSERT OR REPLACE INTO reference VALUES (?, ?)", list(parts.items()))
 
     @told
@@ -202,14 +210,25 @@ class RunFile:
             self._put({"status": status, "finished": now(), "summary": dict(summary or {}), **meta})
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._connection.execute("BEGIN IMMEDIATE")
+    def _transaction(self, patience: float = 0.0) -> Iterator[None]:
+        """A transaction, or more of the one that gathers: it ends unless the last ended less than ``patience`` seconds ago."""
+        if not self._waiting:
+            self._connection.execute("BEGIN IMMEDIATE")
+        self._waiting = True
         try:
             yield
         except BaseException:
+            self._waiting = False
             self._connection.rollback()
             raise
+        if not self._gather or time.monotonic() - self._kept >= patience:
+            self._settle()
+
+    def _settle(self) -> None:
+        """Brings to the disk what was gathered."""
+        self._waiting = False
         self._connection.commit()
+        self._kept = time.monotonic()
 
     def _put(self, meta: Mapping[str, Any]) -> None:
         entries, arrays = parted(meta)
@@ -259,8 +278,10 @@ class RunFile:
             filled += len(part)
         return rows
 
+    @told
     def later(self) -> Callable[[], NDArray[np.float64]]:
         """What reads :attr:`rows` when they are asked for, also after this file is closed."""
+        self._settle()
         return partial(rows_of, self.path.absolute())
 
     @told
@@ -315,6 +336,8 @@ def space(outputs: int, width: int) -> NDArray[np.float64]:
     """Room for rows: memory, or where they are many a file of no name, of which the system keeps in memory what is looked at."""
     if 8 * outputs * width <= IN_MEMORY:
         return np.empty((outputs, width))
+    import tempfile
+
     with tempfile.TemporaryFile() as file:
         return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)
 
@@ -340,6 +363,8 @@ def _readable(path: Path) -> sqlite3.Connection:
             raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
     except sqlite3.DatabaseError as error:
         raise RunFileError(damaged(path, str(error))) from error
+    import tempfile
+
     memory = sqlite3.connect(":memory:", isolation_level=None)
     try:
         with tempfile.TemporaryDirectory() as folder:

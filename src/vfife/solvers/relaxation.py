@@ -176,6 +176,6 @@ class Relaxation:
             "particle_load_x", "particle_load_y", "frame_axial_force", "joint_fx", "joint_fy", "contact_normal_force",
             "spring_fx", "spring_fy", "driven_fx", "driven_fy",
         )  # fmt: skip
-        shear = (state[layout["frame_moment_1"]] + state[layout["frame_moment_2"]]) * state[layout["reference_inverse_length"]]
+        shear = (state[layout["frame_moment_1"]] + state[layout["frame_moment_2"]]) / state[layout["reference_length"]]
         moment = top("frame_moment_1", "frame_moment_2", "joint_moment", "spring_moment", "driven_torque", "particle_load_m")
         return max(force, *loads[:2], float(np.abs(shear).max(initial=0.0))), max(moment, loads[2])
