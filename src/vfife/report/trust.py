@@ -66,8 +66,8 @@ def lines(told: dict[str, Any]) -> Iterable[str]:
     if not found:
         return
     if found["measure"] and not found["companions"]:
-        order = f"order {found['order']:.2f}" if found["order"] is not None else "rounding"
-        yield f"largest values are exact to some {100.0 * found['apart']:.2g} % ({found['measure']}), by a run at half the step: {order}"
+        order = f", order {found['order']:.2f}" if found["order"] is not None else ""
+        yield f"largest values err by some {100.0 * found['apart']:.1g} % at the most ({found['measure']}), by a run at half the step{order}"
     elif found["measure"]:
         within = f"{100.0 * found['apart']:.2g} % at {found['measure']}"
         yield f"{found['companions']} companions with displaced steps agree within {within}" + (
