@@ -159,13 +159,15 @@ def joint_gap(record: Record, joint: str) -> float:
     return float(np.linalg.norm(journal - bearing, axis=1).max())
 
 
-def lanes(assemblies: Sequence[Assembly], loop: str) -> Runner:
+def lanes(assemblies: Sequence[Assembly], loop: str, parts: int = 8, shares: Sequence[float] | None = None) -> Runner:
     """A runner over assemblies of one topology, one lane each, that keeps what a run keeps."""
     first = assemblies[0]
     if any(a.topology != first.topology for a in assemblies):
         raise ValueError("lanes must share a topology")
     states = np.stack([a.state for a in assemblies], axis=1)
-    return Runner(first.topology, states, np.stack([a.tables for a in assemblies]), loop, recorded_rows(first))
+    tables = np.stack([a.tables for a in assemblies])
+    beside = None if shares is None else np.array(shares)
+    return Runner(first.topology, states, tables, loop, recorded_rows(first), parts=parts, shares=beside)
 
 
 def bits(values: np.ndarray) -> np.ndarray:

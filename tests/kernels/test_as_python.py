@@ -14,8 +14,8 @@ from support import bits
 from vfife.assembly.assemble import assemble
 from vfife.codegen.graph import tables
 from vfife.codegen.runner import Runner
-from vfife.codegen.source import Gathered, dispatch, films
-from vfife.kernels import contact, step
+from vfife.codegen.source import Gathered, dispatch, films, regimes
+from vfife.kernels import advance, contact
 from vfife.solvers.record import recorded_rows
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
@@ -43,6 +43,7 @@ def laws(monkeypatch: pytest.MonkeyPatch):
         gathered = Gathered()
         for kind, known in (("contact", topology.contact_laws), ("friction", topology.friction_laws)):
             monkeypatch.setattr(contact, f"{kind}_law", written(dispatch(kind, known, gathered), gathered, f"{kind}_law"))
+        monkeypatch.setattr(contact, "friction_regime", written(regimes(topology.friction_laws, gathered), gathered, "friction_regime"))
         monkeypatch.setattr(contact, "film_law", written(films(topology.contact_laws, gathered), gathered, "film_law"))
 
     return put
@@ -59,7 +60,8 @@ def test_functions_give_the_bits_of_the_gathered_text(name, laws):
     functions, extremes = np.asarray(assembly.tables).reshape(-1), np.array(layout.of("extreme"))
     for n0 in (0, COMPARED + AHEAD):
         ours, out = runner.states.copy(), np.zeros((COMPARED, len(kept), 1))
-        step.advance(np.zeros(size), functions, integers.tolist(), ours.reshape(-1), layout.rows, 1, n0, 1, out, kept, extremes)
+        scratch = (np.zeros(size), np.zeros(layout.rows))
+        advance.advance(*scratch, functions, integers.tolist(), ours.reshape(-1), layout.rows, 1, n0, 1, 8, np.zeros(1), out, kept, extremes)
         assert (bits(runner.advance(1, COMPARED)) == bits(out)).all(), n0
         assert (bits(runner.states) == bits(ours)).all(), n0
         runner.advance(AHEAD, 1)

@@ -75,7 +75,7 @@ LENGTH, AREA, MASS = 0.5, 1e-4, 2.0
 def bar(damping: float) -> Mechanism:
     """A two-particle link whose ends fly apart: an oscillator."""
     m = Mechanism("bar")
-    m.link("bar", length=LENGTH, mass=MASS, model="two-particle", section=Section.square(AREA), release="both")
+    m.link("bar", length=LENGTH, mass=MASS, model="two-particle", section=Section.square(AREA), release="both", strain="current")
     return with_settings(m, damping=damping)
 
 

@@ -92,9 +92,9 @@ def test_a_spring_and_its_damper():
     place, rate = [], []
     for body in m.bodies.values():
         c, s = math.cos(body.angle), math.sin(body.angle)
-        (x, y), (u, v, w), (ex, ey), (gx, gy) = body.position, body.velocity, (0.3, 0.2), body.center
-        rx, ry = c * (ex - gx) - s * (ey - gy), s * (ex - gx) + c * (ey - gy)
-        place.append(np.array([x + c * ex - s * ey, y + s * ex + c * ey]))
+        (x, y), (u, v, w), (ex, ey) = body.position, body.velocity, (0.3, 0.2)
+        rx, ry = c * ex - s * ey, s * ex + c * ey
+        place.append(np.array([x + rx, y + ry]))
         rate.append(np.array([u - w * ry, v + w * rx]))
     apart = place[1] - place[0]
     size = np.hypot(*apart)

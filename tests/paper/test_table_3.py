@@ -21,7 +21,7 @@ SETS = {
     2: (6e-3, 0.05, 0.5, (10.6, 20.7, 92.0), (12.6, 28.8, 108.3), 5.0),
 }
 IDEAL_FORCE, IDEAL_ALPHA = 89430.6, 22816.05  # N, rad/s^2: two-particle links, method.md
-LINK = {"section": SQUARE, "release": "both", "stiffness_factor": 1000.0}  # EA = 2.07e11 N
+LINK = {"section": SQUARE, "strain": "current", "release": "both", "stiffness_factor": 1000.0}  # EA = 2.07e11 N
 
 
 @cache

@@ -143,7 +143,7 @@ def star(joints: tuple[tuple[str, str], ...], spin: float = 30.0) -> Mechanism:
     m = Mechanism("star")
     for k, name in enumerate("abc"):
         angle = 0.2 + 2 * math.pi * k / 3
-        m.link(name, length=0.6, mass=2.0, angle=angle, velocity=(-spin * 0.3 * math.sin(angle), spin * 0.3 * math.cos(angle), spin))
+        m.link(name, length=0.6, mass=2.0, angle=angle, velocity=(0.0, 0.0, spin))
     for bearing, journal in joints:
         m.revolute(bearing + journal, f"{bearing}.start", f"{journal}.start")
     return m

@@ -15,7 +15,7 @@ from vfife.kernels.arrays import BLOCKS
 from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
 from vfife.model.bodies import Member, Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque
-from vfife.model.joints import ExternalContact
+from vfife.model.joints import Distance, ExternalContact
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.model.springs import Stop, TorsionalSpring
@@ -56,6 +56,8 @@ def guides(lane: int = 0) -> Mechanism:
     m.revolute("O3", "ground.O3", "swing.center")
     m.gear("mesh", "wheel", "pinion", ratio=-2.5)
     m.slider("slot", "swing.center", "pinion.pin", direction=(1.0, -0.1), turning=True)
+    m.rigid_body("bob", mass=0.2, inertia=1e-3, pins={"eye": (0.03, 0.01)})
+    m.distance("tie", "pinion.pin", "bob.eye", length=0.12, angle=-1.2)
     # A clamped elastic beam, a rigid arm welded to it, a link driven against that, a particle on a line, a frame with a bead in a guide it carries.
     m.link("beam", length=0.4, model="elastic", elements=2, section=Section.round(0.02), material=RUBBER, position=(4.0, 0.3))
     m.weld("clamp", "ground.O4", "beam.start")
@@ -177,6 +179,8 @@ def reflected(m: Mechanism) -> Mechanism:
     def joint(j):
         if isinstance(j, ExternalContact):
             return dataclasses.replace(j, direction=(-j.direction[0], j.direction[1]))
+        if isinstance(j, Distance):
+            return dataclasses.replace(j, angle=-j.angle)
         return dataclasses.replace(j, direction=(j.direction[0], -j.direction[1])) if hasattr(j, "direction") else j
 
     def spring(s):

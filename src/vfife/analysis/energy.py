@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels import frame
+from ..kernels.topology import CURRENT
 from ..laws.elasticity import elastic_energy
 from ..solvers.record import Record
 from .motion import AXES, is_free, velocities
@@ -99,18 +100,32 @@ def strain(record: Record) -> Array:
     """Strain energy of the elements (J): N^2 l/(2 E A) + (m_1 theta_1 + m_2 theta_2)/2 = N^2 l/(2 E A) + l/(6 E I) (m_1^2 - m_1 m_2 + m_2^2).
 
     With one end released its moment is zero, and what is left, l m^2/(6 E I), is the energy of the condensed
-    stiffness 3 E I/l.
+    stiffness 3 E I/l. Where E A counts on the reference length l_0, l is that, and the energy is that of the force law.
+    Where it counts on the present length, dN = E A dl/l, the integral of N dl at N = E A ln(l/l_0) is
+    E A l (e - 1 + exp(-e)), e = N/EA; moments then belong to no energy while the length changes, dm = E I/l dtheta, and
+    what is told is that at the present length.
     """
-    if not record.assembly.topology.frame_nodes:
+    topology = record.assembly.topology
+    if not topology.frame_nodes:
         return np.zeros(len(record.steps))
-    length = record.block("reference_length")
+    present = np.array(topology.strains) == CURRENT
+    length = np.where(present, record.block("reference_length"), 1.0 / record.parameter("reference_inverse_length"))
     n, m1, m2 = (record.block(f"frame_{name}") for name in ("axial_force", "moment_1", "moment_2"))
     axial, bending = record.parameter("frame_axial_stiffness"), record.parameter("frame_bending_stiffness")
     flexible = np.where(bending > 0.0, bending, 1.0)  # without bending stiffness there is no moment
-    along = frame.stiffness(1.0 / length, axial, flexible)[0]
     theta_1, theta_2 = frame.end_rotations(m1, m2, 1.0 / length, flexible)
-    energy = 0.5 * (n**2 / along + m1 * theta_1 + m2 * theta_2)
+    shares = np.where(present, _of_logarithm(n / axial), 0.5 * (n / axial) ** 2)
+    energy = axial * length * shares + 0.5 * (m1 * theta_1 + m2 * theta_2)
     return np.asarray(energy.sum(axis=1), dtype=float)
+
+
+def _of_logarithm(strain: Array) -> Array:
+    """e - 1 + exp(-e), by its series e^2/2! - e^3/3! + ... where the difference would lose digits."""
+    small = np.clip(strain, -0.5, 0.5)
+    series = np.ones_like(small)
+    for k in range(15, 2, -1):
+        series = 1.0 - small / k * series
+    return np.where(np.abs(strain) <= 0.5, 0.5 * small * small * series, strain + np.expm1(-strain))
 
 
 def contact(record: Record) -> Array:

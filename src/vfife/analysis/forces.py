@@ -123,11 +123,11 @@ def modes(record: Record) -> NDArray[np.int8]:
 
 
 def shares(record: Record) -> dict[str, Array]:
-    """Share of all steps in each mode, shape (clearances,).
+    """Share of the time in each mode, shape (clearances,).
 
-    An impact is a step at which a contact begins, continuous contact is every further step of it.
+    An impact is a step in which a contact begins, continuous contact is all of it but for its first step.
     """
     steps = float(record.steps[-1] + 1)
     impact = record.block("contact_onsets")[-1] / steps
-    lasting = record.block("contact_contact_steps")[-1] / steps
+    lasting = record.block("contact_duration")[-1] / (steps * record.assembly.choice.step)
     return dict(zip(MODES, (1.0 - impact - lasting, impact, lasting), strict=True))

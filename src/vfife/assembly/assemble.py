@@ -119,6 +119,7 @@ def topology_of(
         trig=turning(numbering, parts),
         frame_nodes=tuple(numbering.elements),
         frame_release=tuple(numbering.releases),
+        frame_strain=tuple(numbering.strains),
         contact_bearing=tuple(t.bearing[0] for t in parts.touches),
         contact_journal=tuple(t.journal[0] for t in parts.touches),
         contact_kind=tuple(t.kind for t in parts.touches),

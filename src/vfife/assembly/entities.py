@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ..kernels.topology import (
     ACROSS,
     ALONG,
+    APART,
     BEARING,
     BUSHING,
     FREE,
@@ -26,12 +27,12 @@ from ..kinematics.initial import Motion
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
-from ..model.rows import Across, Along, Coincide, Guided, OnPath, Row, Turn, loosened, place_row, turn_row
+from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Row, Turn, loosened, place_row, turn_row
 from ..model.springs import AnySpring
 from ..model.touching import Touching
 from .numbering import Numbering, Place
 
-PLACES = {type(None): NOWHERE, Coincide: PINNED, Across: ACROSS, Along: ALONG, OnPath: ON_PATH}
+PLACES = {type(None): NOWHERE, Coincide: PINNED, Across: ACROSS, Along: ALONG, OnPath: ON_PATH, Apart: APART}
 GEOMETRIES = {"bearing": BEARING, "round": ROUND, "line": LINE, "slot": SLOT}
 
 
@@ -68,6 +69,12 @@ class Ideal:
         """Direction of a guide, in the bearing's frame."""
         row = place_row(self.rows)
         return row.unit() if isinstance(row, Guided) else (1.0, 0.0)
+
+    @property
+    def length(self) -> float:
+        """Length of a massless link (m), else 0."""
+        row = place_row(self.rows)
+        return row.length if isinstance(row, Apart) else 0.0
 
     @property
     def path(self) -> Path | None:

@@ -88,7 +88,7 @@ class Filler:
         chord = there[mesh.nodes[:, 1], :2] - there[mesh.nodes[:, 0], :2]
         length = np.hypot(chord[:, 0], chord[:, 1])
         values = {
-            "reference_length": length, "reference_inverse_length": 1.0 / length,
+            "reference_length": length, "reference_inverse_length": 1.0 / (mesh.length if mesh.strain == "reference" else length),
             "reference_cosine": chord[:, 0] / length, "reference_sine": chord[:, 1] / length,
             "reference_theta_1": there[mesh.nodes[:, 0], 2], "reference_theta_2": there[mesh.nodes[:, 1], 2],
             "frame_axial_stiffness": mesh.axial, "frame_bending_stiffness": mesh.bending,
@@ -129,7 +129,7 @@ class Filler:
 
     def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> float:
         if joint.turn == FREE and joint.place != ALONG:
-            return 0.0
+            return joint.length
         angles = [float(self.state[self.layout.row("particle_theta", end[0])]) for end in (joint.bearing, joint.journal)]
         begin = 0.0 if joint.function < 0 else self._function(joint.function, tables)
         if joint.place != ALONG:

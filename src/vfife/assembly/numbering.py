@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..kernels.topology import CURRENT, REFERENCE
 from ..kinematics.drives import kinematic_drivers, pivot_of
 from ..kinematics.pins import local_point
 from ..model.functions import Polynomials
@@ -9,6 +10,7 @@ from ..model.lumping import Mesh, is_elastic, mesh, rigid_properties
 from ..model.mechanism import Mechanism
 from .assembled import BodyMap
 
+STRAINS = {"current": CURRENT, "reference": REFERENCE}
 Side = tuple[str, str]
 Place = tuple[int, tuple[float, float]]
 
@@ -24,6 +26,7 @@ class Numbering:
         self.driven: list[str] = []
         self.elements: list[tuple[int, int]] = []
         self.releases: list[int] = []
+        self.strains: list[int] = []
         self.functions: list[Polynomials] = []
         self.arguments: list[tuple[int, int, int]] = []
         self.count = 1
@@ -53,6 +56,7 @@ class Numbering:
             pairs = self.meshes[name].nodes + particles[0]
             self.elements += zip(pairs[:, 0].tolist(), pairs[:, 1].tolist(), strict=True)
             self.releases += self.meshes[name].release
+            self.strains += [STRAINS[self.meshes[name].strain]] * len(pairs)
         reference = center if pivot is None else local_point(self.mechanism, pivot)
         self.bodies[name] = BodyMap(
             name, body.model, particles, tuple(range(first, len(self.elements))), row,

@@ -135,7 +135,7 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
         before = -m2[e]
     if link.release == "both" and k == 1:
         m1[:], m2[:] = 0.0, 0.0
-    longer = axial / frame.stiffness(1.0 / size, lumps.axial, lumps.bending)[0]
+    longer = axial / frame.stiffness(1.0 / size, 1.0 / size, lumps.axial, lumps.bending)[0]
     shape = _shape(size + longer, axial, m1, m2, frame.end_rotations(m1, m2, 1.0 / size, lumps.bending))
     if link.name not in kinematic_drivers(mechanism):
         return _turned(shape, np.arctan2(shape.local[-1, 1], shape.local[-1, 0]))

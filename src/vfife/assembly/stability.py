@@ -67,9 +67,10 @@ class ElementStiffness:
 def element_stiffness(layout: Layout, state: Array, topology: Topology) -> ElementStiffness:
     """That of the step's own element, with what is released; ``own`` has shape (elements, 2)."""
     nodes, release = np.array(topology.frame_nodes, dtype=np.intp).reshape(-1, 2), np.array(topology.frame_release, dtype=int)
-    inverse, bending = state[layout["reference_inverse_length"]], state[layout["frame_bending_stiffness"]]
-    along, across, near, far = frame.stiffness(inverse, state[layout["frame_axial_stiffness"]], bending)
-    across_released, near_released = frame.stiffness_released(inverse, bending)
+    counted, present = state[layout["reference_inverse_length"]], 1.0 / state[layout["reference_length"]]
+    bending = state[layout["frame_bending_stiffness"]]
+    along, across, near, far = frame.stiffness(counted, present, state[layout["frame_axial_stiffness"]], bending)
+    across_released, near_released = frame.stiffness_released(counted, present, bending)
     none = np.zeros(len(nodes))
     across = np.select([release == 0, release == 3], [across, none], across_released)
     ends = [np.select([release == 0, release == 3 - end], [near, near_released], none) for end in (1, 2)]

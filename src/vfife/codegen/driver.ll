@@ -1,9 +1,9 @@
-; What drives a straight-line step of WIDTH lanes, and the functions of time that it asks for.
-
-; advance(S, T, stride, n0, count, outputs, out, kept, keeping, extremes, resetting): outputs times count steps from step n0.
+; advance(S, Q, T, stride, n0, count, outputs, parts, shares, out, kept, keeping, extremes, resetting): outputs times count steps from step n0.
 ; T holds the tables of all lanes, stride apart. Before each count the rows in extremes start anew, after it the rows in kept are copied to
-; out, of shape (outputs, keeping, WIDTH). The whole step starts a run and takes every step that the lean one leaves.
-define void @advance(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %outputs, ptr noalias %out, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting) {
+; out, of shape (outputs, keeping, WIDTH). The whole step starts a run and takes every step that the lean one leaves; a lane in which something
+; began, ended or changed its regime then takes that step again in so many parts. The first step of a lane is a share of one, where that is not
+; zero, beside those that are counted. Q is another copy of the state.
+define void @advance(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %outputs, i64 %parts, ptr noalias %shares, ptr noalias %out, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting) {
 entry:
   br label %output
 output:
@@ -29,22 +29,30 @@ begin:
   %to = add i64 %from, %count
   br label %steps
 steps:
-  %n = phi i64 [ %from, %begin ], [ %n.next, %one ]
+  %n = phi i64 [ %from, %begin ], [ %n.next, %one ], [ %n.next, %displaced ]
   %left = sub i64 %to, %n
   %any = icmp sgt i64 %left, 0
   br i1 %any, label %chosen, label %copy
 chosen:
   %start = icmp eq i64 %n, 0
-  br i1 %start, label %one, label %many
+  br i1 %start, label %first, label %many
 many:
-  %clean = call i64 @lean(ptr %S, ptr %T, i64 %stride, i64 %n, i64 %left)
+  %clean = call i64 @lean(ptr %S, ptr %Q, ptr %T, i64 %stride, i64 %n, i64 %left)
   %n.clean = add i64 %n, %clean
   %stopped = icmp slt i64 %n.clean, %to
-  br i1 %stopped, label %one, label %copy
+  br i1 %stopped, label %eventful, label %copy
+first:
+  call void @whole(ptr %S, ptr %T, i64 %stride, i64 %n)
+  br label %one
+eventful:
+  call void @event(ptr %S, ptr %Q, ptr %T, i64 %stride, i64 %n.clean, i64 %parts)
+  br label %one
 one:
-  %n.one = phi i64 [ %n, %chosen ], [ %n.clean, %many ]
-  call void @whole(ptr %S, ptr %T, i64 %stride, i64 %n.one)
+  %n.one = phi i64 [ %n, %first ], [ %n.clean, %eventful ]
   %n.next = add i64 %n.one, 1
+  br i1 %start, label %displaced, label %steps
+displaced:
+  call void @displace(ptr %S, ptr %Q, ptr %T, i64 %stride, ptr %shares)
   br label %steps
 copy:
   %row0 = mul i64 %m, %keeping
@@ -73,8 +81,109 @@ finished:
   ret void
 }
 
-; polynomial(T, start, time): value and two derivatives of a table, as kernels/polynomial.py has them.
-define internal { double, double, double } @polynomial(ptr %T, i64 %start, double %time) noinline {
+; event(S, Q, T, stride, n, parts): step n as a whole; lanes in which something began, ended or changed its regime take it again in parts.
+define internal void @event(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n, i64 %parts) noinline {
+entry:
+  call void @keep(ptr %Q, ptr %S)
+  call void @whole(ptr %S, ptr %T, i64 %stride, i64 %n)
+  %several = icmp sgt i64 %parts, 1
+  br i1 %several, label %look, label %done
+look:
+  %event.at = getelementptr double, ptr %S, i64 EVENT_ROW
+  %event = load NUMBER, ptr %event.at, align 8
+  %again = fcmp ogt NUMBER %event, zeroinitializer
+  %any = call i1 @any(TRUTH %again)
+  br i1 %any, label %take, label %done
+take:
+  %step.at = getelementptr double, ptr %S, i64 STEP_ROW
+  %shift.at = getelementptr double, ptr %S, i64 SHIFT_ROW
+  %dt = load NUMBER, ptr %step.at, align 8
+  %shift = load NUMBER, ptr %shift.at, align 8
+  %pieces.one = sitofp i64 %parts to double
+  %pieces = call NUMBER @all(double %pieces.one)
+  %size = fdiv NUMBER %dt, %pieces
+  %ahead = fmul NUMBER %shift, %pieces
+  %once = call NUMBER @all(double 1.0)
+  call void @resize(ptr %Q, NUMBER %size, NUMBER %ahead, NUMBER %once)
+  %behind = sub i64 %n, 1
+  %first = mul i64 %behind, %parts
+  br label %small
+small:
+  %i = phi i64 [ 1, %take ], [ %i.next, %small ]
+  %number = add i64 %first, %i
+  call void @whole(ptr %Q, ptr %T, i64 %stride, i64 %number)
+  %i.next = add i64 %i, 1
+  %more = icmp sle i64 %i.next, %parts
+  br i1 %more, label %small, label %back
+back:
+  call void @resize(ptr %Q, NUMBER %dt, NUMBER %shift, NUMBER zeroinitializer)
+  call void @take(ptr %S, ptr %Q, TRUTH %again)
+  br label %done
+done:
+  ret void
+}
+
+; displace(S, Q, T, stride, shares): after the start, a first step of a share of one in lanes where that is not zero.
+define internal void @displace(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, ptr noalias %shares) noinline {
+entry:
+  %share = load NUMBER, ptr %shares, align 8
+  %moved = fcmp ogt NUMBER %share, zeroinitializer
+  %any = call i1 @any(TRUTH %moved)
+  br i1 %any, label %take, label %done
+take:
+  call void @keep(ptr %Q, ptr %S)
+  %step.at = getelementptr double, ptr %S, i64 STEP_ROW
+  %dt = load NUMBER, ptr %step.at, align 8
+  %size = fmul NUMBER %share, %dt
+  call void @resize(ptr %Q, NUMBER %size, NUMBER zeroinitializer, NUMBER zeroinitializer)
+  call void @whole(ptr %Q, ptr %T, i64 %stride, i64 1)
+  call void @resize(ptr %Q, NUMBER %dt, NUMBER %share, NUMBER zeroinitializer)
+  call void @take(ptr %S, ptr %Q, TRUTH %moved)
+  br label %done
+done:
+  ret void
+}
+
+; keep(Q, S): Q becomes a copy of S.
+define internal void @keep(ptr noalias %Q, ptr noalias %S) noinline {
+entry:
+  br label %row
+row:
+  %r = phi i64 [ 0, %entry ], [ %r.next, %row ]
+  %at = mul i64 %r, WIDTH
+  %here = getelementptr double, ptr %S, i64 %at
+  %there = getelementptr double, ptr %Q, i64 %at
+  %value = load NUMBER, ptr %here, align 8
+  store NUMBER %value, ptr %there, align 8
+  %r.next = add i64 %r, 1
+  %more = icmp slt i64 %r.next, ROWS
+  br i1 %more, label %row, label %done
+done:
+  ret void
+}
+
+; take(S, Q, which): lanes of S become those of Q where that is asked for.
+define internal void @take(ptr noalias %S, ptr noalias %Q, TRUTH %which) noinline {
+entry:
+  br label %row
+row:
+  %r = phi i64 [ 0, %entry ], [ %r.next, %row ]
+  %at = mul i64 %r, WIDTH
+  %here = getelementptr double, ptr %S, i64 %at
+  %there = getelementptr double, ptr %Q, i64 %at
+  %old = load NUMBER, ptr %here, align 8
+  %new = load NUMBER, ptr %there, align 8
+  %value = select TRUTH %which, NUMBER %new, NUMBER %old
+  store NUMBER %value, ptr %here, align 8
+  %r.next = add i64 %r, 1
+  %more = icmp slt i64 %r.next, ROWS
+  br i1 %more, label %row, label %done
+done:
+  ret void
+}
+
+; polynomial(T, start, time): value, two derivatives and kinks of a table, as kernels/polynomial.py has them.
+define internal ANSWER @polynomial(ptr %T, i64 %start, double %time) noinline {
 entry:
   %head = getelementptr double, ptr %T, i64 %start
   %head.value = load double, ptr %head, align 8
@@ -86,11 +195,15 @@ fold:
   %positive = sub i64 0, %number
   %period.at = getelementptr double, ptr %T, i64 %after.head
   %period = load double, ptr %period.at, align 8
-  %after.period = add i64 %after.head, 1
+  %kinks.index = add i64 %after.head, 1
+  %kinks.at = getelementptr double, ptr %T, i64 %kinks.index
+  %kinks.each = load double, ptr %kinks.at, align 8
+  %after.period = add i64 %after.head, 2
   %turns = fdiv double %time, %period
   %turns.less = fsub double %turns, 0x3FE0000000000000
   %turns.big = fadd double %turns.less, 0x4338000000000000
   %turns.whole = fsub double %turns.big, 0x4338000000000000
+  %kinks.past = fmul double %turns.whole, %kinks.each
   %past = fmul double %turns.whole, %period
   %folded = fsub double %time, %past
   br label %found
@@ -98,6 +211,7 @@ found:
   %pieces = phi i64 [ %number, %entry ], [ %positive, %fold ]
   %first = phi i64 [ %after.head, %entry ], [ %after.period, %fold ]
   %t = phi double [ %time, %entry ], [ %folded, %fold ]
+  %kinks.before = phi double [ 0.0, %entry ], [ %kinks.past, %fold ]
   %top = sub i64 %pieces, 1
   br label %search
 search:
@@ -145,8 +259,15 @@ horner:
   br i1 %again, label %horner, label %end
 end:
   %second = fmul double 0x4000000000000000, %half.next
-  %result.0 = insertvalue { double, double, double } poison, double %value.next, 0
-  %result.1 = insertvalue { double, double, double } %result.0, double %rate.next, 1
-  %result.2 = insertvalue { double, double, double } %result.1, double %second, 2
-  ret { double, double, double } %result.2
+  %result.0 = insertvalue ANSWER poison, double %value.next, 0
+  %result.1 = insertvalue ANSWER %result.0, double %rate.next, 1
+  %result.2 = insertvalue ANSWER %result.1, double %second, 2
+  %eighths = mul i64 %pieces, 8
+  %after.pieces = add i64 %first, %eighths
+  %own = add i64 %after.pieces, %low
+  %own.at = getelementptr double, ptr %T, i64 %own
+  %own.value = load double, ptr %own.at, align 8
+  %kinks = fadd double %kinks.before, %own.value
+  %result.3 = insertvalue ANSWER %result.2, double %kinks, 3
+  ret ANSWER %result.3
 }

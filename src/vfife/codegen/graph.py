@@ -27,7 +27,7 @@ from ..kernels.arrays import (
     TILE_INDEX,
     Layout,
 )
-from ..kernels.topology import FREE, PINNED, Topology
+from ..kernels.topology import CURRENT, FREE, PINNED, STOP, Topology
 
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
@@ -143,17 +143,18 @@ class Lists:
         chosen = {"bound": [p for p in t.bound if p in free], "trig": t.trig, "jointed": self.graph.jointed, "pinned": self.graph.pinned}
         found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
         found["tile"] = tiles(t, self.layout)
-        found["frame"] = self.records("frame", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.frame_release, units)
+        found["frame"] = self.records("frame", self.bodies(nodes[:, 0]), self.bodies(nodes[:, 1]), t.frame_release, units, t.strains)
         return found
 
     def contacts(self) -> NDArray[np.int64]:
         """Contacts with what their laws ask for."""
         t = self.t
         ahead = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
+        kinked = [int(getattr(t.friction_laws[kind], "regime", None) is not None) for kind in t.friction_form]
         film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
         return self.records(
             "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
-            t.contact_form, t.friction_form, ahead, film, t.contact_kind or [0] * len(t.contact_bearing),
+            t.contact_form, t.friction_form, ahead, kinked, film, t.contact_kind or [0] * len(t.contact_bearing),
             *self.paths(t.contact_path, len(t.contact_bearing)),
         )  # fmt: skip
 
@@ -189,7 +190,8 @@ class Lists:
         """Springs, drivers, loads, bodies and functions."""
         t, layout, body = self.t, self.layout, self.body
         ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
-        spans = {nodes: layout.record("frame", e) for e, nodes in enumerate(t.frame_nodes) if nodes in ends}
+        present = [(e, nodes) for e, nodes in enumerate(t.frame_nodes) if t.strains[e] == CURRENT and nodes in ends]
+        spans = {nodes: layout.record("frame", e) for e, nodes in present}  # whose inverse length is that of a body's chord
         return {
             "spring": self.records("spring", self.bodies(t.spring_first), self.bodies(t.spring_second), t.spring_kind),
             "driven": self.records("driven", self.bodies(t.driven), self.function(t.driven_function)),
@@ -229,8 +231,10 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = made.low, made.graph.size, inverse, y, gn, gt
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
-    flags = (made.layout.plain, t.path_unit, t.damped, worked, made.graph.close_again)
-    integers[[HEADER.plain, HEADER.path_unit, HEADER.damped, HEADER.worked, HEADER.close_again]] = flags
+    watched = bool(t.contact_bearing or t.function_start or STOP in t.spring_kind)
+    flags = (made.layout.plain, t.particles - len(t.bound), t.path_unit, t.damped, worked, made.graph.close_again, watched)
+    names = ("plain", "plain_count", "path_unit", "damped", "worked", "close_again", "watched")
+    integers[[getattr(HEADER, name) for name in names]] = flags
     return integers, made.layout, gt + made.count
 
 

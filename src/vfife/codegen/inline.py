@@ -128,6 +128,9 @@ PARTS = (
     "spread",
     "settle",
     "observe",
+    "resize",
+    "functions",
+    "step",
 )
 
 

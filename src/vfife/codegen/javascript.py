@@ -11,7 +11,7 @@ from pathlib import Path
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from .schedule import Line, Load, Store, Test, ordered, streamed, woven
-from .straight_line import Function, functions, trace
+from .straight_line import Function, functions, resizing, trace
 from .trace import Operand, rows_used
 
 PATTERNS = {
@@ -40,15 +40,16 @@ def line(one: Line) -> str:
     return f"const {one.name} = {pattern.format(*map(operand, one.operands))};"
 
 
-def searched(found: list[Function], step_row: int) -> Iterable[str]:
+def searched(found: list[Function], layout: Layout) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
-    yield f"const dt = S[{step_row}], ahead = n === 0 ? 0 : dt, time = n * dt, after = (n + 1) * dt;"
+    step, shift = (layout.row(name) for name in ("step", "shift"))
+    yield f"const dt = S[{step}], ahead = n === 0 ? 0 : dt, time = (n + S[{shift}]) * dt, after = (n + 1 + S[{shift}]) * dt;"
     for f in found:
         yield "{"
         yield from (f"const {name} = S[{name[1:]}];" for name in rows_used(f.operations))
         yield from map(line, f.operations)
-        value, rate, acceleration, following = (f"S[{row}]" for row in f.rows)
-        yield f"[{value}, {rate}, {acceleration}] = polynomial(T, {f.table}, {operand(f.argument)});"
+        value, rate, acceleration, kinks, following = (f"S[{row}]" for row in f.rows)
+        yield f"[{value}, {rate}, {acceleration}, {kinks}] = polynomial(T, {f.table}, {operand(f.argument)});"
         yield f"{following} = polynomial(T, {f.table}, after)[0];" if f.of_time else f"{following} = {value};"
         yield "}"
 
@@ -59,11 +60,13 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 
 def written(topology: Topology) -> str:
-    """Text with ``advance(S, T, n0, count)`` for one simulation: S and T are Float64Arrays, the state and its tables."""
-    lean, whole = trace(topology), trace(topology, True)
+    """Text with ``advance(S, T, n0, count, parts, share)`` for one simulation: S and T are Float64Arrays, the state and its tables."""
+    lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
+    rows = "".join(f"const {name.upper()} = {layout.row(name)};\n" for name in ("step", "shift", "event"))
     parts = [
-        DRIVER.read_text(),
-        definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
+        rows + DRIVER.read_text(),
+        definition("functions(S, T, n)", searched(functions(topology), layout)),
+        definition("resize(S, size, shift, repeated)", map(line, woven(resize, streamed(resize)))),
         definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
         definition("whole(S, n)", map(line, woven(whole, streamed(whole)))),
     ]

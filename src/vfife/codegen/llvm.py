@@ -12,13 +12,15 @@ from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .schedule import Line, Load, Store, Test, ordered, streamed, woven
-from .straight_line import Function, functions, trace
+from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
+from .straight_line import Function, functions, resizing, trace
 from .trace import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
+ANSWER = "{ double, double, double, double }"  # of a polynomial
+SHORT = 4000  # lines of a whole step that is worth being made fast
 BLOCK = 400  # lines between two ends of a block
 DRIVER = Path(__file__).with_name("driver.ll")
 
@@ -26,8 +28,8 @@ DRIVER = Path(__file__).with_name("driver.ll")
 class Writer:
     """Instructions for W simulations side by side."""
 
-    def __init__(self, width: int, truths: Iterable[str] = ()) -> None:
-        self.width, self.truths = width, frozenset(truths)
+    def __init__(self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = ()) -> None:
+        self.width, self.truths, self.moving = width, frozenset(truths), frozenset(moving)
         self.out: list[str] = []
         self.number = "double" if width == 1 else f"<{width} x double>"
         self.truth = "i1" if width == 1 else f"<{width} x i1>"
@@ -55,17 +57,19 @@ class Writer:
         self.out.append(f"  %x{self.count} = {text}")
         return f"%x{self.count}"
 
-    def row(self, row: int) -> str:
-        """Address of a row."""
-        return self.fresh(f"getelementptr double, ptr %S, i64 {row * self.width}")
+    def row(self, row: int, copy: str = "S") -> str:
+        """Address of a row in a copy of the state."""
+        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {row * self.width}")
 
     def load(self, row: int) -> None:
         """The row as it was."""
-        self.out.append(f"  {self.value(f'v{row}')} = load {self.number}, ptr {self.row(row)}, align {8 * self.width}")
+        copy = "from" if row in self.moving else "S"
+        self.out.append(f"  {self.value(f'v{row}')} = load {self.number}, ptr {self.row(row, copy)}, align {8 * self.width}")
 
     def store(self, row: int, value: Operand) -> None:
         """A row is given a value."""
-        self.out.append(f"  store {self.number} {self.value(value)}, ptr {self.row(row)}, align {8 * self.width}")
+        copy = "to" if row in self.moving else "S"
+        self.out.append(f"  store {self.number} {self.value(value)}, ptr {self.row(row, copy)}, align {8 * self.width}")
 
     def operation(self, operation: Operation) -> None:
         """One instruction; two for a rounding."""
@@ -89,12 +93,15 @@ class Writer:
     def begin(self, searching: bool) -> None:
         """Functions of time at the step, where there are any, and the number of the step in all lanes."""
         if searching:
-            self.out.append("  call void @functions(ptr %S, ptr %T, i64 %stride, i64 %step)")
+            self.out.append(f"  call void @functions(ptr %S, ptr %{'from' if self.moving else 'S'}, ptr %T, i64 %stride, i64 %step)")
+        self.out.append(f"  %{STEP_NUMBER} = {self.everywhere(self.fresh('sitofp i64 %step to double'))}")
+
+    def everywhere(self, number: str) -> str:
+        """What gives a number in all lanes."""
         if self.width == 1:
-            self.out.append(f"  %{STEP_NUMBER} = sitofp i64 %step to double")
-            return
-        first = self.fresh(f"insertelement {self.number} poison, double {self.fresh('sitofp i64 %step to double')}, i64 0")
-        self.out.append(f"  %{STEP_NUMBER} = shufflevector {self.number} {first}, {self.number} poison, <{self.width} x i32> zeroinitializer")
+            return f"bitcast double {number} to double"
+        first = self.fresh(f"insertelement {self.number} poison, double {number}, i64 0")
+        return f"shufflevector {self.number} {first}, {self.number} poison, <{self.width} x i32> zeroinitializer"
 
     def any(self, condition: Operand) -> str:
         """Whether a condition holds in any lane."""
@@ -130,8 +137,8 @@ class Writer:
 class Lane(Writer):
     """Instructions for lane ``w`` of W alone; ``mark`` keeps names of one function apart from another's."""
 
-    def __init__(self, lanes: int) -> None:
-        super().__init__(1)
+    def __init__(self, lanes: int, moving: Iterable[int]) -> None:
+        super().__init__(1, moving=moving)
         self.lanes, self.mark = lanes, ""
 
     def value(self, operand: Operand) -> str:
@@ -139,14 +146,14 @@ class Lane(Writer):
         own = isinstance(operand, str) and (is_row(operand) or operand[1:].isdigit())
         return f"%{self.mark}{operand}" if own else super().value(operand)
 
-    def row(self, row: int) -> str:
+    def row(self, row: int, copy: str = "S") -> str:
         """Address of a row in the lane."""
-        return self.fresh(f"getelementptr double, ptr %S, i64 {self.fresh(f'add i64 %w, {row * self.lanes}')}")
+        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {self.fresh(f'add i64 %w, {row * self.lanes}')}")
 
     def polynomial(self, table: str, x: str) -> tuple[str, ...]:
-        """Value and two derivatives of a table."""
-        result = self.fresh(f"call {{ double, double, double }} @polynomial(ptr %T, i64 {table}, double {x})")
-        return tuple(self.fresh(f"extractvalue {{ double, double, double }} {result}, {k}") for k in range(3))
+        """Value, two derivatives and kinks of a table."""
+        result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 {table}, double {x})")
+        return tuple(self.fresh(f"extractvalue {ANSWER} {result}, {k}") for k in range(4))
 
 
 def literal(x: float) -> str:
@@ -155,38 +162,66 @@ def literal(x: float) -> str:
 
 
 def lean(step: Trace, width: int, searching: bool) -> str:
-    """``lean(S, T, stride, n0, count)``: steps until one that something rare wants; their number is returned."""
-    w = Writer(width, step.truths)
+    """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
+
+    Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
+    or for an old value to be read; in the end all is in S.
+    """
+    w = Writer(width, step.truths, step.stores)
     w.begin(searching)
-    last = w.lines(woven(step, ordered(step)))
-    rare = "rare:\n  %clean = sub i64 %step, %n0\n  ret i64 %clean\n" if step.rare else ""
+    last = w.lines(apart(step, ordered(step, False)))
     body = "\n".join(w.out)
-    return f"""define internal i64 @lean(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline {{
+    home = "\n".join(_copied(step.stores, width))
+    rare = "rare:\n  br label %home\n" if step.rare else ""
+    phis = f"[ %to, %{last} ]" + (", [ %from, %rare ]" if step.rare else "")
+    counts = f"[ %next, %{last} ]" + (", [ %step, %rare ]" if step.rare else "")
+    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline {{
 entry:
   %end = add i64 %n0, %count
   %going = icmp sgt i64 %count, 0
   br label %body
 body:
   %step = phi i64 [ %n0, %entry ], [ %next, %{last} ]
+  %from = phi ptr [ %S, %entry ], [ %to, %{last} ]
+  %to = phi ptr [ %Q, %entry ], [ %from, %{last} ]
 {body}
   %next = add i64 %step, 1
   %more = icmp slt i64 %next, %end
-  br i1 %more, label %body, label %done
+  br i1 %more, label %body, label %home
+{rare}home:
+  %last = phi ptr {phis}
+  %reached = phi i64 {counts}
+  %clean = sub i64 %reached, %n0
+  %there = icmp eq ptr %last, %S
+  br i1 %there, label %done, label %copy
+copy:
+{home}
+  br label %done
 done:
-  ret i64 %count
+  ret i64 %clean
 never:
   ret i64 0
-{rare}}}
+}}
 """
 
 
-def whole(step: Trace, width: int, searching: bool) -> str:
-    """``whole(S, T, stride, n)``: step n, whatever it wants. It is taken seldom, so no time is spent on making it fast."""
+def _copied(rows: Iterable[int], width: int) -> Iterable[str]:
+    """Rows of the copy ``last`` are copied to S."""
+    w = Writer(width)
+    for row in rows:
+        value = w.fresh(f"load {w.number}, ptr {w.row(row, 'last')}, align {8 * width}").replace("%x", "%h")
+        w.out.append(f"  store {w.number} {value}, ptr {w.row(row)}, align {8 * width}")
+    return (line.replace("%x", "%h") for line in w.out)
+
+
+def whole(step: Trace, width: int, searching: bool, wanted: bool) -> str:
+    """``whole(S, T, stride, n)``: step n, whatever it wants. A long one is taken seldom, so no time is spent on making it fast."""
+    care = "noinline" if wanted and len(step.operations) < SHORT else "noinline optnone"
     w = Writer(width, step.truths)
     w.begin(searching)
     w.lines(woven(step, streamed(step)))
     body = "\n".join(w.out)
-    return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %step) noinline optnone {{
+    return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %step) {care} {{
   %going = icmp sge i64 %step, 0
 {body}
   ret void
@@ -196,11 +231,13 @@ never:
 """
 
 
-def searched(found: list[Function], width: int, step_row: int) -> str:
-    """``functions(S, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them."""
-    w = Lane(width)
-    dt = w.fresh(f"load double, ptr {w.row(step_row)}, align 8")
-    w.out += [f"  %time = fmul double %nd, {dt}", f"  %after = fmul double %md, {dt}", f"  %ahead = select i1 %start, double 0.0, double {dt}"]
+def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int]) -> str:
+    """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them."""
+    w = Lane(width, moving)
+    dt, shift = (w.fresh(f"load double, ptr {w.row(layout.row(name))}, align 8") for name in ("step", "shift"))
+    for name, n in (("time", "nd"), ("after", "md")):
+        w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double %{n}, {shift}')}, {dt}")
+    w.out.append(f"  %ahead = select i1 %start, double 0.0, double {dt}")
     for number, f in enumerate(found):
         w.mark = f"f{number}"
         for name in rows_used(f.operations):
@@ -213,7 +250,7 @@ def searched(found: list[Function], width: int, step_row: int) -> str:
         for row, value in zip(f.rows, values, strict=True):
             w.out.append(f"  store double {value}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
-    return f"""define internal void @functions(ptr %S, ptr %T, i64 %stride, i64 %step) noinline {{
+    return f"""define internal void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step) noinline {{
 entry:
   %following = add i64 %step, 1
   %nd = sitofp i64 %step to double
@@ -233,15 +270,51 @@ done:
 """
 
 
+def resize(change: Trace, width: int) -> str:
+    """``resize(S, size, shift, repeated)``: the state as steps of another size have it."""
+    w = Writer(width)
+    w.lines(woven(change, streamed(change)))
+    arguments = ", ".join(f"{w.number} %{name}" for name in ("size", "shift", "repeated"))
+    body = "\n".join(w.out)
+    return f"""define internal void @resize(ptr noalias %S, {arguments}) noinline optnone {{
+  %going = icmp ne ptr %S, null
+{body}
+  ret void
+never:
+  ret void
+}}
+"""
+
+
+def lanes(width: int) -> str:
+    """``any(which)``: whether a truth holds in any lane; ``all(x)``: a number in all lanes."""
+    w, x = Writer(width), Writer(width)
+    held = w.any("which")
+    every = x.fresh(x.everywhere("%x"))
+    return "\n".join(
+        [
+            f"define internal i1 @any({w.truth} %which) alwaysinline {{", *w.out, f"  ret i1 {held}", "}",
+            f"define internal {x.number} @all(double %x) alwaysinline {{", *x.out, f"  ret {x.number} {every}", "}", "",
+        ]
+    )  # fmt: skip
+
+
 def written(topology: Topology, width: int) -> str:
     """Text of a module with ``advance``, which ``driver.ll`` describes."""
-    w, found = Writer(width), functions(topology)
+    w, found, layout, step = Writer(width), functions(topology), Layout(topology), trace(topology)
+    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": width, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows}
+    words |= {f"{name.upper()}_ROW": layout.row(name) * width for name in ("step", "shift", "event")}
+    driver = DRIVER.read_text()
+    for word, value in words.items():
+        driver = driver.replace(word, str(value))
     return "\n".join(
         [
             *(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")),
-            searched(found, width, Layout(topology).row("step")) if found else "",
-            lean(trace(topology), width, bool(found)),
-            whole(trace(topology, True), width, bool(found)),
-            DRIVER.read_text().replace("WIDTH", str(width)).replace("NUMBER", w.number),
+            searched(found, width, layout, step.stores) if found else "",
+            lean(step, width, bool(found)),
+            whole(trace(topology, True), width, bool(found), bool(step.rare)),
+            resize(resizing(topology), width),
+            lanes(width),
+            driver,
         ]
     )

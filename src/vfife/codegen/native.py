@@ -7,7 +7,7 @@ import dataclasses
 import platform
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ Rows = NDArray[np.float64]
 
 EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time; nothing of it changes a bit
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
-ADVANCE = ctypes.CFUNCTYPE(None, POINTER, POINTER, NUMBER, NUMBER, NUMBER, NUMBER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
+ADVANCE = ctypes.CFUNCTYPE(None, *[POINTER] * 3, *[NUMBER] * 5, POINTER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
 
 
 @lru_cache(maxsize=1)
@@ -96,6 +96,26 @@ class Code:
             self.function = kind(self.engine.get_function_address(name))
 
 
+class Advance(NamedTuple):
+    """What a loop is asked for: ``len(out)`` times ``steps`` steps from step ``n0``, those with events again in ``parts``.
+
+    S and ``spare`` (rows x lanes) are the state and room for another, T the tables of all lanes. ``shares`` (lanes) are first steps that come
+    beside those that are counted, where they are not zero. ``out[m]`` is filled with the rows ``kept`` after each ``steps``; ``extremes`` are
+    rows that start anew before it.
+    """
+
+    S: Rows
+    spare: Rows
+    T: Rows
+    n0: int
+    steps: int
+    parts: int
+    shares: Rows
+    out: Rows
+    kept: NDArray[np.uint32]
+    extremes: NDArray[np.uint32]
+
+
 class Loaded:
     """A step in memory; it is called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
 
@@ -103,16 +123,17 @@ class Loaded:
         self.width = width
         self.code = Code(code, "advance", ADVANCE)
 
-    def __call__(self, S: Rows, T: Rows, n0: int, count: int, out: Rows, kept: NDArray[np.uint32], extremes: NDArray[np.uint32]) -> None:
-        """``out.shape[0]`` times ``count`` steps from step ``n0``."""
+    def __call__(self, call: Advance) -> None:
+        """Steps as asked."""
+        S, T, out = call.S, call.T, call.out
         self.code.function(
-            S.ctypes.data, T.ctypes.data, len(T) // self.width, n0, count, len(out), out.ctypes.data, kept.ctypes.data, len(kept),
-            extremes.ctypes.data, len(extremes),
+            S.ctypes.data, call.spare.ctypes.data, T.ctypes.data, len(T) // self.width, call.n0, call.steps, len(out), call.parts,
+            call.shares.ctypes.data, out.ctypes.data, call.kept.ctypes.data, len(call.kept), call.extremes.ctypes.data, len(call.extremes),
         )  # fmt: skip
 
 
 @lru_cache(maxsize=64)
-def straight_line(topology: Topology, width: int) -> Callable[..., None]:
+def straight_line(topology: Topology, width: int) -> Callable[[Advance], None]:
     """The step of a topology in so many lanes, from the cache or compiled."""
     with WRITING:
         name = name_of(topology, width)

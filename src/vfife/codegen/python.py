@@ -11,21 +11,44 @@ from ..kernels.elementary import nearest
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import Topology
 from .schedule import Line, Load, Store, Test, ordered, streamed, woven
-from .straight_line import Function, functions, trace
+from .straight_line import Function, functions, resizing, trace
 from .trace import Operand, rows_used
 
 PATTERNS = {
     "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}", "select": "{1} if {0} else {2}", "round": "nearest({})",
 }  # fmt: skip
 
-ADVANCE = """def advance(S, T, n0, count, out, kept, extremes):
+ADVANCE = """def again(S, before, T, n, parts):
+    S[:] = before
+    dt, shift = S[STEP], S[SHIFT]
+    resize(S, dt / parts, shift * parts, 1.0)
+    for i in range((n - 1) * parts + 1, n * parts + 1):
+        functions(S, T, i)
+        whole(S, i)
+    resize(S, dt, shift, 0.0)
+
+def displace(S, T, share):
+    dt = S[STEP]
+    resize(S, share * dt, 0.0, 0.0)
+    functions(S, T, 1)
+    whole(S, 1)
+    resize(S, dt, share, 0.0)
+
+def advance(call):
+    S, before, T, n0, steps, parts, shares, out, kept, extremes = call
     for m in range(len(out)):
         for q in extremes:
             S[q] = 0.0
-        for n in range(n0 + m * count, n0 + (m + 1) * count):
+        for n in range(n0 + m * steps, n0 + (m + 1) * steps):
             functions(S, T, n)
-            if n == 0 or not lean(S, n):
-                whole(S, n)
+            if n > 0 and lean(S, n):
+                continue
+            before[:] = S
+            whole(S, n)
+            if n > 0 and parts > 1 and S[EVENT] > 0.0:
+                again(S, before, T, n, parts)
+            if n == 0 and shares[0] > 0.0:
+                displace(S, T, shares[0])
         for q in range(len(kept)):
             out[m, q, 0] = S[kept[q]]
 """
@@ -48,16 +71,16 @@ def line(one: Line) -> str:
     return f"{one.name} = {pattern.format(*(f'({o})' if o[0] == '-' else o for o in map(operand, one.operands)))}"
 
 
-def searched(found: list[Function], step_row: int) -> Iterable[str]:
+def searched(found: list[Function], layout: Layout) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
-    yield f"dt = S[{step_row}]"
+    yield f"dt, shift = S[{layout.row('step')}], S[{layout.row('shift')}]"
     yield "ahead = 0.0 if n == 0 else dt"
-    yield "time, after = n * dt, (n + 1) * dt"
+    yield "time, after = (n + shift) * dt, (n + 1 + shift) * dt"
     for f in found:
         yield from (f"{name} = S[{name[1:]}]" for name in rows_used(f.operations))
         yield from map(line, f.operations)
-        value, rate, acceleration, following = (f"S[{row}]" for row in f.rows)
-        yield f"{value}, {rate}, {acceleration} = polynomial(T, {f.table}, {operand(f.argument)})"
+        value, rate, acceleration, kinks, following = (f"S[{row}]" for row in f.rows)
+        yield f"{value}, {rate}, {acceleration}, {kinks} = polynomial(T, {f.table}, {operand(f.argument)})"
         yield f"{following} = polynomial(T, {f.table}, after)[0]" if f.of_time else f"{following} = {value}"
 
 
@@ -68,9 +91,11 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 def written(topology: Topology) -> str:
     """Text with ``advance``; it wants ``sqrt``, ``nearest`` and ``polynomial``."""
-    lean, whole = trace(topology), trace(topology, True)
+    lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
     parts = [
-        definition("functions(S, T, n)", searched(functions(topology), Layout(topology).row("step"))),
+        "".join(f"{name.upper()} = {layout.row(name)}\n" for name in ("step", "shift", "event")),
+        definition("functions(S, T, n)", searched(functions(topology), layout)),
+        definition("resize(S, size, shift, repeated)", map(line, woven(resize, streamed(resize)))),
         definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
         definition("whole(S, n)", [*map(line, woven(whole, streamed(whole))), "return True"]),
         ADVANCE,

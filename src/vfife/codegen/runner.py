@@ -16,12 +16,13 @@ from .compile import compiled, interpreted
 from .graph import tables
 from .inline import written_out
 from .lock import WRITING
-from .native import llvmlite_version, straight_line
+from .native import Advance, llvmlite_version, straight_line
 from .source import data_driven
 
+PARTS = 8  # steps that a step with an event is taken again in
 Rows = NDArray[np.float64]
 Integers = NDArray[np.uint32]
-ARGUMENTS = "f1 f1 u1 f1 i i i i f3 u1 u1"  # of the data-driven loop
+ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1"  # of the data-driven loop
 
 
 def aligned(count: int) -> Rows:
@@ -64,12 +65,15 @@ class DataDriven:
     def __init__(self, topology: Topology, lanes: int, interpret: bool) -> None:
         self.integers, layout, size = tables(topology)
         self.rows, self.lanes = layout.rows, lanes
-        self.scratch = np.zeros(size)
+        self.scratch, self.kept = np.zeros(size), np.zeros(layout.rows)
         self.function = _data_driven(topology.contact_laws, topology.friction_laws, interpret)
 
-    def __call__(self, S: Rows, T: Rows, n0: int, count: int, out: Rows, kept: Integers, extremes: Integers) -> None:
-        """``out.shape[0]`` times ``count`` steps from step ``n0``."""
-        self.function(self.scratch, T, self.integers, S, self.rows, self.lanes, n0, count, out, kept, extremes)
+    def __call__(self, call: Advance) -> None:
+        """Steps as asked."""
+        self.function(
+            self.scratch, self.kept, call.T, self.integers, call.S, self.rows, self.lanes, call.n0, call.steps, call.parts, call.shares,
+            call.out, call.kept, call.extremes,
+        )  # fmt: skip
 
 
 class Runner:
@@ -77,21 +81,27 @@ class Runner:
 
     ``loop``: "data-driven", "generated" (straight-line code, vectors of ``lanes`` numbers), or "interpreted" (the data-driven text as plain
     Python). ``states`` has shape (rows, lanes), ``tables`` (lanes, length). ``advance`` takes ``outputs`` times ``count`` steps and returns the
-    rows ``kept`` after each ``count``, shape (outputs, kept, lanes). Its memory is its own: runners may advance in several threads at once.
+    rows ``kept`` after each ``count``, shape (outputs, kept, lanes). A step in which something begins, ends or changes its regime is taken
+    again in ``parts`` (1: as it is). ``shares``, shape (lanes,), puts lanes out of phase: right after the start, one is moved on by so large a
+    part of a step, so that its step n is at (n + share) dt. Its memory is its own: runners may advance in several threads at once.
     """
 
-    def __init__(self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers) -> None:
+    def __init__(
+        self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers, *, parts: int = PARTS, shares: Rows | None = None
+    ) -> None:
         self.topology, self.loop = topology, loop
         self.kept = np.ascontiguousarray(kept, dtype=np.uint32)
         self.layout = Layout(topology)
         self.lanes = states.shape[1]
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
         self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
-        self.done = 0
-        self.S = aligned(self.layout.rows * self.lanes)
+        self.done, self.parts = 0, parts
+        self.S, self.spare = aligned(self.layout.rows * self.lanes), aligned(self.layout.rows * self.lanes)
+        self.shares = aligned(self.lanes)
+        self.shares[:] = 0.0 if shares is None else shares
         self.states[:] = states
         self.states[self.layout["c"]] = self.states[self.layout["cn"]] = 1.0
-        self.take: Callable[..., None]
+        self.take: Callable[[Advance], None]
         if loop == "generated":
             self.take = straight_line(topology, self.lanes)
         else:
@@ -105,6 +115,7 @@ class Runner:
     def advance(self, count: int, outputs: int) -> Rows:
         """``outputs`` times ``count`` steps from where the state is."""
         out = np.zeros((outputs, len(self.kept), self.lanes))
-        self.take(self.S, self.functions, self.done, count, out, self.kept, self.extremes)
+        state = (self.S, self.spare, self.functions)
+        self.take(Advance(*state, self.done, count, self.parts, self.shares, out, self.kept, self.extremes))
         self.done += count * outputs
         return out

@@ -13,7 +13,7 @@ from types import FunctionType
 from typing import Any, Protocol
 
 from ..errors import SourceError
-from ..kernels import step as loop
+from ..kernels import advance as loop
 from ..kernels.arrays import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS, Fields
 from .functiontext import function_tree
 from .lock import WRITING
@@ -164,6 +164,17 @@ def room(kind: str, law: Any) -> tuple[int, int]:
     return count, rows
 
 
+def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
+    """An if-chain over friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
+    lines = ["@jit", "def friction_regime(kind, sliding, S, base):", "    regime = 0.0"]
+    for number, law in enumerate(laws):
+        if getattr(law, "regime", None) is not None:
+            name = gathered.add(law.regime, f"regime_{law_name('friction', law)}")  # type: ignore[attr-defined]
+            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
+            lines += [f"    if kind == {number}:", f"        regime = {name}(sliding, ({slots}))"]
+    return "\n".join([*lines, "    return regime"]) + "\n"
+
+
 def films(laws: tuple[type, ...], gathered: Collector) -> str:
     """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
     signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
@@ -188,6 +199,7 @@ def _data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]
     gathered.given = {
         "contact_law": dispatch("contact", contact_laws, gathered),
         "friction_law": dispatch("friction", friction_laws, gathered),
+        "friction_regime": regimes(friction_laws, gathered),
         "film_law": films(contact_laws, gathered),
     }
     gathered.add(loop.advance)

@@ -10,12 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from ..kernels import advance
 from ..kernels import step as loop
 from ..kernels.arrays import PARTICLE, Layout
-from ..kernels.topology import ALONG, FREE, TIME, Topology
+from ..kernels.topology import AIMED, FREE, TIME, Topology
 from .graph import derive, tables
 from .lock import WRITING
-from .source import dispatch, films
+from .source import dispatch, films, regimes
 from .trace import STEP_NUMBER, Operand, Operation, Rows, Seldom, Symbol, Tape, Trace, either
 from .traceable import Traceable
 
@@ -57,7 +58,7 @@ def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[i
             if body not in armed and body != 0:
                 known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
     for joint, (place, turn) in enumerate(topology.held):
-        if place != ALONG and turn == FREE:
+        if place not in AIMED and turn == FREE:
             known[layout.row("joint_offset", joint)] = 0.0
     return known
 
@@ -80,6 +81,7 @@ def give_laws(traceable: Traceable, topology: Topology) -> None:
     texts = {
         "contact_law": dispatch("contact", topology.contact_laws, laws),
         "friction_law": dispatch("friction", topology.friction_laws, laws),
+        "friction_regime": regimes(topology.friction_laws, laws),
         "film_law": films(topology.contact_laws, laws),
     }
     for name, text in texts.items():
@@ -107,6 +109,18 @@ def trace(topology: Topology, whole: bool = False) -> Trace:
     return Trace(operations, {row: _operand(value) for row, value in stores.items()}, _operand(rare))
 
 
+def resizing(topology: Topology) -> Trace:
+    """The change from steps of one size to another, as the symbols ``size``, ``shift`` and ``repeated`` say."""
+    integers, layout, _ = tables(topology)
+    tape = Tape()
+    rows = Rows(tape, known_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *(layout.row(name) for name in ("step", "shift"))})
+    with WRITING:
+        resize = Traceable(tape)(advance.resize)
+    resize(rows, integers.tolist(), *(Symbol(tape, name) for name in ("size", "shift", "repeated")))
+    stores = rows.stores()
+    return Trace(tape.needed(stores.values()), {row: _operand(value) for row, value in stores.items()})
+
+
 def _operand(value: Any) -> str | float | bool:
     return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
 
@@ -126,14 +140,14 @@ def about(topology: Topology) -> int:
 
 @dataclass(frozen=True)
 class Function:
-    """A function that must be there before a step: where its table starts, the rows of its value, two derivatives and value one step later.
+    """A function that must be there before a step: where its table starts, the rows of its value, two derivatives, kinks and value one step later.
 
     What it depends on is the last of its ``operations``, or the operand ``argument`` where there are none. They use rows before the step,
     ``time`` and ``ahead``, the step that leads to t_n.
     """
 
     table: int
-    rows: tuple[int, int, int, int]
+    rows: tuple[int, int, int, int, int]
     of_time: bool
     operations: tuple[Operation, ...]
     argument: Operand
@@ -148,6 +162,6 @@ def functions(topology: Topology) -> list[Function]:
         rows = Rows(tape, known_rows(topology, layout), set())
         first, second = (layout.record("particle", p) for p in bodies)
         x = Traceable(tape)(loop.argument)(rows, kind, first, second, Symbol(tape, "time"), Symbol(tape, "ahead"))
-        value, rate, acceleration, after = (layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "next"))
-        found.append(Function(start, (value, rate, acceleration, after), kind == TIME, tape.needed([x]), _operand(x)))
+        value, rate, acceleration, kinks, after = (layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "kinks", "next"))
+        found.append(Function(start, (value, rate, acceleration, kinks, after), kind == TIME, tape.needed([x]), _operand(x)))
     return found

@@ -24,7 +24,7 @@ def four_bar(*, clearance: float = 0.2e-3, loose: str = "BCD", speed: float = SP
         "axial_length": 0.005,
         "friction_moment": "off",
     }
-    bar = {"model": "two-particle", "section": Section.square(1e-3), "stiffness_factor": 1000.0, "release": "both"}
+    bar = {"model": "two-particle", "section": Section.square(1e-3), "stiffness_factor": 1000.0, "release": "both", "strain": "current"}
     return _linkage("four-bar, three clearance joints", loose, -1.0, speed, turns, {"clearance": clearance} | joint, bar)
 
 

@@ -79,7 +79,7 @@ BLOCKS: tuple[Block, ...] = (
         frame_moment_2 | N m | internal moment at the second node at step n
         reference_length | m | length at the start of the path unit"""),
     *_blocks("memory", "frame", """
-        reference_inverse_length | 1/m | its inverse
+        reference_inverse_length | 1/m | its inverse, or that of the length without forces where stiffness counts on it
         reference_cosine | 1 | direction at the start of the path unit
         reference_sine | 1 | direction at the start of the path unit
         reference_theta_1 | rad | rotation of the first node at the start of the path unit
@@ -103,7 +103,9 @@ BLOCKS: tuple[Block, ...] = (
         contact_deep | 1 | onsets that landed deeper than the landing depth
         contact_deepest | m | deepest first landing
         contact_fastest | m/s | fastest impact
-        contact_contact_steps | 1 | steps in continuous contact"""),
+        contact_duration | s | time in contact, but for the first step of each"""),
+    *_blocks("memory", "contact", """
+        contact_regime | 1 | which smooth part of the friction law's curve held at step n"""),
     *_blocks("state", "joint", """
         joint_fx | N | force on the journal at step n
         joint_fy | N | force on the journal at step n
@@ -119,7 +121,8 @@ BLOCKS: tuple[Block, ...] = (
         spring_damping_power | W | power lost in damping at step n
         spring_damping_work | J | energy lost in damping up to step n + 1/2"""),
     *_blocks("memory", "spring", """
-        spring_resistance | N or N m | forces along its axes at step n | 3"""),
+        spring_resistance | N or N m | forces along its axes at step n | 3
+        spring_regime | 1 | of a stop: the limit beyond which it was at step n, -1 or 1, else 0"""),
     *_blocks("state", "driven", """
         driven_torque | N m | torque of the driver at step n
         driven_fx | N | force of the ground on the driven body at step n
@@ -132,14 +135,20 @@ BLOCKS: tuple[Block, ...] = (
         function_value | unit of the table | value at step n
         function_rate | unit of the table / s | first derivative at step n
         function_acceleration | unit of the table / s^2 | second derivative at step n
-        function_next | unit of the table | value at step n + 1"""),
+        function_next | unit of the table | value at step n + 1
+        function_kinks | 1 | kinks before step n"""),
+    *_blocks("memory", "function", """
+        function_passed | 1 | kinks that steps have passed"""),
     *_blocks("state", "system", """
         damping_power | W | power lost in mass-proportional damping at step n
         damping_work | J | energy lost in mass-proportional damping up to step n + 1/2
         external_power | W | power of time-dependent loads at step n
         external_work | J | work of time-dependent loads up to step n + 1/2
         iterations | 1 | iterations that a load factor took in a static analysis
-        unbalanced | 1 | unbalanced force that is left there, over the largest force"""),
+        unbalanced | 1 | unbalanced force that is left there, over the largest force
+        repeated | 1 | steps that were taken again in smaller ones"""),
+    *_blocks("memory", "system", """
+        event | 1 | whether something begins, ends or changes its regime in step n"""),
     *_blocks("extreme", "contact", """
         contact_force_squared_max | N^2 | largest squared joint force since the last output
         contact_penetration_max | m | largest signed penetration since the last output"""),
@@ -184,7 +193,7 @@ BLOCKS: tuple[Block, ...] = (
         joint_journal_y | m | pin in the journal body's frame
         joint_direction_x | 1 | direction of a guide, in the bearing body's frame
         joint_direction_y | 1 | direction of a guide, in the bearing body's frame
-        joint_offset | rad or m | angle, or travel, between the bodies at the start
+        joint_offset | rad or m | angle, or travel, between the bodies at the start; length of a massless link
         joint_ratio | 1 | turns of the journal's body for one of the bearing's"""),
     *_blocks("parameter", "piece", """
         piece_x | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
@@ -222,6 +231,7 @@ BLOCKS: tuple[Block, ...] = (
         load_m | 1 | moment per unit of its function"""),
     *_blocks("parameter", "system", """
         step | s | time step
+        shift | 1 | steps, or a part of one, by which the run is ahead of its number of steps
         damping | 1/s | coefficient of mass-proportional damping"""),
     *_blocks("scratch", "particle", """
         fx | N | force so far at step n
@@ -277,9 +287,12 @@ PLAIN = _fields("particle").SIZE
 
 
 # Records of the integer array: rows of S and kinds.
-FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release", "unit"))
+FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release", "unit", "strain"))
 CONTACT_INDEX = Fields(
-    (name, 1) for name in ("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "film", "kind", "piece", "pieces")
+    (name, 1)
+    for name in (
+        *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "kind", "piece", "pieces"),
+    )
 )
 JOINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces"))
 CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
@@ -313,7 +326,21 @@ HEADER = Fields(
     for name in (
         *LISTS,
         *(f"{name}_count" for name in LISTS),
-        *("plain", "profile", "profile_count", "inverse", "y", "gn", "gt", "path_unit", "damped", "worked", "close_again"),
+        *(
+            "plain",
+            "plain_count",
+            "profile",
+            "profile_count",
+            "inverse",
+            "y",
+            "gn",
+            "gt",
+            "path_unit",
+            "damped",
+            "worked",
+            "close_again",
+            "watched",
+        ),
     )
 )
 

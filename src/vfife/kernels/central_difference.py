@@ -17,6 +17,14 @@ def coefficients(start, dt, damping):
     return h, b, k, p
 
 
+def resized(u, a, old, size, damping):
+    """Velocity half a step after t_n where the next step is ``size`` and not ``old`` long, from the one that was, u, and the acceleration at t_n.
+
+    Both come from the same v_n: v_(n+1/2) = (1 - z) v_n + h/2 a_n, z = damping h / 2 for a step of h.
+    """
+    return (u - 0.5 * old * a) * ((1.0 - 0.5 * size * damping) / (1.0 - 0.5 * old * damping)) + 0.5 * size * a
+
+
 def larger(a, b):
     """The larger of two numbers, the first where they compare equal or the second is no number."""
     return b if b > a else a

@@ -5,16 +5,17 @@ let positions drift, so the reaction at t_n is the one that closes the joint at 
 bodies carry several joints the rows couple; they are factored along the profile of the joint graph, never as a matrix of the mechanism.
 
 A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b. A joint holds a place, a turn or both: a revolute has
-a row for x and one for y, a slider one across its guide and one for the turn, a weld all three, a pin on a path one across it, gears and
-prescribed angles one for the turn with n = 0.
+a row for x and one for y, a slider one across its guide and one for the turn, a weld all three, a pin on a path one across it, a massless link
+one along it, gears and prescribed angles one for the turn with n = 0.
 """
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, COUPLE_INDEX, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE
 from .central_difference import larger
 from .elementary import sincos, small_turn
+from .frame import chord
 from .geometry import arm
 from .path import from_path
-from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED
+from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
 
 SINGULAR = 64.0  # pivot in squared turns of a step (of what it was before elimination) below which its correction is damped: eight steps away
 COARSE = 1e-3  # the largest such pivot
@@ -34,13 +35,15 @@ def lever(rx, ry, nx, ny):
 
 
 def placed(S, place, piece, pieces, c, s, dx, dy, ex, ey):
-    """What a row along or across a guide, or from a path, measures (m), and its direction in space.
+    """What a row along or across a guide, from a path or along a massless link measures (m), and its direction in space.
 
     (ex, ey) is the journal's pin seen from the bearing's, in space; (c, s) the direction of the bearing's body, (dx, dy) that of the guide in it.
     """
     if place == ON_PATH:
         measured, nx, ny = from_path(S, piece, pieces, c * ex + s * ey, c * ey - s * ex)
         nx, ny = arm(c, s, nx, ny)
+    elif place == APART:
+        measured, _, nx, ny = chord(ex, ey)
     else:
         ux, uy = arm(c, s, dx, dy)
         nx = ux if place == ALONG else -uy
@@ -282,7 +285,7 @@ def residual(S, I):
                     S, place, I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces], S[p + PARTICLE.cn], S[p + PARTICLE.sn],
                     S[i + JOINT.direction_x], S[i + JOINT.direction_y], ex, ey,
                 )  # fmt: skip
-                S[y] = measured - aim if place == ALONG else measured
+                S[y] = measured - aim if place == ALONG or place == APART else measured
         if turn != FREE:
             y = y + (I[r + JOINT_INDEX.rows] - 1)
             ratio = S[i + JOINT.ratio] if turn == GEARED else 1.0

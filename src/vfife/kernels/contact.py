@@ -14,7 +14,9 @@ from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
 from .path import in_slot
 from .topology import LINE, ROUND, SLOT
 
-contact_law = friction_law = film_law = None  # written by source.py for the laws at hand
+STICKS = 1e-9  # share of a free velocity that a set-valued law leaves to rounding
+
+contact_law = friction_law = friction_regime = film_law = None  # written by source.py for the laws at hand
 
 
 def velocities(S, I, p, h):
@@ -62,7 +64,8 @@ def onset(S, j, b, k, depth, start, p, h):
     S[j + CONTACT.deep] += 1.0 if depth > S[j + CONTACT.landing] else 0.0
     S[j + CONTACT.deepest] = larger(S[j + CONTACT.deepest], depth)
     S[j + CONTACT.fastest] = larger(S[j + CONTACT.fastest], located)
-    S[j + CONTACT.contact_steps] -= 1.0
+    S[j + CONTACT.duration] -= dt
+    S[SYSTEM.event] = 1.0
 
 
 def contact_geometry(S, I, start, p, h):
@@ -104,10 +107,12 @@ def contact_geometry(S, I, start, p, h):
         touching = depth > 0.0
         if seldom(touching and S[j + CONTACT.slowness] <= 0.0):
             onset(S, j, b, k, depth, start, p, h)
+        if seldom(depth <= 0.0 and S[j + CONTACT.slowness] > 0.0):
+            S[SYSTEM.event] = 1.0
         slowness = S[j + CONTACT.slowness] if touching else 0.0
         S[j + CONTACT.penetration] = depth
         S[j + CONTACT.slowness] = slowness
-        S[j + CONTACT.contact_steps] += 1.0 if touching else 0.0
+        S[j + CONTACT.duration] += S[SYSTEM.step] if touching else 0.0
         S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = contact_law(
             I[r + CONTACT_INDEX.contact], depth if touching else 0.0, slowness, S, j + CONTACT.slots
         )
@@ -247,6 +252,8 @@ def solve_contacts(S, I, span, central):
         friction = friction_law(
             I[r + CONTACT_INDEX.friction], dry, free, mobility, S[SYSTEM.step], S, j + CONTACT.friction_slots, j + CONTACT.memory
         )
+        if I[r + CONTACT_INDEX.kinked] != 0:
+            change_regime(S, I, r, free, free + mobility * friction, normal)
         slip = loose + gt * friction
         tangential = friction + across
         press(S, j, b, k, more, tangential - S[j + CONTACT.friction])
@@ -266,6 +273,18 @@ def solve_contacts(S, I, span, central):
         at = j + CONTACT.force_squared_max
         S[at] = larger(S[at], square)
         S[j + CONTACT.penetration_max] = larger(S[j + CONTACT.penetration_max], S[j + CONTACT.penetration])
+
+
+def change_regime(S, I, r, free, sliding, normal):
+    """Tells where friction passes a kink of its curve, at the sliding velocity that it leaves of the free one; sticking leaves rounding alone."""
+    j = I[r + CONTACT_INDEX.row]
+    if I[r + CONTACT_INDEX.ahead] != 0:
+        sliding = sliding if abs(sliding) > STICKS * abs(free) else 0.0
+    regime = friction_regime(I[r + CONTACT_INDEX.friction], sliding, S, j + CONTACT.friction_slots)
+    regime = regime if normal > 0.0 else S[j + CONTACT.regime]
+    if seldom(regime != S[j + CONTACT.regime]):
+        S[SYSTEM.event] = 1.0
+    S[j + CONTACT.regime] = regime
 
 
 def shove(S, j, b, k, h, normal, friction):

@@ -50,16 +50,19 @@ def nodal_force(c, s, inverse, n, m1, m2):
     return c * n + s * q, s * n - c * q
 
 
-def stiffness(ila, axial_stiffness, bending_stiffness):
-    """Of the element with both ends held: along EA/l, across 12EI/l^3 (N/m), moment at an end for its turn 4EI/l, for the other's 2EI/l (N m)."""
+def stiffness(ila, inverse, axial_stiffness, bending_stiffness):
+    """Of the element with both ends held: along EA/l, across 12EI/l^3 (N/m), moment at an end for its turn 4EI/l, for the other's 2EI/l (N m).
+
+    ``ila``: inverse of the length that stiffness counts on, ``inverse`` of the present one, on which two of the three l across do.
+    """
     near, far = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
-    m1, m2 = bending(ila, ila, ila, 0.0, 0.0, bending_stiffness)
-    return axial(1.0, 0.0, ila, 0.0, axial_stiffness), (m1 + m2) * ila, near, far
+    m1, m2 = bending(inverse, inverse, ila, 0.0, 0.0, bending_stiffness)
+    return axial(1.0, 0.0, ila, 0.0, axial_stiffness), (m1 + m2) * inverse, near, far
 
 
-def stiffness_released(ila, bending_stiffness):
+def stiffness_released(ila, inverse, bending_stiffness):
     """With one end released: across (N/m) 3EI/l^3, and moment at the other end for its own turn 3EI/l (N m)."""
-    return bending_released(ila, ila, 0.0, bending_stiffness) * ila, bending_released(1.0, ila, 0.0, bending_stiffness)
+    return bending_released(inverse, ila, 0.0, bending_stiffness) * inverse, bending_released(1.0, ila, 0.0, bending_stiffness)
 
 
 def end_rotations(m1, m2, ila, bending_stiffness):

@@ -6,10 +6,10 @@ holds the last resistance already; the change of the resistance enters through t
 
 import math
 
-from .arrays import HEADER, PARTICLE, SPRING, SPRING_INDEX
+from .arrays import HEADER, PARTICLE, SPRING, SPRING_INDEX, SYSTEM
 from .central_difference import larger
 from .contact import expected
-from .geometry import arm
+from .geometry import arm, seldom
 from .topology import BUSHING, LINEAR, STOP
 
 
@@ -67,6 +67,8 @@ def spring(S, g, b, k, kind, p, h):
         power = bush(S, g, b, k, (kx, ky), (bx + ex, by + ey), ex, ey, angle - S[g + SPRING.free], p, h)
     else:
         power = twist(S, g, b, k, kind == STOP, angle, p, h)
+    if kind == STOP:
+        engage(S, g, angle)
     return power
 
 
@@ -104,6 +106,16 @@ def twist(S, g, b, k, stop, angle, p, h):
     S[g + SPRING.moment] = -moment
     S[g + SPRING.energy] = 0.5 * S[g + SPRING.stiffness + 2] * x * x
     return (moment - elastic) * rate
+
+
+def engage(S, g, angle):
+    """Tells where a stop is met or left."""
+    low = angle < S[g + SPRING.free]
+    high = angle > S[g + SPRING.high]
+    regime = -1.0 if low else 1.0 if high else 0.0
+    if seldom(regime != S[g + SPRING.regime]):
+        S[SYSTEM.event] = 1.0
+    S[g + SPRING.regime] = regime
 
 
 def bush(S, g, b, k, arm_k, arm_b, ex, ey, angle, p, h):

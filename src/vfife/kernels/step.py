@@ -33,7 +33,7 @@ from .frame import axial, bending, bending_released, chord, nodal_force, step_tu
 from .geometry import arm, seldom
 from .polynomial import polynomial
 from .spring import springs
-from .topology import TIME, TURNED
+from .topology import CURRENT, TIME, TURNED
 
 
 def argument(S, kind, i, j, time, dt):
@@ -49,8 +49,11 @@ def argument(S, kind, i, j, time, dt):
     return x
 
 
-def functions(S, T, I, shift, time, after, dt):
-    """Functions at t_n, and their value at t_(n+1); ``dt`` is the step that leads to t_n, 0 at the start."""
+def functions(S, T, I, shift, n):
+    """Functions at t_n, and their value at t_(n+1); T holds this simulation's tables from ``shift`` on."""
+    time = (n + S[SYSTEM.shift]) * S[SYSTEM.step]
+    after = (n + 1 + S[SYSTEM.shift]) * S[SYSTEM.step]
+    dt = 0.0 if n == 0 else S[SYSTEM.step]  # the step that leads to t_n
     for m in range(I[HEADER.function_count]):
         r = I[HEADER.function] + FUNCTION_INDEX.SIZE * m
         f = I[r + FUNCTION_INDEX.row]
@@ -58,11 +61,21 @@ def functions(S, T, I, shift, time, after, dt):
         kind = I[r + FUNCTION_INDEX.argument]
         i = I[r + FUNCTION_INDEX.first]
         j = I[r + FUNCTION_INDEX.second]
-        value, rate, second = polynomial(T, start, argument(S, kind, i, j, time, dt))
+        value, rate, second, kinks = polynomial(T, start, argument(S, kind, i, j, time, dt))
         S[f + FUNCTION.value] = value
         S[f + FUNCTION.rate] = rate
         S[f + FUNCTION.acceleration] = second
+        S[f + FUNCTION.kinks] = kinks
         S[f + FUNCTION.next] = polynomial(T, start, after)[0] if kind == TIME else value
+
+
+def pass_kinks(S, I):
+    """Tells where a function has passed a kink."""
+    for m in range(I[HEADER.function_count]):
+        f = I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.row]
+        if seldom(S[f + FUNCTION.kinks] != S[f + FUNCTION.passed]):
+            S[SYSTEM.event] = 1.0
+        S[f + FUNCTION.passed] = S[f + FUNCTION.kinks]
 
 
 def drift(S, i, d):
@@ -127,7 +140,10 @@ def loads(S, I):
 
 
 def elements(S, I, first, last, renew):
-    """Element forces from the reversed rigid-body motion; the reference is renewed where a path unit ends."""
+    """Element forces from the reversed rigid-body motion; the reference is renewed where a path unit ends.
+
+    Stiffness counts on the length that the element has there, as the paper's does, or for good on the length that it has without forces.
+    """
     own = I[HEADER.path_unit] == 1
     for m in range(first, last):
         r = I[HEADER.frame] + FRAME_INDEX.SIZE * m
@@ -169,7 +185,8 @@ def elements(S, I, first, last, renew):
         S[e + FRAME.moment_2] = m2
         if renew:
             S[e + FRAME.reference_length] = length
-            S[e + FRAME.reference_inverse_length] = inverse
+            if I[r + FRAME_INDEX.strain] == CURRENT:
+                S[e + FRAME.reference_inverse_length] = inverse
             S[e + FRAME.reference_cosine] = c
             S[e + FRAME.reference_sine] = s
             S[e + FRAME.reference_theta_1] = S[i + PARTICLE.theta]
@@ -323,7 +340,7 @@ def joints(S, I, n, start, span, central):
         contact_geometry(S, I, start, p, h)
     if I[HEADER.joint_count] > 0:
         levers(S, I)
-        ahead(S, I, (n + 1) * dt)
+        ahead(S, I, (n + 1 + S[SYSTEM.shift]) * dt)
         fill(S, I)
         warm_start(S, I)
         close(S, I, dt, b, k, True)
@@ -346,31 +363,12 @@ def step(S, I, n, start):
         h, b, k, p = 0.0 if start else 0.5 * dt, 1.0, 0.5 * dt if start else dt, 1.0
     span = 0.5 * dt if start else dt
     d = 0.0 if start else dt
-    move(S, I, n * dt, d)
+    S[SYSTEM.event] = 0.0
+    pass_kinks(S, I)
+    move(S, I, (n + S[SYSTEM.shift]) * dt, d)
     tiles(S, I, n % I[HEADER.path_unit] == 0, d, h, b, k, p)
     loads(S, I)
     springs(S, I, span, p, h)
     joints(S, I, n, start, span, (h, b, k, p))
     settle(S, I, span, h, b, k, p)
     observe(S, I, span)
-
-
-def advance(S, T, I, wide, rows, lanes, n0, count, out, kept, extremes):
-    """Lane by lane: fills ``out[m, :, lane]`` with the rows ``kept`` after ``count`` steps more; ``extremes`` start anew before them.
-
-    ``wide`` holds the states, rows by lanes; S is scratch for one of them. T holds the tables of all lanes, one after the other.
-    """
-    for w in range(lanes):
-        shift = w * (len(T) // lanes)
-        for q in range(rows):
-            S[q] = wide[q * lanes + w]
-        for m in range(out.shape[0]):
-            for q in extremes:
-                S[q] = 0.0
-            for n in range(n0 + m * count, n0 + (m + 1) * count):
-                functions(S, T, I, shift, n * S[SYSTEM.step], (n + 1) * S[SYSTEM.step], 0.0 if n == 0 else S[SYSTEM.step])
-                step(S, I, n, n == 0)
-            for q in range(out.shape[1]):
-                out[m, q, w] = S[kept[q]]
-        for q in range(rows):
-            wide[q * lanes + w] = S[q]

@@ -5,14 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-# What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1) and the turn of one body with the other (0, 1, 1); then kinds of contacts, springs
-# and arguments of functions. A revolute pins a place, a slider lets it go along a line and keeps the turn, a gear couples turns alone.
-NOWHERE, PINNED, ACROSS, ALONG, ON_PATH = range(5)
+# What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1, 1) and the turn of one body with the other (0, 1, 1); then kinds of contacts, springs
+# and arguments of functions. A revolute pins a place, a slider lets it go along a line and keeps the turn, a gear couples turns alone,
+# a massless link keeps two pins apart.
+NOWHERE, PINNED, ACROSS, ALONG, ON_PATH, APART = range(6)
 FREE, KEPT, GEARED = range(3)
-PLACE_ROWS, TURN_ROWS = (0, 2, 1, 1, 1), (0, 1, 1)
+PLACE_ROWS, TURN_ROWS = (0, 2, 1, 1, 1, 1), (0, 1, 1)
+AIMED = (ALONG, APART)  # places whose row keeps a length that is data
 BEARING, ROUND, LINE, SLOT = range(4)
 LINEAR, TORSIONAL, STOP, BUSHING = range(4)
 TIME, TURNED, SPEED = range(3)
+CURRENT, REFERENCE = range(2)  # what length the stiffness of an element counts on: the present one (the paper's), or that without forces
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,7 @@ class Topology:
     trig: tuple[int, ...] = ()
     frame_nodes: tuple[tuple[int, int], ...] = ()
     frame_release: tuple[int, ...] = ()
+    frame_strain: tuple[int, ...] = ()
     contact_bearing: tuple[int, ...] = ()
     contact_journal: tuple[int, ...] = ()
     contact_kind: tuple[int, ...] = ()
@@ -63,6 +67,11 @@ class Topology:
         """What each ideal joint holds, place and turn; revolutes unless said."""
         count = len(self.joint_bearing)
         return tuple(zip(self.joint_place or (PINNED,) * count, self.joint_turn or (FREE,) * count, strict=True))
+
+    @property
+    def strains(self) -> tuple[int, ...]:
+        """What length the stiffness of each element counts on; the present one unless said."""
+        return self.frame_strain or (CURRENT,) * len(self.frame_nodes)
 
     @property
     def constraint_starts(self) -> tuple[int, ...]:

@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..kernels import constraint, geometry, path
-from ..kernels.topology import ACROSS, ALONG, ON_PATH
-from ..model.rows import Across, Along, Coincide, Guided, OnPath, Row, Turn, place_row, turn_row
+from ..kernels.topology import ACROSS, ALONG, APART, ON_PATH
+from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Place, Row, Turn, place_row, turn_row
 from .taylor import Taylor, lifted
 
 Array = NDArray[np.float64]
+SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess puts in one place
 MIRROR = np.array([1.0, -1.0])
 KERNEL = lifted(geometry, path, constraint)  # arm, lever, placed and relative_turn, as the step has them
 
@@ -66,7 +67,7 @@ class Constraint:
                 raise ValueError(f"{self.name}: {error}") from None
 
     @cached_property
-    def place(self) -> Coincide | Across | Along | OnPath | None:
+    def place(self) -> Place | None:
         """The row that holds a place, if there is one."""
         return place_row(self.held)
 
@@ -113,6 +114,8 @@ class Constraint:
             gamma = self._gamma(a, b, v[self.body_a].tolist(), v[self.body_b].tolist())
         if isinstance(self.place, Along):
             phi = [phi[0] - self.aim]
+        if isinstance(self.place, Apart):
+            phi = [phi[0] - self.place.length]
         if self.turn is not None:
             phi = [*phi, length * (KERNEL.relative_turn(a[2], b[2], self.ratio) - self.aim)]
             on_a, on_b = [*on_a, (0.0, 0.0, -length * self.ratio)], [*on_b, (0.0, 0.0, length)]
@@ -143,6 +146,8 @@ class Constraint:
         if isinstance(self.place, OnPath):
             numbers = self.place.path.numbers()
             return ON_PATH, [value for piece in numbers for value in piece], len(numbers), 1.0, 0.0
+        if isinstance(self.place, Apart):
+            return APART, [], 0, 1.0, 0.0
         dx, dy = self.place.unit() if isinstance(self.place, Guided) else (1.0, 0.0)
         return ACROSS if isinstance(self.place, Across) else ALONG, [], 0, dx, dy
 
@@ -154,6 +159,8 @@ class Constraint:
         if isinstance(self.place, Coincide):
             return [ex, ey], [(1.0, 0.0), (0.0, 1.0)]
         kind, pieces, count, dx, dy = self._guide
+        if kind == APART and ex == 0.0 and ey == 0.0:
+            ex = SOMEWHERE * self.place.length  # type: ignore[union-attr]  # pins in one place: any direction leads apart
         measured, nx, ny = KERNEL.placed(pieces, kind, 0, count, *face, dx, dy, ex, ey)
         return [measured], [(nx, ny)]
 

@@ -17,7 +17,7 @@ from ..model.surfaces import surfaces
 from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_system, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .mobility import Mobility, mobility
-from .pins import first_guess, local_point
+from .pins import centred, first_guess, local_point
 from .solve import RigidSystem, accelerations, close, velocities
 from .system import mirrored
 
@@ -177,7 +177,8 @@ def ideal_motion(
     moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric) if loose != apart else system
     wish = np.zeros_like(position) if given is None else given.velocity
     for name in own:
-        wish[system.names.index(name)] = mechanism.bodies[name].velocity
+        row = system.names.index(name)
+        wish[row] = centred(mechanism, name, position[row], np.array(mechanism.bodies[name].velocity))[1]
     velocity = velocities(reflect(moving), position * flip, wish * flip) * flip
     now = Instant(mechanism, system.names, position, velocity, time)
     pushed = tuple(applied(now, datum))

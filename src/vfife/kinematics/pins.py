@@ -34,6 +34,14 @@ def from_center(mechanism: Mechanism, side: tuple[str, str]) -> Point:
     return x - cx, y - cy
 
 
+def centred(mechanism: Mechanism, name: str, position: Array, velocity: Array) -> tuple[Array, Array]:
+    """Motion of a body's centre of mass from that of its frame's origin: (x, y, angle) and its rate, each (3,)."""
+    x, y = rigid_properties(mechanism.bodies[name])[1]
+    c, s = np.cos(position[2]), np.sin(position[2])
+    r = np.array([c * x - s * y, s * x + c * y, 0.0])
+    return position + r, velocity + velocity[2] * np.array([-r[1], r[0], 0.0])
+
+
 def world(mechanism: Mechanism, position: Array, names: tuple[str, ...], side: tuple[str, str], beyond: Point = (0.0, 0.0)) -> Point:
     """A pin in space (m), or a place ``beyond`` it in its body's axes; bodies at ``position`` (bodies + 1, 3)."""
     x, y = np.add(from_center(mechanism, side), beyond)

@@ -142,7 +142,9 @@ class Law:
     def form(cls) -> type[Law]:
         """The first class with this law's ``force`` and ``slots``: laws of one form differ in their parameters only and are compiled once."""
         force = cls.force  # type: ignore[attr-defined]
+        own = getattr(cls, "regime", None)
         alike = [one for one in cls.__mro__ if issubclass(one, Law) and getattr(one, "force", None) is force and one.slots == cls.slots]
+        alike = [one for one in alike if getattr(one, "regime", None) is own]
         return alike[-1]
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -228,10 +230,14 @@ class FrictionLaw(Law):
     ``memory`` names what the law remembers from step to step, with units: up to three numbers, all zero at the start and again wherever the
     normal force is zero, because bristles spring back when nothing presses on them. ``set_valued``: the law holds two surfaces together
     without sliding by any force up to a limit; it then receives the sliding velocity half a step on, where sticking means exactly zero.
+
+    ``regime``, a static function of the sliding velocity (m/s, 0 where surfaces stick) and the numbers of ``slots``, says by a number of its own
+    each on which smooth part of the curve that velocity lies: a step in which it changes is taken again in smaller ones. None: no kinks.
     """
 
     registry: ClassVar[dict[str, type[Law]]] = {}
     memory: ClassVar[tuple[str, ...]] = ()
+    regime: ClassVar[Any] = None
     set_valued: ClassVar[bool] = False
 
     @staticmethod

@@ -13,10 +13,16 @@ from .renamed import renamed
 Point = tuple[float, float]
 LinkModel = Literal["rigid", "elastic", "two-particle"]
 Release = Literal["none", "start", "end", "both"]
+Strain = Literal["reference", "current"]
 MOST_ELEMENTS = 100_000
 LINK_MODELS = ("rigid", "elastic", "two-particle")
 ELASTIC = ("elastic", "two-particle")
 DIAMETER = Measure("m", above=0.0)
+STRAINS = (
+    Choice(("reference", "current")),
+    "length that E A and E I count on: reference, that without forces, as in beam codes; current, the present one, as in the VFIFE paper",
+    "reference",
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,8 @@ class Section:
 class Body:
     """What all bodies have: a name, an approximate angle (rad) and position of the frame's origin (m) to close the mechanism from.
 
-    ``velocity`` (m/s, m/s, rad/s) is the initial velocity of a body that no driver moves; joints with clearance then do not hold it at the start.
+    ``velocity`` (m/s, m/s, rad/s) is that of the frame's origin, and the turning, at the start of a body that no driver moves; joints with
+    clearance then do not hold it.
     """
 
     own_points: ClassVar[tuple[str, ...]] = ("center",)  # points that every body of the kind has
@@ -74,7 +81,7 @@ class Body:
     position: Point | None = described(PLACE, "approximate position of the body's origin at the start", None)
     velocity: tuple[float, float, float] = described(
         Each((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),
-        "at the start, of a body that nothing drives: centre of mass, then angular",
+        "at the start, of a body that nothing drives: that of the body's origin, then angular",
         (0.0, 0.0, 0.0),
     )
     material: Material = described(Named(Material), "name of a material", factory=Material)
@@ -142,6 +149,7 @@ class Link(Body):
         Choice(("none", "start", "end", "both")), "ends that transmit no moment to the particle there", "none", only=ELASTIC
     )
     stiffness_factor: float = quantity("1", "multiplies Young's modulus of this link", 1.0, above=0.0, only=ELASTIC)
+    strain: Strain = described(*STRAINS, only=ELASTIC)
     start_mass: float = quantity("kg", "mass attached at the start", 0.0, low=0.0)
     end_mass: float = quantity("kg", "mass attached at the end", 0.0, low=0.0)
     start_inertia: float = quantity("kg m^2", "rotary inertia attached at the start: a flywheel, a gear", 0.0, low=0.0)
@@ -226,6 +234,7 @@ class Frame(Body):
     members: tuple[Member, ...] = described(Many(Inner(Member)), "members, each from one node to another")
     section: Section | None = described(Inner(Section), "cross section of members that name none", None)
     masses: dict[str, float] = described(Names(Measure("kg", above=0.0)), "masses attached at nodes", factory=dict)
+    strain: Strain = described(*STRAINS)
 
     @property
     def points(self) -> dict[str, Point]:

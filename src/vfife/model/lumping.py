@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section
+from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Strain
 
 Array = NDArray[np.float64]
 _KEPT = "_mesh"
@@ -20,7 +20,7 @@ class Mesh:
     """An elastic body as particles and frame elements, in its own frame.
 
     ``position`` (n, 2) m, ``mass`` (n,) kg, ``inertia`` (n,) kg m^2 and ``pins`` (index by name) of its particles; ``nodes`` (k, 2), ``release``,
-    ``axial`` = E A (N) and ``bending`` = E I (N m^2) of its elements, shape (k,).
+    ``axial`` = E A (N) and ``bending`` = E I (N m^2) of its elements, shape (k,); ``strain`` is the length that these count on.
     """
 
     position: Array
@@ -31,6 +31,12 @@ class Mesh:
     release: tuple[int, ...]
     axial: Array
     bending: Array
+    strain: Strain
+
+    @property
+    def length(self) -> Array:
+        """Of its elements without forces (m), shape (k,)."""
+        return np.asarray(np.linalg.norm(self.position[self.nodes[:, 1]] - self.position[self.nodes[:, 0]], axis=1), dtype=float)
 
 
 def is_elastic(body: Body) -> bool:
@@ -78,7 +84,7 @@ def _link(link: Link) -> Mesh:
     ones = np.ones(k)
     return Mesh(
         position, mass, inertia, {"start": 0, "end": k}, nodes, tuple(release),
-        modulus * section.area * ones, modulus * section.second_moment * ones,
+        modulus * section.area * ones, modulus * section.second_moment * ones, link.strain,
     )  # fmt: skip
 
 
@@ -141,7 +147,7 @@ def _frame(frame: Frame) -> Mesh:
     inertia = _halves(table[:, 0] * table[:, 1], pairs, len(position))
     for name, extra in frame.masses.items():
         lumps[index[name]] += extra
-    return Mesh(np.array(position), lumps, inertia, index, pairs, (0,) * len(pairs), table[:, 2], table[:, 3])
+    return Mesh(np.array(position), lumps, inertia, index, pairs, (0,) * len(pairs), table[:, 2], table[:, 3], frame.strain)
 
 
 def section_of(link: Link) -> Section:

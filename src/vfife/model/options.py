@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TypedDict
 
 from ..laws import ContactLaw, FrictionLaw, Material
-from .bodies import LinkModel, Point, Release, Section
+from .bodies import LinkModel, Point, Release, Section, Strain
 from .joints import FrictionMoment
 
 
@@ -32,6 +32,7 @@ class LinkOptions(BodyOptions, total=False):
     section: Section | None
     release: Release
     stiffness_factor: float
+    strain: Strain
     start_mass: float
     end_mass: float
     start_inertia: float
@@ -58,6 +59,7 @@ class FrameOptions(BodyOptions, total=False):
 
     section: Section | None
     masses: dict[str, float]
+    strain: Strain
 
 
 class SliderOptions(TypedDict, total=False):
@@ -65,6 +67,12 @@ class SliderOptions(TypedDict, total=False):
 
     direction: Point
     turning: bool
+
+
+class DistanceOptions(TypedDict, total=False):
+    """Of a massless link."""
+
+    angle: float
 
 
 class ContactOptions(TypedDict, total=False):

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+KINK = 1e-6  # jump, over the size of a piece's value, slope and curvature, from which two pieces meet in a kink
 HARMONIC_PIECES = 128  # a period: of degree 6 through value, rate and second derivative, they are right to 1e-15 of the amplitude
 
 
@@ -37,13 +38,33 @@ class Polynomials:
 
         padded = [tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients]
         count = len(self.starts)
-        head = (count,) if self.period is None else (-count, self.period)
-        return np.array([*head, *self.starts, *(value for row in padded for value in row)], dtype=float)
+        kinks = [0]
+        for k in range(1, count):
+            kinks.append(kinks[-1] + self._kink(k - 1, k, self.starts[k] - self.starts[k - 1]))
+        if self.period is None:
+            head: tuple[float, ...] = (count,)
+        else:
+            head = (-count, self.period, kinks[-1] + self._kink(count - 1, 0, self.period - self.starts[-1] + self.starts[0]))
+        return np.array([*head, *self.starts, *(value for row in padded for value in row), *kinks], dtype=float)
+
+    def _kink(self, before: int, after: int, length: float) -> bool:
+        """Whether value, slope or curvature jumps from the end of one piece, so long (s), to the begin of another."""
+        ends = [_derivatives(self.coefficients[before], length), _derivatives(self.coefficients[after], 0.0)]
+        sizes = [max(abs(x) * length**k for end in ends for k, x in enumerate(end)), 1e-300]
+        return any(abs(x - y) * length**k > KINK * max(sizes) for k, (x, y) in enumerate(zip(*ends, strict=True)))
 
     def __call__(self, time: float) -> tuple[float, float, float]:
         """Value and first two derivatives, as the step evaluates them."""
-        value, rate, second = polynomial(self._table, 0, time)
+        value, rate, second, _ = polynomial(self._table, 0, time)
         return float(value), float(rate), float(second)
+
+
+def _derivatives(coefficients: tuple[float, ...], x: float) -> tuple[float, float, float]:
+    """Value and first two derivatives of a polynomial, constant first."""
+    value = rate = half = 0.0
+    for c in reversed(coefficients):
+        half, rate, value = half * x + rate, rate * x + value, value * x + c
+    return value, rate, 2.0 * half
 
 
 def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 0.0) -> Polynomials:

@@ -62,6 +62,17 @@ class OnPath:
 
 
 @dataclass(frozen=True)
+class Apart:
+    """Two pins stay a ``length`` (m) apart: one row."""
+
+    length: float
+
+    def mirrored(self) -> Apart:
+        """The row with y turned round."""
+        return self
+
+
+@dataclass(frozen=True)
 class Turn:
     """The journal's body turns by ``ratio`` times the angle of the bearing's body, beside what it was or what is prescribed: one row."""
 
@@ -72,7 +83,8 @@ class Turn:
         return self
 
 
-Row = Coincide | Across | Along | OnPath | Turn
+Row = Coincide | Across | Along | OnPath | Apart | Turn
+Place = Coincide | Across | Along | OnPath | Apart
 
 
 def turn_row(rows: tuple[Row, ...]) -> Turn | None:
@@ -80,7 +92,7 @@ def turn_row(rows: tuple[Row, ...]) -> Turn | None:
     return next((row for row in rows if isinstance(row, Turn)), None)
 
 
-def place_row(rows: tuple[Row, ...]) -> Coincide | Across | Along | OnPath | None:
+def place_row(rows: tuple[Row, ...]) -> Place | None:
     """The row that holds a place, if there is one."""
     return next((row for row in rows if not isinstance(row, Turn)), None)
 

@@ -27,13 +27,13 @@ JOINTS = {"B": "joint 1", "C": "joint 2", "D": "joint 3"}  # the paper's names
 
 # Link models: what an elastic or two-particle link is made of beside its length and mass.
 LINKS: dict[str, dict[str, Any]] = {
-    "stiff bars": {"model": "two-particle", "section": SECTION, "release": "both", "stiffness_factor": 1000.0},
-    "bars": {"model": "two-particle", "section": SECTION, "release": "both"},
-    "rigid bars": {"model": "two-particle", "section": SECTION, "release": "both"},
+    "stiff bars": {"model": "two-particle", "section": SECTION, "strain": "current", "release": "both", "stiffness_factor": 1000.0},
+    "bars": {"model": "two-particle", "section": SECTION, "strain": "current", "release": "both"},
+    "rigid bars": {"model": "two-particle", "section": SECTION, "strain": "current", "release": "both"},
     "uniform rods": {"model": "rigid"},
-    "frames of 2": {"model": "elastic", "section": SECTION, "elements": 2},
-    "frames of 4": {"model": "elastic", "section": SECTION, "elements": 4},
-    "frames of 8": {"model": "elastic", "section": SECTION, "elements": 8},
+    "frames of 2": {"model": "elastic", "section": SECTION, "strain": "current", "elements": 2},
+    "frames of 4": {"model": "elastic", "section": SECTION, "strain": "current", "elements": 4},
+    "frames of 8": {"model": "elastic", "section": SECTION, "strain": "current", "elements": 8},
 }
 LINK_WORDS = {
     "stiff bars": "two particles and one bar a link (Fig. 1, release at both nodes), EA = 2.07e11 N: a thousand times that of the steel section",

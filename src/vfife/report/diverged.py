@@ -30,7 +30,7 @@ def first_infinite(record: Record) -> tuple[int, str]:
     state = assembly.state.copy()
     state[record.kept] = record.rows[-1]
     loop = "generated" if record.loop == "generated" else "data-driven"  # the one that is compiled
-    runner = Runner(assembly.topology, state[:, None], assembly.tables[None, :], loop, record.kept)
+    runner = Runner(assembly.topology, state[:, None], assembly.tables[None, :], loop, record.kept, parts=assembly.mechanism.settings.parts)
     runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
         rows = runner.advance(1, 1)[:, :, 0]

@@ -88,7 +88,8 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, wher
         raise RunFileError(f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again")
     if not rows.size:
         raise RunFileError(f"{where}: the run ended before its first output; run the model again")
-    choice = StepChoice(**{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])})
+    pairs = {name: tuple((first, second) for first, second in meta["choice"].get(name, ())) for name in ("limits", "tried")}
+    choice = StepChoice(**{**meta["choice"], **pairs})
     mechanism = _mechanism(meta, where)
     assembly = assembly_of(meta, mechanism, choice, where) if "assembly" in meta else _assembled(meta, mechanism, choice, where)
     kept = rows_named(assembly, meta["kept"], where)

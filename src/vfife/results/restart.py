@@ -77,7 +77,7 @@ def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:
 def _raise(tables: Array, start: int, by: float) -> None:
     """Adds a constant to a piecewise polynomial."""
     pieces = int(tables[start])
-    first = start + 1 + (pieces < 0) + abs(pieces)
+    first = start + 1 + 2 * (pieces < 0) + abs(pieces)
     tables[first : first + 7 * abs(pieces) : 7] += by
 
 

@@ -17,13 +17,16 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import partial, wraps
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RunFileError
 from .packing import packed, unpacked
+
+if TYPE_CHECKING:
+    from ..solvers.companions import Beside
 
 RUN_FILE = "run.sqlite"  # its name in a run folder
 ARRAY = "array."  # of the meta, among the parts of a reference
@@ -40,6 +43,7 @@ CREATE TABLE steps (output INTEGER PRIMARY KEY, step INTEGER NOT NULL);
 CREATE TABLE checkpoints (step INTEGER PRIMARY KEY, state BLOB NOT NULL);
 CREATE TABLE events (number INTEGER PRIMARY KEY, step INTEGER NOT NULL, time TEXT NOT NULL, text TEXT NOT NULL);
 CREATE TABLE reference (part TEXT PRIMARY KEY, data BLOB NOT NULL);
+CREATE TABLE companions (first INTEGER PRIMARY KEY, outputs INTEGER NOT NULL, last INTEGER NOT NULL, told TEXT NOT NULL, data BLOB NOT NULL);
 """
 
 Arguments = ParamSpec("Arguments")
@@ -152,9 +156,9 @@ class RunFile:
             self._put({"status": "running", **meta})
 
     @told
-    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64], beside: Beside | None = None) -> None:
         """Adds outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept). Step 0 starts
-        anew.
+        anew. ``beside`` is what companions leave at the last of these outputs; of theirs only those still needed stay.
         """
         if len(steps) == 0:
             return
@@ -167,6 +171,14 @@ class RunFile:
             numbered = [(first + k, int(step)) for k, step in enumerate(steps)]
             self._connection.executemany("INSERT INTO steps VALUES (?, ?)", numbered)
             self._connection.execute("INSERT INTO history VALUES (?, ?, ?, ?)", (chunk, first, len(steps), packed(rows)))
+            if beside is not None:
+                self._keep_companions(first + len(steps) - len(beside.rows), int(steps[-1]), beside)
+
+    def _keep_companions(self, first: int, last: int, beside: Beside) -> None:
+        outputs = len(beside.rows)
+        values = (first, outputs, last, json.dumps(beside.told), packed(beside.rows.reshape(outputs, -1)))
+        self._connection.execute("INSERT OR REPLACE INTO companions VALUES (?, ?, ?, ?, ?)", values)
+        self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
 
     @told
     def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
@@ -224,7 +236,7 @@ class RunFile:
         self._connection.executemany("INSERT OR REPLACE INTO arrays VALUES (?, ?)", [(key, packed(values)) for key, values in arrays.items()])
 
     def _forget(self) -> None:
-        for table in ("history", "steps", "checkpoints"):
+        for table in ("history", "steps", "checkpoints", "companions"):
             self._connection.execute(f"DELETE FROM {table}")
 
     # ------------------------------------------------------------------------------------------------------- reading
@@ -271,6 +283,20 @@ class RunFile:
         """What reads :attr:`rows` when they are asked for, also after this file is closed."""
         self._settle()
         return partial(rows_of, self.path.absolute())
+
+    @told
+    def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], NDArray[np.float64]] | None:
+        """What is told of the companions, their steps, and their rows, shape (outputs, kept times companions); None without any."""
+        if self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'companions'").fetchone() is None:
+            return None  # a file of version 0.2 or before
+        chunks = self._connection.execute("SELECT first, outputs, told, data FROM companions ORDER BY first").fetchall()
+        if not chunks:
+            return None
+        every, parts = self.steps, [unpacked(data) for *_, data in chunks]
+        steps = [every[first : first + outputs] for first, outputs, *_ in chunks]
+        if any(len(one) != len(part) or part.ndim != 2 or part.shape[1] != parts[0].shape[1] for one, part in zip(steps, parts, strict=True)):
+            raise RunFileError(damaged(self, "the outputs of the companions do not fit those of the run"))
+        return json.loads(chunks[-1][2]), np.concatenate(steps), np.concatenate(parts)
 
     @told
     def last_checkpoint(self) -> tuple[int, NDArray[np.float64]] | None:

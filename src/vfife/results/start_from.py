@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ..analysis.motion import body_motion, body_velocity
 from ..kinematics.initial import Given, Motion, ideal_motion
-from ..kinematics.pins import first_guess
-from ..model.lumping import rigid_properties
+from ..kinematics.pins import centred, first_guess
 from ..model.mechanism import Mechanism
 from .view import View
 
@@ -42,7 +41,7 @@ def initial_state(source: View | States, mechanism: Mechanism, time: float | Non
     position, velocity = first_guess(mechanism), np.zeros((len(names), 3))
     for name, state in states.items():
         row = names.index(name)
-        position[row], velocity[row] = _centered(mechanism, name, *_two(name, state))
+        position[row], velocity[row] = centred(mechanism, name, *_two(name, state))
     return Given(position, velocity, frozenset(states))
 
 
@@ -55,14 +54,6 @@ def _two(name: str, state: Any) -> tuple[Array, Array]:
     if numbers.shape not in ((3,), (2, 3)) or not np.isfinite(numbers).all():
         raise ValueError(f"start of {name!r} must be (x, y, angle), or that and its velocity, in m, rad and s; not {state!r}")
     return (numbers, np.zeros(3)) if numbers.ndim == 1 else (numbers[0], numbers[1])
-
-
-def _centered(mechanism: Mechanism, name: str, position: Array, velocity: Array) -> tuple[Array, Array]:
-    """Motion of the frame's origin -> motion of the centre of mass."""
-    x, y = rigid_properties(mechanism.bodies[name])[1]
-    c, s = np.cos(position[2]), np.sin(position[2])
-    r = np.array([c * x - s * y, s * x + c * y, 0.0])
-    return position + r, velocity + velocity[2] * np.array([-r[1], r[0], 0.0])
 
 
 def _states(result: View, time: float | None) -> dict[str, tuple[Array, Array]]:

@@ -139,7 +139,9 @@ def _alike(assemblies: Sequence[Assembly], loop: Loop) -> Iterator[tuple[str, li
     groups: dict[tuple[object, ...], list[int]] = {}
     for k, assembly in enumerate(assemblies):
         choice = assembly.choice
-        groups.setdefault((assembly.topology, choice.outputs_every, choice.outputs, len(assembly.tables)), []).append(k)
+        groups.setdefault(
+            (assembly.topology, choice.outputs_every, choice.outputs, len(assembly.tables), assembly.mechanism.settings.parts), []
+        ).append(k)
     for group in groups.values():
         yield choose_loop(assemblies[group[0]], loop), group
 
@@ -154,7 +156,8 @@ def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> 
     every = [*members, *[members[-1]] * (lanes - len(members))]
     first = members[0].assembly
     states = np.stack([lane.assembly.state for lane in every], axis=1)
-    runner = Runner(first.topology, states, np.stack([lane.assembly.tables for lane in every]), loop, recorded_rows(first))
+    tables = np.stack([lane.assembly.tables for lane in every])
+    runner = Runner(first.topology, states, tables, loop, recorded_rows(first), parts=first.mechanism.settings.parts)
     start = runner.advance(1, 1)
     for k, lane in enumerate(members):
         lane.start(start[0, :, k])

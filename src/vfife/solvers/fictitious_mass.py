@@ -37,7 +37,7 @@ def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
     if not assembly.topology.frame_nodes:
         return mass, inertia
     k = element_stiffness(assembly.layout, state, assembly.topology)
-    pulled = np.abs(state[assembly.layout["frame_axial_force"]]) * state[assembly.layout["reference_inverse_length"]]
+    pulled = np.abs(state[assembly.layout["frame_axial_force"]]) / state[assembly.layout["reference_length"]]
     turns = np.where(k.other > 0.0, 2.0, 1.0) / (1.0 - SWAY)
     for column in (0, 1):
         np.add.at(mass, k.nodes[:, column], 2.0 * (k.along + pulled) + 2.0 / SWAY * k.across)

@@ -73,9 +73,10 @@ class Loading:
         if argument in (TIME, SPEED):
             before, after = self.value(function, old), self.value(function, new)
             linear = count > 0 and function in self.motions
-            tables[at : at + 9] = 1.0, now, before if linear else after, (after - before) / count if linear else 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            line = (before if linear else after, (after - before) / count if linear else 0.0)
+            tables[at : at + 10] = 1.0, now, *line, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             return
-        ends = [*t.function_start[1:], len(self.assembly.tables)]
         pieces = int(self.assembly.tables[at])
-        first = at + (1 + pieces if pieces > 0 else 2 - pieces)
-        tables[first : ends[function]] = new * self.assembly.tables[first : ends[function]]
+        first = at + (1 + pieces if pieces > 0 else 3 - pieces)
+        last = first + 7 * abs(pieces)
+        tables[first:last] = new * self.assembly.tables[first:last]

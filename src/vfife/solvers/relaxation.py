@@ -70,7 +70,7 @@ class Relaxation:
         watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]).astype(np.uint32)
         self.longest = FEW if assembly.contacts else LONGEST
         self.pressed = np.zeros(len(assembly.contacts))
-        self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched)
+        self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1)
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
         self.between = SHORTEST
@@ -176,6 +176,6 @@ class Relaxation:
             "particle_load_x", "particle_load_y", "frame_axial_force", "joint_fx", "joint_fy", "contact_normal_force",
             "spring_fx", "spring_fy", "driven_fx", "driven_fy",
         )  # fmt: skip
-        shear = (state[layout["frame_moment_1"]] + state[layout["frame_moment_2"]]) * state[layout["reference_inverse_length"]]
+        shear = (state[layout["frame_moment_1"]] + state[layout["frame_moment_2"]]) / state[layout["reference_length"]]
         moment = top("frame_moment_1", "frame_moment_2", "joint_moment", "spring_moment", "driven_torque", "particle_load_m")
         return max(force, *loads[:2], float(np.abs(shear).max(initial=0.0))), max(moment, loads[2])

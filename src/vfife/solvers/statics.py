@@ -36,7 +36,7 @@ STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
     "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work", "spring_damping_power",
     "spring_damping_work", "contact_damping_power", "contact_damping_work", "contact_friction_power", "contact_friction_work",
-    "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_contact_steps", "function_rate",
+    "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_duration", "function_rate",
     "function_acceleration", "body_alpha", "body_alpha_max",
 )  # fmt: skip
 

@@ -89,7 +89,7 @@ def guide_with_play(nudge: Nudge) -> Rows:
     c = 1e-3
     m = flores()
     spin = 150.0 * nudge("crank")
-    speeds = {"crank": (0.0, 0.0765 * spin, spin), "rod": (0.0, 0.1530 * (spin - 75.0), -75.0), "block": (0.0, 0.1530 * (spin - 150.0), 0.0)}
+    speeds = {"crank": (0.0, 0.0, spin), "rod": (0.0, 0.1530 * spin, -75.0), "block": (0.0, 0.1530 * (spin - 150.0), 0.0)}
     for name, velocity in speeds.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
     friction = Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2)

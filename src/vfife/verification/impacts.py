@@ -26,8 +26,8 @@ def delivered(chi: float) -> float:
 
 
 def contact_time(seen: Seen, joint: str) -> float:
-    """Time (s) of the first contact, from steps in contact."""
-    return float(seen.contact(joint, "contact_steps")[-1]) * seen.record.assembly.choice.step
+    """Time (s) of the first contact."""
+    return float(seen.contact(joint, "duration")[-1])
 
 
 @verified(

@@ -104,7 +104,7 @@ def double_four_bar(mass: float = 1.0) -> Mechanism:
     m = Mechanism("double four-bar", gravity=(0.0, -G))
     for k in range(3):
         m.point(f"A{k}", float(k), 0.0)
-        m.link(f"bar{k}", length=1.0, mass=1.0, angle=0.5 * math.pi, velocity=(0.5, 0.0, -1.0))
+        m.link(f"bar{k}", length=1.0, mass=1.0, angle=0.5 * math.pi, velocity=(0.0, 0.0, -1.0))
         m.revolute(f"A{k}", f"ground.A{k}", f"bar{k}.start")
     for k in range(2):
         m.link(f"top{k}", length=1.0, mass=mass, position=(float(k), 1.0), velocity=(1.0, 0.0, 0.0))

@@ -63,3 +63,9 @@ class BengisuAkay(FrictionLaw):
         force = normal_force * along(free_velocity, unit, speed, share, slope, static)
         force = -force if free_velocity > 0.0 else force
         return force, (free_velocity + mobility * force, last)
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """The rise to the peak is 0, the fall 1 or -1."""
+        falls = abs(sliding_velocity) * p[2] > 1.0
+        return (1.0 if sliding_velocity > 0.0 else -1.0) if falls else 0.0

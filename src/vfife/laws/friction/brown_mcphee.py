@@ -65,3 +65,9 @@ class BrownMcPhee(FrictionLaw):
         force = normal_force * along(free_velocity, unit, speed, coefficient * tanh + bump * x, slope, top)
         force = -force if free_velocity > 0.0 else force
         return force, (free_velocity + mobility * force, last)
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """The rise to the peak is 0, what lies beyond it 1 or -1: the curve is smooth, and bends within the transition speed."""
+        beyond = abs(sliding_velocity) * p[2] > 1.0
+        return (1.0 if sliding_velocity > 0.0 else -1.0) if beyond else 0.0

@@ -33,3 +33,8 @@ class Coulomb(FrictionLaw):
         force = abs(free_velocity) / (mobility + 1e-300)  # nothing to stop and nothing to move is no force
         force = limit if force > limit else force
         return -force if free_velocity > 0.0 else force, memory
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """Sticking is 0, sliding 1 or -1."""
+        return 1.0 if sliding_velocity > 0.0 else -1.0 if sliding_velocity < 0.0 else 0.0

@@ -36,3 +36,8 @@ class Dahl(FrictionLaw):
         """Friction force (N), deflection (m) and the last two sliding velocities (m/s)."""
         stretch, inverse, stiffness = p
         return bend(normal_force, free_velocity, mobility, memory, dt, stretch, inverse, stiffness, 0.0, 0.0)
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """Bristles are bent one way or the other: 1 or -1."""
+        return 1.0 if sliding_velocity > 0.0 else -1.0

@@ -99,3 +99,8 @@ class GonthierFriction(FrictionLaw):
         share = -1.0 if share < -1.0 else share
         bent = fade * (deflection + dt * (sticks * velocity + kinetic * share * inverse_damping))
         return -normal_force * (force + viscous * velocity), (bent, dwelt)
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """Bristles are bent one way or the other: 1 or -1."""
+        return 1.0 if sliding_velocity > 0.0 else -1.0

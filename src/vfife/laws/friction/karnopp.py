@@ -51,3 +51,8 @@ class Karnopp(FrictionLaw):
         force = static if force > static else force
         force = kinetic if speed - mobility * kinetic > band else force
         return -force if free_velocity > 0.0 else force, memory
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """Sticking is 0, sliding 1 or -1."""
+        return 1.0 if sliding_velocity > 0.0 else -1.0 if sliding_velocity < 0.0 else 0.0

@@ -61,3 +61,8 @@ class LuGre(FrictionLaw):
         ratio = (1.5 * memory[1] - 0.5 * memory[2]) * inverse_speed
         capacity = coefficient + excess * (1.0 - approach(ratio * ratio))
         return bend(normal_force, free_velocity, mobility, memory, dt, capacity * compliance, stiffness / capacity, stiffness, damping, viscous)
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """Bristles are bent one way or the other: 1 or -1."""
+        return 1.0 if sliding_velocity > 0.0 else -1.0

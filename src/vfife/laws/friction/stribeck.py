@@ -67,3 +67,8 @@ class Stribeck(FrictionLaw):
         holding = free_velocity / (mobility + 1e-300)
         force = rubbing + half * (last + speed) if slides else holding
         return -force, (speed if slides else 0.0, last)
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """Sticking is 0, sliding 1 or -1."""
+        return 1.0 if sliding_velocity > 0.0 else -1.0 if sliding_velocity < 0.0 else 0.0

@@ -53,3 +53,9 @@ class Threlfall(FrictionLaw):
         force = normal_force * along(free_velocity, unit, speed, share if rises else coefficient, slope, coefficient)
         force = -force if free_velocity > 0.0 else force
         return force, (free_velocity + mobility * force, last)
+
+    @staticmethod
+    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
+        """The rise is 0, whole friction 1 or -1."""
+        whole = abs(sliding_velocity) * p[2] > 1.0
+        return (1.0 if sliding_velocity > 0.0 else -1.0) if whole else 0.0

@@ -6,6 +6,7 @@ from .clearance_revolute import ClearanceRevolute
 from .clearance_slider import ClearanceSlider
 from .contact import Contact, FrictionMoment
 from .curved_slot import ClearanceCurvedSlot, CurvedSlot
+from .distance import Distance
 from .external_contact import ExternalContact
 from .gear import Gear
 from .ideal_revolute import IdealRevolute
@@ -19,6 +20,7 @@ __all__ = [
     "ClearanceSlider",
     "Contact",
     "CurvedSlot",
+    "Distance",
     "ExternalContact",
     "FrictionMoment",
     "Gear",

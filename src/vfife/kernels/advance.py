@@ -1,0 +1,114 @@
+"""Steps one after the other: those in which something begins are taken again as smaller ones, and lanes may be out of phase.
+
+A central difference takes the force at the end of a step for all of it. Where a contact begins, friction changes its regime or a load has a kink,
+that is an error of first order; eight steps of an eighth leave a sixty-fourth of it, for as many steps more as there are such events.
+"""
+
+from .arrays import (
+    CONSTRAINT,
+    CONSTRAINT_INDEX,
+    CONTACT,
+    CONTACT_INDEX,
+    DRIVEN,
+    DRIVEN_INDEX,
+    HEADER,
+    PARTICLE,
+    PLAIN,
+    SPRING,
+    SPRING_INDEX,
+    SYSTEM,
+)
+from .central_difference import resized
+from .step import functions, step
+
+
+def resize(S, I, size, shift, repeated):
+    """The state after step n as steps of another size (s) have it: velocities and works up to t_n + size/2, reactions before at t_n - size.
+
+    At t_n positions, velocities and accelerations are all known, so nothing is lost there. For one size this changes nothing.
+    """
+    old = S[SYSTEM.step]
+    zeta = S[SYSTEM.damping] if I[HEADER.damped] != 0 else 0.0
+    for q in range(I[HEADER.bound_count]):
+        retime(S, I[I[HEADER.bound] + q], old, size, zeta)
+    for q in range(I[HEADER.plain_count]):
+        retime(S, I[HEADER.plain] + PLAIN * q, old, size, zeta)
+    more = 0.5 * (size - old)
+    for m in range(I[HEADER.contact_count]):
+        j = I[I[HEADER.contact] + CONTACT_INDEX.SIZE * m]
+        S[j + CONTACT.damping_work] += more * S[j + CONTACT.damping_power]
+        S[j + CONTACT.friction_work] += more * S[j + CONTACT.friction_power]
+    for m in range(I[HEADER.spring_count]):
+        g = I[I[HEADER.spring] + SPRING_INDEX.SIZE * m]
+        S[g + SPRING.damping_work] += more * S[g + SPRING.damping_power]
+    for m in range(I[HEADER.driven_count]):
+        k = I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m]
+        S[k + DRIVEN.work] += more * S[k + DRIVEN.power]
+    S[SYSTEM.damping_work] += more * S[SYSTEM.damping_power]
+    S[SYSTEM.external_work] += more * S[SYSTEM.external_power]
+    for m in range(I[HEADER.constraint_count]):
+        q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m]
+        S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (S[q + CONSTRAINT.force] - S[q + CONSTRAINT.before]) * (size / old)
+    S[SYSTEM.step] = size
+    S[SYSTEM.shift] = shift
+    S[SYSTEM.repeated] += repeated
+
+
+def retime(S, i, old, size, zeta):
+    """The half-step velocity of a free particle for a step of another size."""
+    S[i + PARTICLE.u] = resized(S[i + PARTICLE.u], S[i + PARTICLE.ax], old, size, zeta)
+    S[i + PARTICLE.v] = resized(S[i + PARTICLE.v], S[i + PARTICLE.ay], old, size, zeta)
+    S[i + PARTICLE.w] = resized(S[i + PARTICLE.w], S[i + PARTICLE.aw], old, size, zeta)
+
+
+def again(S, K, T, I, tables, n, parts, rows):
+    """Step n once more, from K, the state after step n - 1, as so many smaller ones."""
+    for q in range(rows):
+        S[q] = K[q]
+    dt = S[SYSTEM.step]
+    shift = S[SYSTEM.shift]
+    resize(S, I, dt / parts, shift * parts, 1.0)
+    for i in range((n - 1) * parts + 1, n * parts + 1):
+        functions(S, T, I, tables, i)
+        step(S, I, i, False)
+    resize(S, I, dt, shift, 0.0)
+
+
+def displace(S, T, I, tables, share):
+    """After the start, a first step of a share of one: all that follow are out of phase with those of a simulation without it."""
+    dt = S[SYSTEM.step]
+    resize(S, I, share * dt, 0.0, 0.0)
+    functions(S, T, I, tables, 1)
+    step(S, I, 1, False)
+    resize(S, I, dt, share, 0.0)
+
+
+def advance(S, K, T, I, wide, rows, lanes, n0, count, parts, shares, out, kept, extremes):
+    """Lane by lane: fills ``out[m, :, lane]`` with the rows ``kept`` after ``count`` steps more; ``extremes`` start anew before them.
+
+    ``wide`` holds the states, rows by lanes; S and K are scratch for one of them. T holds the tables of all lanes, one after the other.
+    A step in which something begins, ends or changes its regime is taken again in ``parts``. The first step of lane w is ``shares[w]`` of one,
+    where that is not zero, beside those that are counted.
+    """
+    watched = parts > 1 and I[HEADER.watched] != 0
+    for w in range(lanes):
+        tables = w * (len(T) // lanes)
+        for q in range(rows):
+            S[q] = wide[q * lanes + w]
+        for m in range(out.shape[0]):
+            for q in extremes:
+                S[q] = 0.0
+            for n in range(n0 + m * count, n0 + (m + 1) * count):
+                if watched:
+                    for q in range(rows):
+                        K[q] = S[q]
+                functions(S, T, I, tables, n)
+                step(S, I, n, n == 0)
+                if watched and n > 0 and S[SYSTEM.event] > 0.0:
+                    again(S, K, T, I, tables, n, parts, rows)
+                if n == 0 and shares[w] > 0.0:
+                    displace(S, T, I, tables, shares[w])
+            for q in range(out.shape[1]):
+                out[m, q, w] = S[kept[q]]
+        for q in range(rows):
+            wide[q * lanes + w] = S[q]

@@ -1,0 +1,55 @@
+"""The massless link: two pins that stay a distance apart."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ...fields import quantity
+from ..rows import Apart, Row
+from ..strokes import Curve, JointSeen, Label, Mark, Stroke
+from .joint import Joint, Point
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distance(Joint):
+    """A rigid link without mass from the bearing's pin to the journal's: they stay ``length`` (m) apart, and both bodies turn freely.
+
+    ``angle`` (rad) is that of the link in the frame of the bearing's body, roughly, where no position of the other body says where it starts. The force on
+    the journal along the link is positive where the link pushes.
+    """
+
+    kind: ClassVar[str] = "distance"
+    sample: ClassVar[dict[str, Any]] = {"length": 0.3}
+
+    length: float = quantity("m", "distance of the two pins: the length of a rigid link without mass", above=0.0)
+    angle: float = quantity("rad", "rough angle of the link at the start, in the frame of the bearing's body", 0.0)
+
+    def rows(self) -> tuple[Row, ...]:
+        """Two pins a distance apart."""
+        return (Apart(self.length),)
+
+    @property
+    def first_place(self) -> Point:
+        """At the end of the link."""
+        return self.length * math.cos(self.angle), self.length * math.sin(self.angle)
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return "massless link"
+
+    def strokes(self, seen: JointSeen) -> list[Stroke]:
+        """A thin line between two rings."""
+        line = Curve([seen.bearing, seen.journal], "grey", 1.6, 3.0, sign="massless link")
+        return [line, Mark(seen.bearing, "ring"), Mark(seen.journal, "ring")]
+
+    def label(self, seen: JointSeen) -> Label:
+        """In the middle of the link."""
+        return Label(0.5 * (seen.bearing + seen.journal))
+
+    @property
+    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+        """Its two pins."""
+        return (), 0.0, 0.0
