@@ -1,6 +1,7 @@
 """From process start to result, and memory: what a user waits for before the first step, and after a short run.
 
-Each time is that of a whole new process, the best of several; limits are those of the project's issue on speed.
+Each time is that of a whole new process, the best of several; limits are those of the project's issue on speed. Python keeps the bytecode of
+modules, as it does for whoever installs the package, also where this process was told not to.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 def process(*command: str, cache: str | None = None) -> str:
     """Runs a command to its end and returns what it printed."""
     variables = dict(os.environ, MPLBACKEND="Agg")
+    variables.pop("PYTHONDONTWRITEBYTECODE", None)
     if cache is not None:
         variables["VFIFE_CACHE"] = cache
     done = subprocess.run(command, env=variables, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError
+from .results.companions import beside, kept_companions, restored_companions
 from .results.provenance import final_state, keep_reference, provenance, restored
 from .results.runfile import RunFile
 from .results.view import View
@@ -46,7 +47,7 @@ class Result(View):
         """Writes a run file that :meth:`load` reads; one that is there already gives way when the new one is whole."""
         path = Path(path)
         part = path.with_name(path.name + ".part")
-        meta = provenance(self.record.assembly, self.record.kept, self.record.loop)
+        meta = self._meta()
         with RunFile.create(part, meta, replace=True) as file:
             self.finish(file)
         os.replace(part, path)
@@ -56,13 +57,18 @@ class Result(View):
         record = self.record
         missing = slice(len(file.steps), None)
         if missing.start < len(record.steps):
-            file.append(record.steps[missing], record.rows[missing])
+            file.append(record.steps[missing], record.rows[missing], beside(record) if missing.start == 0 else None)
         if record.final is not None and (file.last_checkpoint() or (None,))[0] != record.steps[-1]:
             file.checkpoint(int(record.steps[-1]), record.final[lasting_rows(record.assembly.layout)])
         if self.reference is not None and not file.has_reference:
             keep_reference(file, self.reference.record)
-        meta = {} if file.knows("kept") else provenance(record.assembly, record.kept, record.loop)
+        meta = {} if file.knows("kept") else self._meta()
         file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop, message=record.message)
+
+    def _meta(self) -> dict[str, Any]:
+        record, left = self.record, self.record.companions
+        meta = provenance(record.assembly, record.kept, record.loop)
+        return meta if left is None else meta | kept_companions(record.assembly, left.shifts)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -74,6 +80,7 @@ class Result(View):
             where = str(file.path)
             meta, last = file.meta, file.last_checkpoint()
             result = cls(restored(meta, file.steps, file.rows, where))
+            result.record.companions = restored_companions(file, result.record)
             if last is not None and last[0] == result.record.steps[-1]:
                 result.record.final = final_state(meta, result.record.assembly, last[1], where)
             kept = file.reference()

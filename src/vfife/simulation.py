@@ -8,27 +8,29 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
-import numpy as np
-
+from .analysis.trust import finer
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
+from .assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from .errors import Fault, ModelError
 from .model.mechanism import Mechanism
 from .model.validate import validate
 from .result import Result
+from .results.companions import kept_companions
 from .results.provenance import keep_reference, provenance
 from .results.restart import restart_record, restarted, same_layout
 from .results.runfile import RunFile
 from .results.start_from import States, initial_state
 from .solvers.arguments import Arguments, Asked, Loop
+from .solvers.companions import displacements, number
 from .solvers.progress import Progress
-from .solvers.record import Record, recorded_rows
+from .solvers.record import recorded_rows
 from .solvers.statics import equilibrium
 from .solvers.status import Status
 from .solvers.transient import choose_loop, run
 
+Tried: TypeAlias = tuple[tuple[float, float | None], ...]
 StartFrom: TypeAlias = Result | str | Path | States
-HALVINGS = 3  # of an automatic step, at the most
 
 
 class Length(TypedDict, total=False):
@@ -48,6 +50,7 @@ class Prepared:
     reference: Result | None
     loop: Loop
     again: Callable[[float], Assembly]  # the same with another step (s)
+    companions: int = 0
 
     @property
     def static(self) -> bool:
@@ -57,7 +60,12 @@ class Prepared:
     @property
     def kept(self) -> dict[str, Any]:
         """The meta of its run file."""
-        return provenance(self.assembly, recorded_rows(self.assembly), choose_loop(self.assembly, self.loop))
+        return self.meta(self.assembly)
+
+    def meta(self, assembly: Assembly, model: str | None = None) -> dict[str, Any]:
+        """The same of a run with another step; ``model`` is the text of the mechanism where it is written already."""
+        found = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
+        return found | kept_companions(assembly, displacements(self.companions))
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
@@ -92,6 +100,7 @@ def simulate(
     loop: Loop = "auto",
     reference: bool | Result = True,
     force_step: bool = False,
+    companions: int | str | None = None,
     progress: Callable[[Progress], None] | None = None,
     file: RunFile | None = None,
     start: StartFrom | None = None,
@@ -100,16 +109,17 @@ def simulate(
 
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; both as numbers or as texts with a unit, "1 us". ``outputs`` per turn
     (per run without a crank); ``loop`` "auto", "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run
-    the ideal mechanism to compare with, or its result. An automatic step is halved, three times at the most, while first contacts land deeper
-    than a joint allows. A mechanism whose settings ask for a static analysis is brought to equilibrium instead
-    (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor ``step``. ``file``: a run file that takes the
-    outputs while they come, which are not kept in memory then. ``start``: a former run (or its folder) to go on from, or states of bodies by
-    name (:func:`~vfife.results.start_from.start_from`). Raises ModelError with all faults of the arguments, or of the mechanism, AssemblyError
-    for one that cannot be assembled and StepError for too large a step.
+    the ideal mechanism to compare with, or its result. ``companions``: runs with displaced steps beside one with contact, 0 to 7, which give
+    measures their ranges; "auto" as many as fill the lanes. An automatic step is halved, three times at the most, until run and companions agree
+    within the tolerance of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask for a static
+    analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
+    ``step``. ``file``: a run file that takes the outputs while they come, which are not kept in memory then. ``start``: a former run (or its
+    folder) to go on from, or states of bodies by name (:func:`~vfife.results.start_from.start_from`). Raises ModelError with all faults of the
+    arguments, or of the mechanism, AssemblyError for one that cannot be assembled and StepError for too large a step.
     """
     given = Arguments("simulate")
     given.mechanism(mechanism)
-    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step)
+    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions)
     given.one_of("reference", reference, (bool, Result), "True, False or a Result")
     given.one_of("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
     given.one_of("file", file, (RunFile, type(None)), "a RunFile")
@@ -132,14 +142,25 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     former = Result.load(start) if isinstance(start, str | Path) else start
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
 
-    def again(step: float | str | None) -> Assembly:
-        return assembled_at(mechanism, step, former, expected=expected_forces(ideal), **length)
+    wanted = mechanism.settings.companions if asked.companions is None else asked.companions
 
-    return Prepared(again(asked.step), ideal, asked.loop, again)
+    def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
+        return assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
+
+    looked = bool(wanted and mechanism.contacts and (wanted != "auto" or asked.loop in ("auto", "generated")))
+    assembly = again(asked.step, FIRST_CONTACT_STEPS if looked else CONTACT_STEPS)
+    companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
+    if looked and not companions and assembly.choice.automatic:  # a large frame: nobody looks whether a coarse step will do
+        assembly = again(asked.step)
+    return Prepared(assembly, ideal, asked.loop, again, companions)
 
 
 def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None = None, file: RunFile | None = None) -> Result:
-    """Runs what was prepared. A run file that does not have it yet takes the model and the reference before the first step."""
+    """Runs what was prepared. A run file that does not have it yet takes the model and the reference before the first step.
+
+    An automatic step is found by the run itself: it is halved while run and companions lie further apart than the tolerance of the settings, or
+    first contacts land deeper than a joint allows, and what was tried is kept in the choice of the step.
+    """
     assembly, loop = prepared.assembly, prepared.loop
     if file is not None and not file.knows("kept"):
         file.begin(prepared.kept)
@@ -147,15 +168,20 @@ def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None
         keep_reference(file, prepared.reference.record)
     if prepared.static:
         return Result(equilibrium(assembly, loop=loop, progress=progress, file=file))
-    record = run(assembly, loop=loop, progress=progress, file=file)
-    tries = HALVINGS if assembly.choice.automatic else 0
-    while tries and record.status == Status.COMPLETE and _too_deep(record):
-        tries -= 1
-        assembly = prepared.again(0.5 * assembly.choice.step)
+    record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions)
+    while (tried := finer(record)) is not None:
+        assembly = halved(prepared, assembly, tried)
         if file is not None:
-            file.begin(provenance(assembly, recorded_rows(assembly), choose_loop(assembly, loop), file.meta["model"]))
-        record = run(assembly, loop=loop, progress=progress, file=file)
+            file.begin(prepared.meta(assembly, file.meta["model"]))
+        record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions)
     return Result(record, prepared.reference)
+
+
+def halved(prepared: Prepared, assembly: Assembly, tried: Tried) -> Assembly:
+    """The same with half the step, which stays an automatic one that knows what was tried before it."""
+    again = prepared.again(0.5 * assembly.choice.step)
+    culprit = f"{prepared.assembly.choice.culprit}, halved {len(tried)} time{'s' * (len(tried) > 1)}"
+    return dataclasses.replace(again, choice=dataclasses.replace(again.choice, automatic=True, culprit=culprit, tried=tried))
 
 
 def assembled_at(
@@ -165,6 +191,7 @@ def assembled_at(
     time: float | None = None,
     *,
     expected: Mapping[str, float] | None = None,
+    contact_steps: int = CONTACT_STEPS,
     **length: Unpack[Length],
 ) -> Assembly:
     """The assembled mechanism at its own start, or where a former run was at ``time`` (s; its end unless given), or at states given by name.
@@ -172,12 +199,8 @@ def assembled_at(
     A run that ended and is cut alike goes on with its whole state, element and contact forces with it.
     """
     if start is None:
-        return assemble(mechanism, step, expected=expected, **length)
-    assembly = assemble(mechanism, step, given=initial_state(start, mechanism, time), expected=expected, **length)
+        return assemble(mechanism, step, expected=expected, contact_steps=contact_steps, **length)
+    given = initial_state(start, mechanism, time)
+    assembly = assemble(mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length)
     record = restart_record(start, time)
     return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly
-
-
-def _too_deep(record: Record) -> bool:
-    """Whether a first contact landed deeper than its joint allows."""
-    return record.final is not None and bool(np.any(record.final[record.assembly.layout["contact_deep"]]))

@@ -14,8 +14,10 @@ import pytest
 import vfife
 from cli.models import CASE_C
 from vfife.codegen.runner import Runner
+from vfife.errors import RunFileError
+from vfife.results.runfile import RunFile
 
-KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures"}
+KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures", "ranges", "trust"}
 STABLE_NOT = ["joint.B.kind=ideal", "joint.C.kind=ideal", "joint.D.kind=ideal", "body.follower.model=elastic"]
 UNSTABLE = [word for text in [*STABLE_NOT, "body.follower.section={ square = 1e-3 }"] for word in ("--set", text)]
 
@@ -160,11 +162,20 @@ def test_interrupted_reference_starts_nothing(command: Callable, monkeypatch: py
     assert not Path("runs").exists()
 
 
+def written(path: Path) -> bool:
+    """Whether a file has outputs that a kill cannot take away."""
+    try:
+        with RunFile.open(path) as file:
+            return len(file.steps) > 1
+    except RunFileError:  # it is not there yet, or being made
+        return False
+
+
 def long_run(process: Callable, folder: Path) -> "subprocess.Popen[str]":
     """A run of an hour that has written some of its outputs."""
     began = process("run", CASE_C, "--turns", "100000", "-o", folder, "--loop", "data-driven", "--json")
     until = time.monotonic() + 120.0
-    while not (folder / "run.sqlite").is_file() or (folder / "run.sqlite").stat().st_size < 600_000:
+    while not written(folder / "run.sqlite"):
         assert began.poll() is None, began.communicate()[1]
         assert time.monotonic() < until, "the run does not begin"
         time.sleep(0.05)

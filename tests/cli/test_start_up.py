@@ -42,6 +42,13 @@ def test_loads_nothing_heavy(words: list[str]) -> None:
     assert not loaded & HEAVY
 
 
+def test_a_run_loads_what_it_needs(tmp_path: Path) -> None:
+    """Neither what draws on a terminal, nor what checks arguments that are plain, nor what reads the names of installed packages."""
+    words = ["run", str(ROOT / "examples" / "four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--json"]
+    done = subprocess.run([sys.executable, "-c", LISTED.format(words=words)], env=ENVIRONMENT, capture_output=True, text=True)
+    assert not set(done.stderr.splitlines()[-1].split()) & (HEAVY - {"llvmlite"} | {"rich", "pydantic", "email"})
+
+
 def test_both_ways_in_say_the_version() -> None:
     import vfife
 

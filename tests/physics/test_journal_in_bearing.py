@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from support import go, journal_in_bearing, onsets, order, particle, times
+from support import go, journal_in_bearing, onsets, order, particle, times, with_settings
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 
 STIFFNESS, RESTITUTION, CLEARANCE = 6.6e10, 0.9, 5e-4

@@ -148,6 +148,35 @@ def test_read_while_it_is_written(tmp_path: Path) -> None:
                 reader.event(0, "a reader does not write")
 
 
+def test_what_is_gathered_is_one_transaction(tmp_path: Path) -> None:
+    """A short run waits for the disk at its begin and its end; a reader sees all of a slice or nothing, and closing loses nothing."""
+    path, commits = tmp_path / "run.sqlite", []
+    with RunFile.create(path, {"step": 1e-6}, gather=3600.0) as file:
+        file._connection.set_trace_callback(lambda line: commits.append(line) if line == "COMMIT" else None)
+        for first in (0, 10, 20):
+            file.append(np.arange(first, first + 10), written(np.arange(first, first + 10)))
+            file.checkpoint(first + 9, np.zeros(5))
+        assert len(file.steps) == 30 and not commits
+        with RunFile.open(path) as reader:
+            assert len(reader.steps) == 0 and reader.meta["status"] == "running"
+        assert np.array_equal(file.later()(), written(np.arange(30)))
+        file.append(np.arange(30, 40), written(np.arange(30, 40)))
+        file.checkpoint(39, np.zeros(5))
+    assert len(commits) == 2
+    with RunFile.open(path) as reader:
+        assert np.array_equal(reader.rows, written(np.arange(40)))
+        assert reader.last_checkpoint()[0] == 39
+
+
+def test_what_waits_long_enough_goes_to_the_disk_with_its_checkpoint(tmp_path: Path) -> None:
+    path = tmp_path / "run.sqlite"
+    with RunFile.create(path, gather=1e-9) as file, RunFile.open(path) as reader:
+        file.append(np.arange(2), np.zeros((2, 3)))
+        assert len(reader.steps) == 0
+        file.checkpoint(1, np.zeros(2))
+        assert len(reader.steps) == 2 and reader.last_checkpoint()[0] == 1
+
+
 def test_a_file_that_is_there_stays(tmp_path: Path) -> None:
     path = small(tmp_path / "a")
     with pytest.raises(RunFileError, match="there is a run file already"):

@@ -3,5 +3,6 @@
 from .energy import Ledger, ledger
 from .influence import influence, lip
 from .measures import last_turn, measures
+from .ranges import Measured, ranged
 
-__all__ = ["Ledger", "influence", "last_turn", "ledger", "lip", "measures"]
+__all__ = ["Ledger", "Measured", "influence", "last_turn", "ledger", "lip", "measures", "ranged"]

@@ -39,7 +39,10 @@ class BodyMap:
 
 @dataclass(frozen=True)
 class StepChoice:
-    """The step (s), what allowed it, and how long a run with it is."""
+    """The step (s), what allowed it, and how long a run with it is.
+
+    ``tried``: larger steps (s) that were given up, with the share by which their companions lay apart, or None where first contacts were too deep.
+    """
 
     step: float
     stable: float
@@ -49,6 +52,7 @@ class StepChoice:
     turn: float | None
     outputs_every: int
     outputs: int
+    tried: tuple[tuple[float, float | None], ...] = ()
 
     @property
     def steps(self) -> int:

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SAFETY = 0.9
-CONTACT_STEPS = 80  # steps in half a period of the stiffest contact
+CONTACT_STEPS = 80  # steps in half a period of the stiffest contact, where nobody looks whether they are enough
+FIRST_CONTACT_STEPS = 20  # where companions do: with them a search for the step begins
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
 MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
 
@@ -44,10 +45,12 @@ def choose_step(
     outputs: int | None = None,
     force_step: bool = False,
     free: int = 0,
+    contact_steps: int = CONTACT_STEPS,
 ) -> StepChoice:
     """The step, its limits, and the number of steps and outputs.
 
-    "auto" takes 0.9 of the stable step, at most 1/80 of half a period of the stiffest contact, and divides a turn into whole steps; where ``free``
+    "auto" takes 0.9 of the stable step, at least ``contact_steps`` in half a period of the stiffest contact, and divides a turn into whole steps;
+    where ``free``
     motions are left to a driven mechanism, they have a period of their own, which may be shorter than a turn. Raises
     StepError for a larger one than stable unless ``force_step``.
     """
@@ -65,8 +68,8 @@ def choose_step(
     if wanted == "auto":
         largest = SAFETY * stable
         for name, half in contact_periods(touches, contacts):
-            accurate = half / CONTACT_STEPS
-            largest, culprit = min((largest, culprit), (accurate, f"joint {name}, {CONTACT_STEPS} steps in half a period of its contact"))
+            accurate = half / contact_steps
+            largest, culprit = min((largest, culprit), (accurate, f"joint {name}, {contact_steps} steps in half a period of its contact"))
         own = _time_scale(mechanism, layout, state, length) if free or not turn else math.inf
         default = (min(turn or math.inf, own) / TURN_STEPS, f"{TURN_STEPS} steps a turn" if turn and turn <= own else "the motion itself")
         largest, culprit = min((largest, culprit), default)

@@ -15,13 +15,14 @@ from .laws import laws
 from .materials import materials
 from .new import new
 from .paper import paper
+from .plainly import Command, Plainly
 from .run import run
 from .schema import schema
 from .terminal import INTERRUPTED, tell
 from .verify import verify
 
 
-class Group(TyperGroup):
+class Group(Plainly, TyperGroup):
     """The commands; Ctrl-C ends each of them with a sentence."""
 
     def invoke(self, ctx: Any) -> Any:
@@ -59,4 +60,4 @@ def root(
 
 
 for command in (new, run, check, compare, info, plot, export, laws, materials, schema, paper, verify):
-    app.command()(command)
+    app.command(cls=Command)(command)

@@ -11,7 +11,7 @@ from ..results.folder import numbered, refuse_foreign
 from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .progress import ProgressLine
-from .run import Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
+from .run import Companions, Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
 from .terminal import DIVERGED, INTERRUPTED, grid, json_text, output, print_json, row, sentences, tell
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def compare(
     outputs: Outputs = None,
     figures: Figures = True,
     force_step: ForceStep = False,
+    companions: Companions = "0",
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -61,10 +62,10 @@ def compare(
 
     with sentences(str(model)):
         place = folder_for(folder, model)
-        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs)
+        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions)
         try:
             kinds = named(contact, "contact"), named(friction, "friction")
-            found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step)
+            found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step, companions=mechanism.settings.companions)
         finally:
             close(line)
     with sentences(str(place)):

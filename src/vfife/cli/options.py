@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -73,7 +73,9 @@ def positive(option: str, text: str, unit: str) -> float:
     return value
 
 
-def with_options(mechanism: Mechanism, step: str | None, turns: float | None, duration: str | None, outputs: int | None) -> Mechanism:
+def with_options(
+    mechanism: Mechanism, step: str | None, turns: float | None, duration: str | None, outputs: int | None, companions: str | None = None
+) -> Mechanism:
     """The mechanism with the settings of a run that were given as options, so that its model file tells what was run."""
     settings = mechanism.settings
     if turns is not None and duration is not None:
@@ -88,4 +90,17 @@ def with_options(mechanism: Mechanism, step: str | None, turns: float | None, du
         settings = dataclasses.replace(settings, step="auto" if step == "auto" else positive("--step", step, "s"))
     if outputs is not None:
         settings = dataclasses.replace(settings, outputs=outputs)
+    if companions is not None:
+        settings = dataclasses.replace(settings, companions=beside(companions))
     return dataclasses.replace(mechanism, settings=settings)
+
+
+def beside(text: str) -> int | Literal["auto"]:
+    """The number of companions that ``--companions`` asks for."""
+    from ..model.mechanism import MOST_COMPANIONS
+
+    if text == "auto":
+        return "auto"
+    if text.isdecimal() and int(text) <= MOST_COMPANIONS:
+        return int(text)
+    raise ValueError(f"--companions {text}: allowed: a whole number from 0 to {MOST_COMPANIONS}, or auto")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import time
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -19,14 +21,13 @@ class ProgressLine:
     """Percentage, steps a second and time left: one line that changes on a terminal, else one every ten seconds and the last."""
 
     def __init__(self, quiet: bool) -> None:
-        from rich.progress import BarColumn, TextColumn
-        from rich.progress import Progress as Bars
+        self.quiet, self.live = quiet, not quiet and coloured()
+        if self.live:
+            from rich.progress import BarColumn, TextColumn
+            from rich.progress import Progress as Bars
 
-        self.console = errors()
-        self.quiet, self.live = quiet, self.console.is_terminal and not quiet
-        columns = (BarColumn(), TextColumn("{task.description}", markup=False))
-        self.bars = Bars(*columns, console=self.console, auto_refresh=False, disable=not self.live)
-        self.task = self.bars.add_task(START, total=1.0)
+            self.bars = Bars(BarColumn(), TextColumn("{task.description}", markup=False), console=errors(), auto_refresh=False)
+            self.task = self.bars.add_task(START, total=1.0)
         self.step_count, self.told, self.last = 0, time.monotonic(), ""
 
     def __enter__(self) -> ProgressLine:
@@ -39,7 +40,7 @@ class ProgressLine:
         if self.live:  # elsewhere the oldest rich would print an empty line
             self.bars.stop()
         if not self.live and not self.quiet and self.last and kind is None:
-            self.console.print(self.last, markup=False)
+            print(self.last, file=sys.stderr)
 
     def __call__(self, progress: Progress) -> None:
         """Shows where the run stands; called after each chunk of steps."""
@@ -51,7 +52,13 @@ class ProgressLine:
             self.bars.update(self.task, completed=progress.share, description=self.last, refresh=True)
         elif not self.quiet and time.monotonic() - self.told > PLAIN_SECONDS:
             self.told = time.monotonic()
-            self.console.print(self.last, markup=False)
+            print(self.last, file=sys.stderr)
+
+
+def coloured() -> bool:
+    """Whether standard error is a terminal, or is to be taken for one; the library that draws is asked only where it may be."""
+    asked = {"FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"} & set(os.environ)
+    return bool(asked or sys.stderr.isatty()) and errors().is_terminal
 
 
 def sentence(progress: Progress) -> str:

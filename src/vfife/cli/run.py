@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..results.folder import RunFolder
     from ..solvers.arguments import Loop
 
+GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 
 
@@ -42,6 +43,8 @@ Reference = Annotated[bool, typer.Option("--reference/--no-reference", help="Com
 ForceStep = Annotated[bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")]
 StartFrom = Annotated[Path | None, typer.Option("--start-from", metavar="RUN", help="Go on where a former run ended (its folder or file).")]
+BESIDE = "Runs with displaced steps beside it, 0 to 7, or auto: their range tells how far it can be trusted."
+Companions = Annotated[str | None, typer.Option(metavar="N", help=BESIDE, show_default=MODELS)]
 LoopOption = Annotated[Loops, typer.Option(help="Loop that makes the steps; all give the same bits.")]
 
 
@@ -58,6 +61,7 @@ def run(
     figures: Figures = False,
     reference: Reference = True,
     force_step: ForceStep = False,
+    companions: Companions = None,
     start: StartFrom = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
@@ -71,7 +75,7 @@ def run(
         from ..results.folder import refuse_foreign
 
         refuse_foreign(folder)
-        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs)
+        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions)
     result, place = simulated(mechanism, model, folder, loop.value, reference, force_step, quiet, start)
     notes = [*place.notes, *result.summary["run"]["notes"], *result.summary["warnings"]]
     (place.path / "summary.json").write_text(json_text(result.summary) + "\n", encoding="utf-8")
@@ -107,7 +111,7 @@ def simulated(
     with sentences(str(asked or "runs")):
         place = make_folder(asked, model)
         (place.path / "model.toml").write_text(meta["model"], encoding="utf-8")
-        file = RunFile.create(place.run_file, meta)
+        file = RunFile.create(place.run_file, meta, gather=GATHER)
     for note in place.notes if not quiet else ():
         tell("note", f"{note}.")
     with file:
@@ -133,7 +137,8 @@ def simulated(
 def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
     """What ``--json`` prints."""
     found = {key: result.summary[key] for key in RESULT_KEYS}
-    return {**found, "run": str(place.path), "loop": result.record.loop, "notes": notes, "measures": result.measures}
+    told = {key: result.summary[key] for key in ("measures", "ranges", "trust")}
+    return {**found, "run": str(place.path), "loop": result.record.loop, "notes": notes, **told}
 
 
 def show(result: Result, place: RunFolder, figures: bool) -> None:

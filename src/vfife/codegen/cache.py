@@ -11,7 +11,6 @@ import contextlib
 import hashlib
 import os
 import stat
-import tempfile
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
@@ -68,6 +67,8 @@ def keep(name: str, content: bytes) -> None:
     folder = cache_folder()
     if not private(folder):
         return
+    import tempfile
+
     with contextlib.suppress(OSError):
         handle, fresh = tempfile.mkstemp(prefix="new-", dir=folder)  # readable by its owner alone
         try:

@@ -11,7 +11,6 @@ import platform
 import re
 import sys
 from collections.abc import Callable
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -39,6 +38,8 @@ def compiled(body: str, name: str, arguments: str) -> Callable[..., Any]:
     ``arguments`` are kinds, one each: ``d`` a number, ``i`` an integer, ``f2`` an array of numbers of two dimensions, ``u1`` one of unsigned
     integers of 32 bits.
     """
+    from importlib.metadata import version
+
     kinds = arguments.split()
     parts = (body, name, arguments, version("numba"), version("llvmlite"), sys.version, platform.machine(), *processor())
     file = f"loop-{cache.digest(part.encode() for part in parts)}.o"

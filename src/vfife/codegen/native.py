@@ -33,6 +33,13 @@ def _target() -> Any:
     return llvm
 
 
+def llvmlite_version() -> str:
+    """Version of the compiler, which is not loaded for it."""
+    import llvmlite
+
+    return str(llvmlite.__version__)
+
+
 def processor() -> tuple[str, str]:
     """Name and features of this machine's processor, as LLVM has them."""
     llvm = _target()
@@ -73,9 +80,7 @@ def origin(topology: Topology) -> list[bytes]:
 
 def name_of(topology: Topology, width: int) -> str:
     """File of the cache with a topology's machine code."""
-    import llvmlite
-
-    parts = (llvmlite.__version__, platform.machine(), *processor(), str(width))
+    parts = (llvmlite_version(), platform.machine(), *processor(), str(width))
     return f"step-{cache.digest([*origin(topology), *(part.encode() for part in parts)])}.o"
 
 

@@ -16,7 +16,7 @@ from .compile import compiled, interpreted
 from .graph import tables
 from .inline import written_out
 from .lock import WRITING
-from .native import Advance, straight_line
+from .native import Advance, llvmlite_version, straight_line
 from .source import data_driven
 
 PARTS = 8  # steps that a step with an event is taken again in
@@ -46,6 +46,17 @@ def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpre
             text = written_out(data_driven(contact, friction), "advance").encode()
             cache.keep(name, text)
         return compiled(text.decode(), "advance", ARGUMENTS)
+
+
+def compiler_of(loop: str) -> dict[str, str]:
+    """What compiles a loop, and its version; numba's costs a search among the packages that are installed."""
+    if loop == "generated":
+        return {"llvmlite": llvmlite_version()}
+    if loop == "data-driven":
+        from importlib.metadata import version
+
+        return {"numba": version("numba")}
+    return {}
 
 
 class DataDriven:

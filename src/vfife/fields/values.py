@@ -118,14 +118,17 @@ class Measure(Value):
 
 @dataclass(frozen=True)
 class Whole(Value):
-    """A whole number between two limits; the upper one catches typing errors."""
+    """A whole number between two limits; the upper one catches typing errors. One of ``words`` may stand in its place."""
 
     low: int
     high: int
+    words: tuple[str, ...] = ()
 
-    def take(self, value: Any, written: bool) -> int:
-        """The number."""
-        limit = f"a whole number from {self.low} to {self.high}"
+    def take(self, value: Any, written: bool) -> int | str:
+        """The number, or one of the words."""
+        if isinstance(value, str) and value in self.words:
+            return value
+        limit = f"a whole number from {self.low} to {self.high}" + (f", or {shown(self.words[0])}" if self.words else "")
         if isinstance(value, float) and math.isfinite(value) and value == int(value):
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int | numbers.Integral):
@@ -137,7 +140,8 @@ class Whole(Value):
 
     def json(self) -> Json:
         """A whole number."""
-        return {"type": "integer", "minimum": self.low, "maximum": self.high}
+        bare: Json = {"type": "integer", "minimum": self.low, "maximum": self.high}
+        return {"anyOf": [bare, {"enum": list(self.words)}]} if self.words else bare
 
     def units(self) -> Iterator[str]:
         """Its limits."""

@@ -27,6 +27,7 @@ from .springs import AnySpring, Bushing, ForceElement, Spring, Stop, TorsionalSp
 StartMode = Literal["consistent", "rough"]
 Triple = tuple[float, float, float]
 STATIC = ("static",)
+MOST_COMPANIONS = 7  # with the run itself they fill the widest vector register
 Journals = Literal["centred", "seated"]
 AnyBody = TypeVar("AnyBody", bound=Body)
 AnyJoint = TypeVar("AnyJoint", bound=Joint)
@@ -59,6 +60,9 @@ Start = StartSettings  # as it was called before
 class Settings:
     """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
 
+    ``companions`` are runs beside it whose steps are displaced: their range tells how far a run with contact can be trusted, and an automatic
+    step is halved until the largest values of a turn agree within ``tolerance``.
+
     A static ``analysis`` finds equilibrium under each of the ``load_factors``, which take the place of time in loads and drivers: unbalanced force
     at most ``residual`` of the largest force, and kinetic energy at most ``kinetic_energy`` of the largest met, in so many ``iterations``.
     """
@@ -74,6 +78,10 @@ class Settings:
     parts: int = described(
         Whole(1, 64), "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it is, as in the paper", 8
     )
+    companions: int | Literal["auto"] = described(
+        Whole(0, MOST_COMPANIONS, words=("auto",)), 'runs with displaced steps beside it, or "auto" for as many as cost nothing; 0 for none', "auto"
+    )
+    tolerance: float = quantity("1", "range over the companions at which an automatic step is fine enough", 0.005, above=0.0, high=1.0)
     damping: float = quantity("1/s", "mass-proportional damping", 0.0, low=0.0)
     path_unit: int = described(Whole(1, 1_000_000), "steps in a path unit of the elements", 1)
     analysis: Literal["dynamic", "static"] = described(

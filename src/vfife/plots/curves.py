@@ -8,20 +8,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.forces import joint_rows
-from .style import BLUE, SKY, VERMILION, heading, one_legend, panels, scale_of
+from ..analysis.forces import joint_force_max, joint_moment, joint_rows
+from ..analysis.ranges import band
+from .style import BLUE, ORANGE, SKY, VERMILION, heading, one_legend, panels, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from ..results.view import View
+    from ..solvers.record import Record
 
 Array = NDArray[np.float64]
 NOISE = 1e-5  # of the largest force or moment (N, N m), below which a joint carries nothing
 MOST = 16  # panels of a figure; of more joints those with the largest forces
 Series = tuple[Array, Array | None]  # a line, and the extremes around it
 Curve = Callable[["View", str], "Series | None"]
+Bands = Callable[
+    ["View", str], "tuple[Array, Array] | None"
+]  # lowest and highest over run and companions, over the last turn and the output before
 
 
 def force_curves(result: View, reference: View | None = None) -> Figure | None:
@@ -38,14 +43,14 @@ def force_curves(result: View, reference: View | None = None) -> Figure | None:
     if len(names) > MOST:
         largest = sorted(names, key=lambda name: -loaded[name])[:MOST]
         names = [name for name in names if name in largest]
-    return _figure(result, reference, names, _force, "joint force", "N", _titles(result))
+    return _figure(result, reference, names, (_force, _force_band), "joint force", "N", _titles(result))
 
 
 def moment_curves(result: View, reference: View | None = None) -> Figure | None:
     """Moment of each gear, weld, guide and driver that has one, over the last crank turn; None without any."""
     most = {name: float(np.abs(_moment(result, name)[0]).max()) for name in joint_rows(result.record)}
     names = [name for name, size in most.items() if size > NOISE * max(most.values())][:MOST]
-    return _figure(result, reference, names, _moment, "moment", "N m", _titles(result))
+    return _figure(result, reference, names, (_moment, _moment_band), "moment", "N m", _titles(result))
 
 
 def _titles(result: View) -> Callable[[str], str]:
@@ -66,7 +71,7 @@ def acceleration_curves(result: View, reference: View | None = None) -> Figure |
     """
     bodies = [body.name for body in result.record.assembly.bodies.values() if body.driven is None]
     names = [name for name in bodies if result.measures.get(f"{name}.angular_acceleration.max")]
-    return _figure(result, reference, names[:MOST], _acceleration, "angular acceleration", "rad/s²")
+    return _figure(result, reference, names[:MOST], (_acceleration, _acceleration_band), "angular acceleration", "rad/s²")
 
 
 def _force(result: View, name: str) -> Series | None:
@@ -74,6 +79,26 @@ def _force(result: View, name: str) -> Series | None:
     if name not in joints:
         return None
     return result.channels["joint_force" if result.record.static else "joint_force_max"].values[:, joints.index(name)], None
+
+
+def _force_band(result: View, name: str) -> tuple[Array, Array] | None:
+    k = list(joint_rows(result.record)).index(name)
+    return band(result.record, lambda record: joint_force_max(record)[:, k])
+
+
+def _moment_band(result: View, name: str) -> tuple[Array, Array] | None:
+    k = list(joint_rows(result.record)).index(name)
+    return band(result.record, lambda record: joint_moment(record)[:, k])
+
+
+def _acceleration_band(result: View, name: str) -> tuple[Array, Array] | None:
+    row = result.record.assembly.bodies[name].row
+
+    def extremes(record: Record) -> Array:
+        sample = record.block("body_alpha")[:, row]
+        return np.asarray(np.copysign(record.block("body_alpha_max")[:, row], sample), dtype=float)
+
+    return band(result.record, extremes)
 
 
 def _moment(result: View, name: str) -> Series:
@@ -92,17 +117,19 @@ def _acceleration(result: View, name: str) -> Series | None:
 
 
 def _figure(
-    result: View, reference: View | None, names: Sequence[str], curve: Curve, what: str, unit: str, title: Callable[[str], str] = str
+    result: View, reference: View | None, names: Sequence[str], curves: tuple[Curve, Bands], what: str, unit: str, title: Callable[[str], str] = str
 ) -> Figure | None:
     if not names:
         return None
+    curve, banded = curves
     columns = 2 if len(names) > 1 else 1
     rows = -(-len(names) // columns)
     figure, axes = panels(rows, columns, 5.2, 2.7 + 0.9 / rows, sharex=True)
     for k, (ax, name) in enumerate(zip(axes, names, strict=False)):
         found = curve(result, name)
         if found is not None:
-            _panel(ax, result, reference, (found, None if reference is None else curve(reference, name)), (what, unit))
+            drawn = found, None if reference is None else curve(reference, name), banded(result, name)
+            _panel(ax, result, reference, drawn, (what, unit))
             ax.set_title(title(name))
         if k >= len(names) - columns:
             ax.set_xlabel(_axis(result))
@@ -119,10 +146,10 @@ def _panel(
     ax: Axes,
     result: View,
     reference: View | None,
-    curves: tuple[Series, Series | None],
+    curves: tuple[Series, Series | None, tuple[Array, Array] | None],
     quantity: tuple[str, str],
 ) -> None:
-    (line, extreme), ideal = curves
+    (line, extreme), ideal, over = curves
     first = max(int(np.argmax(result.last_turn)) - 1, 0)  # the output at which the turn's first interval begins
     x, origin = _one_turn(abscissa(result)[first:], result)
     line, extreme = line[first:], None if extreme is None else extreme[first:]
@@ -135,6 +162,8 @@ def _panel(
     if extreme is not None:
         label = "extremes between the samples"
         ax.fill_between(x[1:], factor * line[1:], factor * extreme[1:], color=SKY, alpha=0.5, lw=0.0, label=label)
+    if over is not None and len(over[0]) == len(x):
+        ax.fill_between(x, factor * over[0], factor * over[1], color=ORANGE, alpha=0.55, lw=0.4, label="range of the companions", zorder=3.5)
     label = "with clearance" if ideal is not None else "this run"
     ax.plot(x, factor * line, color=BLUE, lw=1.1, label=label, zorder=4)
     ax.set_ylabel(f"{quantity[0]}\n({unit})")

@@ -12,6 +12,7 @@ from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status
 from .statics import print_static, static_run, static_warnings
+from .trust import trusted, verdict
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,14 +34,14 @@ JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
 def report(result: View, reference: View | None = None) -> dict[str, Any]:
     """All that the summary of a run says: texts, numbers, lists and dictionaries only.
 
-    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error`` and ``measures`` stand at the
-    top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are what the tables of
+    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``measures``, their ``ranges`` over the companions and
+    ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are what the tables of
     :func:`show` are made of. The reference is the result's own unless another one is given.
     """
     reference = reference if reference is not None else result.reference
     record, choice = result.record, result.record.assembly.choice
     done = int(record.steps[-1])
-    measures = dict(result.measures)
+    measures: dict[str, float] = {name: float(value) for name, value in result.measures.items()}
     if reference is not None and reference is not result.reference:
         from ..analysis import influence
 
@@ -62,6 +63,8 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "laws": _laws(result),
         "warnings": list(static_warnings(result) if record.static else warnings(result)),
         "measures": measures,
+        "ranges": {name: {"low": one.low, "high": one.high} for name, one in result.measures.items()} if record.companions else {},
+        "trust": trusted(result),
     }
 
 
@@ -163,6 +166,8 @@ def warnings(result: View) -> Iterable[str]:
                 f"the deepest at {1e6 * measures[f'{name}.deepest']:.4g} µm, so their impact speeds are coarse: "
                 f"halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth if that will do."
             )
+    if sensitive := verdict({"trust": trusted(result), "measures": result.measures}):
+        yield sensitive
     yield from out_of_range(result)
     if result.ledger.error > LARGEST_ERROR:
         yield (

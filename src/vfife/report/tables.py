@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..analysis.forces import MODES
+from .trust import lines, verdict
 
 NOISE = 1e-6  # of the largest angular acceleration
 
@@ -22,6 +23,9 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     console.print(Text(model["name"], style="bold"))
     if model["note"]:
         console.print(Text(model["note"], style="italic"))
+    leading = verdict(told)
+    if leading:
+        console.print(Text(leading, style="bold yellow"))
     console.print(_facts(told))
     for text in run["notes"]:
         console.print(Text(text))
@@ -36,6 +40,8 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
             console.print(Text(title, style="bold"))
             console.print(table(told))
     for text in told["warnings"]:
+        if text == leading:
+            continue
         console.print(Text.assemble(("Warning: ", "bold yellow"), text))
 
 
@@ -45,6 +51,7 @@ def _facts(told: dict[str, Any]) -> Table:
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in told["model"]["bodies"].items())),
         ("Step", _step(told)),
         ("Run", _pace(told)),
+        *(("Range" if k == 0 else "", line) for k, line in enumerate(lines(told))),
         ("Energy", _energy(told)),
         *(("Driver", line) for line in _torques(told)),
         *(("Laws" if k == 0 else "", line) for k, line in enumerate(_law_lines(told))),
@@ -121,10 +128,10 @@ def _joint_table(told: dict[str, Any]) -> Table:
     compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
     depths = any("penetration.max" in joint for joint in joints.values())
     moments = any(joint.get("moment.max") for joint in joints.values())
-    headings = ["reaction", *(["ideal", "LIP(F)"] if compared else []), *(["moment"] if moments else []), *(["penetration"] if depths else [])]
-    table = _grid("joint", *headings)
+    headings = [*_heads(told, "reaction"), *(["ideal", "LIP(F)"] if compared else []), *(["moment"] if moments else [])]
+    table = _grid("joint", *headings, *(["penetration"] if depths else []))
     for name, joint in joints.items():
-        cells = [_amount(_sound(joint["force.max"], joints), "N")]
+        cells = _with_range(told, f"{name}.force.max", _amount(_sound(joint["force.max"], joints), "N"), "N")
         if compared:
             cells += [_amount(joint["ideal_force.max"], "N"), _percent(told["lip"].get(f"{name}.force"))]
         if moments:
@@ -133,6 +140,27 @@ def _joint_table(told: dict[str, Any]) -> Table:
             cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
         table.add_row(name, *cells)
     return table
+
+
+def _heads(told: dict[str, Any], what: str) -> list[str]:
+    """A column, and that of its range; the range leads where the run is sensitive."""
+    if not told["ranges"]:
+        return [what]
+    return [f"range of {what}", "this run"] if told["trust"]["sensitive"] else [what, "range"]
+
+
+def _with_range(told: dict[str, Any], name: str, value: str, unit: str) -> list[str]:
+    """The cells of those columns: the range in the unit where it leads, else as a share of the value."""
+    one = told["ranges"].get(name)
+    if not told["ranges"]:
+        return [value]
+    if one is None:
+        return [value, ""]
+    if told["trust"]["sensitive"]:
+        return [f"{_amount(one['low'], '').rstrip()} to {_amount(one['high'], unit)}", value]
+    own = told["measures"][name]
+    low, high = ((100.0 * (one[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
+    return [value, f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "± 0.00 %"]
 
 
 def _sound(force: float, joints: dict[str, Any]) -> float:
@@ -155,12 +183,12 @@ def _contact_table(told: dict[str, Any]) -> Table:
 def _body_table(told: dict[str, Any]) -> Table:
     bodies = {name: body for name, body in told["model"]["bodies"].items() if not body["driven"]}
     compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
-    headings = ["acceleration", *(["ideal", "LIP(a)"] if compared else [])]
+    headings = [*_heads(told, "acceleration"), *(["ideal", "LIP(a)"] if compared else [])]
     table = _grid("body", *headings)
     largest = max(body["angular_acceleration.max"] or 0.0 for body in bodies.values())
     for name, body in bodies.items():
         if (body["angular_acceleration.max"] or 0.0) > NOISE * largest:  # what only slides has none
-            cells = [_amount(body["angular_acceleration.max"], "rad/s²")]
+            cells = _with_range(told, f"{name}.angular_acceleration.max", _amount(body["angular_acceleration.max"], "rad/s²"), "rad/s²")
             if compared:
                 ideal = _amount(body["ideal_angular_acceleration.max"], "rad/s²")
                 cells += [ideal, _percent(told["lip"].get(f"{name}.angular_acceleration"))]

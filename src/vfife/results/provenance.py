@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import sys
 from collections.abc import Mapping
-from importlib import metadata
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly, StepChoice
+from ..codegen.runner import compiler_of
 from ..errors import RunFileError
 from ..kernels.arrays import BY_NAME
 from ..laws.stored import kept as kept_laws
@@ -26,17 +26,11 @@ from .runfile import RunFile
 from .start import assembly_of, kept_assembly, present_name, state_of
 
 
-def versions() -> dict[str, str]:
-    """Versions of what computes a run; nothing is imported for it."""
-    found = {"python": sys.version.split()[0]}
-    for name in ("vfife", "numba", "numpy"):
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            from .. import __version__
+def versions(loop: str = "generated") -> dict[str, str]:
+    """Versions of what computes a run by a loop; no large library is imported for it."""
+    from .. import __version__
 
-            found[name] = __version__ if name == "vfife" else "not installed"
-    return found
+    return {"python": sys.version.split()[0], "vfife": __version__, "numpy": np.__version__, **compiler_of(loop)}
 
 
 def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: str | None = None) -> dict[str, Any]:
@@ -50,7 +44,7 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: s
     return {
         "model": dump(assembly.mechanism) if model is None else model,
         "source": assembly.mechanism.source,
-        "versions": versions(),
+        "versions": versions(loop),
         "step": assembly.choice.step,
         "choice": dataclasses.asdict(assembly.choice),
         "loop": loop,
@@ -94,7 +88,8 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, wher
         raise RunFileError(f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again")
     if not rows.size:
         raise RunFileError(f"{where}: the run ended before its first output; run the model again")
-    choice = StepChoice(**{**meta["choice"], "limits": tuple((name, value) for name, value in meta["choice"]["limits"])})
+    pairs = {name: tuple((first, second) for first, second in meta["choice"].get(name, ())) for name in ("limits", "tried")}
+    choice = StepChoice(**{**meta["choice"], **pairs})
     mechanism = _mechanism(meta, where)
     assembly = assembly_of(meta, mechanism, choice, where) if "assembly" in meta else _assembled(meta, mechanism, choice, where)
     kept = rows_named(assembly, meta["kept"], where)

@@ -1,28 +1,32 @@
 """One SQLite file a run: model, start, versions, history, checkpoints, events; whole up to the last transaction.
 
 Rows of S are stored chunk by chunk, and read into memory or, where they are many, into a mapped file of no name. SQLite keeps its rollback
-journal (no write-ahead log), so a finished run is one file.
+journal (no write-ahead log), so a finished run is one file. A transaction waits several times for the disk, so those of a short run are gathered.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import shutil
 import sqlite3
-import tempfile
+import time
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import partial, wraps
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RunFileError
 from .packing import packed, unpacked
+
+if TYPE_CHECKING:
+    from ..solvers.companions import Beside
 
 RUN_FILE = "run.sqlite"  # its name in a run folder
 ARRAY = "array."  # of the meta, among the parts of a reference
@@ -39,6 +43,7 @@ CREATE TABLE steps (output INTEGER PRIMARY KEY, step INTEGER NOT NULL);
 CREATE TABLE checkpoints (step INTEGER PRIMARY KEY, state BLOB NOT NULL);
 CREATE TABLE events (number INTEGER PRIMARY KEY, step INTEGER NOT NULL, time TEXT NOT NULL, text TEXT NOT NULL);
 CREATE TABLE reference (part TEXT PRIMARY KEY, data BLOB NOT NULL);
+CREATE TABLE companions (first INTEGER PRIMARY KEY, outputs INTEGER NOT NULL, last INTEGER NOT NULL, told TEXT NOT NULL, data BLOB NOT NULL);
 """
 
 Arguments = ParamSpec("Arguments")
@@ -75,13 +80,15 @@ def damaged(file: Any, what: str) -> str:
 class RunFile:
     """A run file, open for writing (:meth:`create`) or reading (:meth:`open`); a context manager that closes it."""
 
-    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+    def __init__(self, path: Path, connection: sqlite3.Connection, gather: float = 0.0) -> None:
         self.path, self._connection = path, connection
+        self._gather, self._kept, self._waiting = gather, time.monotonic(), False
 
     @classmethod
-    def create(cls, path: str | Path, meta: Mapping[str, Any] | None = None, *, replace: bool = False) -> RunFile:
+    def create(cls, path: str | Path, meta: Mapping[str, Any] | None = None, *, replace: bool = False, gather: float = 0.0) -> RunFile:
         """A new run file with ``meta``: anything JSON can say, and arrays; best from :func:`~vfife.results.provenance.provenance`.
 
+        What is written within ``gather`` seconds becomes one transaction, which ends with a checkpoint; each is one of its own by default.
         Raises RunFileError where the file cannot be made, or is there already and ``replace`` is false.
         """
         path = Path(path)
@@ -96,7 +103,7 @@ class RunFile:
             connection.execute("PRAGMA synchronous = NORMAL")
             connection.execute(f"PRAGMA application_id = {APPLICATION}")
             connection.execute(f"PRAGMA user_version = {FORMAT}")
-            file = cls(path, connection)
+            file = cls(path, connection, gather)
             with file._transaction():
                 for statement in SCHEMA.strip().split("\n"):
                     connection.execute(statement)
@@ -128,9 +135,14 @@ class RunFile:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
+    @told
     def close(self) -> None:
-        """Closes the file; every transaction is on disk already."""
-        self._connection.close()
+        """Closes the file; what was gathered goes to the disk first."""
+        try:
+            if self._waiting:
+                self._settle()
+        finally:
+            self._connection.close()
 
     # ------------------------------------------------------------------------------------------------------- writing
 
@@ -144,13 +156,13 @@ class RunFile:
             self._put({"status": "running", **meta})
 
     @told
-    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64], beside: Beside | None = None) -> None:
         """Adds outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept). Step 0 starts
-        anew.
+        anew. ``beside`` is what companions leave at the last of these outputs; of theirs only those still needed stay.
         """
         if len(steps) == 0:
             return
-        with self._transaction():
+        with self._transaction(math.inf):
             if int(steps[0]) == 0:
                 self._forget()
             row = self._connection.execute("SELECT count(*), coalesce(max(output) + 1, 0) FROM steps").fetchone()
@@ -159,11 +171,19 @@ class RunFile:
             numbered = [(first + k, int(step)) for k, step in enumerate(steps)]
             self._connection.executemany("INSERT INTO steps VALUES (?, ?)", numbered)
             self._connection.execute("INSERT INTO history VALUES (?, ?, ?, ?)", (chunk, first, len(steps), packed(rows)))
+            if beside is not None:
+                self._keep_companions(first + len(steps) - len(beside.rows), int(steps[-1]), beside)
+
+    def _keep_companions(self, first: int, last: int, beside: Beside) -> None:
+        outputs = len(beside.rows)
+        values = (first, outputs, last, json.dumps(beside.told), packed(beside.rows.reshape(outputs, -1)))
+        self._connection.execute("INSERT OR REPLACE INTO companions VALUES (?, ?, ?, ?, ?)", values)
+        self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
 
     @told
     def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
         """Keeps the state after ``step``, from which a run can go on, in the order of the blocks of the start."""
-        with self._transaction():
+        with self._transaction(self._gather):
             self._connection.execute("INSERT OR REPLACE INTO checkpoints VALUES (?, ?)", (int(step), packed(state)))
             old = "DELETE FROM checkpoints WHERE step NOT IN (SELECT step FROM checkpoints ORDER BY step DESC LIMIT ?)"
             self._connection.execute(old, (CHECKPOINTS,))
@@ -180,7 +200,7 @@ class RunFile:
         entries, arrays = parted(meta)
         parts = {"meta": json.dumps(entries).encode(), "steps": packed(steps.astype(float)), "rows": packed(rows)}
         parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
-        with self._transaction():
+        with self._transaction(math.inf):
             self._connection.executemany("INSERT OR REPLACE INTO reference VALUES (?, ?)", list(parts.items()))
 
     @told
@@ -190,14 +210,25 @@ class RunFile:
             self._put({"status": status, "finished": now(), "summary": dict(summary or {}), **meta})
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._connection.execute("BEGIN IMMEDIATE")
+    def _transaction(self, patience: float = 0.0) -> Iterator[None]:
+        """A transaction, or more of the one that gathers: it ends unless the last ended less than ``patience`` seconds ago."""
+        if not self._waiting:
+            self._connection.execute("BEGIN IMMEDIATE")
+        self._waiting = True
         try:
             yield
         except BaseException:
+            self._waiting = False
             self._connection.rollback()
             raise
+        if not self._gather or time.monotonic() - self._kept >= patience:
+            self._settle()
+
+    def _settle(self) -> None:
+        """Brings to the disk what was gathered."""
+        self._waiting = False
         self._connection.commit()
+        self._kept = time.monotonic()
 
     def _put(self, meta: Mapping[str, Any]) -> None:
         entries, arrays = parted(meta)
@@ -205,7 +236,7 @@ class RunFile:
         self._connection.executemany("INSERT OR REPLACE INTO arrays VALUES (?, ?)", [(key, packed(values)) for key, values in arrays.items()])
 
     def _forget(self) -> None:
-        for table in ("history", "steps", "checkpoints"):
+        for table in ("history", "steps", "checkpoints", "companions"):
             self._connection.execute(f"DELETE FROM {table}")
 
     # ------------------------------------------------------------------------------------------------------- reading
@@ -247,9 +278,25 @@ class RunFile:
             filled += len(part)
         return rows
 
+    @told
     def later(self) -> Callable[[], NDArray[np.float64]]:
         """What reads :attr:`rows` when they are asked for, also after this file is closed."""
+        self._settle()
         return partial(rows_of, self.path.absolute())
+
+    @told
+    def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], NDArray[np.float64]] | None:
+        """What is told of the companions, their steps, and their rows, shape (outputs, kept times companions); None without any."""
+        if self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'companions'").fetchone() is None:
+            return None  # a file of version 0.2 or before
+        chunks = self._connection.execute("SELECT first, outputs, told, data FROM companions ORDER BY first").fetchall()
+        if not chunks:
+            return None
+        every, parts = self.steps, [unpacked(data) for *_, data in chunks]
+        steps = [every[first : first + outputs] for first, outputs, *_ in chunks]
+        if any(len(one) != len(part) or part.ndim != 2 or part.shape[1] != parts[0].shape[1] for one, part in zip(steps, parts, strict=True)):
+            raise RunFileError(damaged(self, "the outputs of the companions do not fit those of the run"))
+        return json.loads(chunks[-1][2]), np.concatenate(steps), np.concatenate(parts)
 
     @told
     def last_checkpoint(self) -> tuple[int, NDArray[np.float64]] | None:
@@ -289,6 +336,8 @@ def space(outputs: int, width: int) -> NDArray[np.float64]:
     """Room for rows: memory, or where they are many a file of no name, of which the system keeps in memory what is looked at."""
     if 8 * outputs * width <= IN_MEMORY:
         return np.empty((outputs, width))
+    import tempfile
+
     with tempfile.TemporaryFile() as file:
         return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)
 
@@ -314,6 +363,8 @@ def _readable(path: Path) -> sqlite3.Connection:
             raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
     except sqlite3.DatabaseError as error:
         raise RunFileError(damaged(path, str(error))) from error
+    import tempfile
+
     memory = sqlite3.connect(":memory:", isolation_level=None)
     try:
         with tempfile.TemporaryDirectory() as folder:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import Ledger, last_turn, ledger, measures
+from ..analysis import Ledger, Measured, last_turn, ledger, ranged
 from ..analysis.motion import times
 from ..modelfile import dump
 from ..solvers.record import Record
@@ -79,9 +79,12 @@ class View:
         return ledger(self.record)
 
     @cached_property
-    def measures(self) -> dict[str, float]:
-        """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`."""
-        return measures(self.record, None if self.reference is None else self.reference.measures)
+    def measures(self) -> dict[str, Measured]:
+        """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`.
+
+        Each is a number with ``value``, ``low`` and ``high``: its range over the run and its companions (:class:`~vfife.analysis.ranges.Measured`).
+        """
+        return ranged(self.record, None if self.reference is None else self.reference.measures)
 
     # ----------------------------------------------------------------------------------------------------------- data
 

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ..errors import Fault, ModelError, QuantityError, kind_of, shown, suggestion
-from ..model.mechanism import Mechanism
+from ..model.mechanism import MOST_COMPANIONS, Mechanism
 from ..units import dimension_of, number
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
@@ -27,6 +27,7 @@ class Asked:
     outputs: int | None = None
     loop: Loop = "auto"
     force_step: bool = False
+    companions: int | str | None = None
 
 
 class Arguments:
@@ -87,15 +88,27 @@ class Arguments:
             self.faults[-1] = Fault(last.where, last.what, last.value, 'a time above 0 s, or "auto"', 'for example "1 us"')
         return found
 
-    def run(self, *, turns: Any, duration: Any, step: Any, outputs: Any, loop: Any, force_step: Any) -> Asked:
+    def run(self, *, turns: Any, duration: Any, step: Any, outputs: Any, loop: Any, force_step: Any, companions: Any = None) -> Asked:
         """The arguments that every run has; of ``turns`` and ``duration`` one at the most."""
         if turns is not None and duration is not None:
             self.fault("turns", "turns and duration exclude each other", turns, "", f"leave out one of them; duration is {told(duration)}")
         self.one_of("force_step", force_step, (bool,), "True or False")
         return Asked(
             self.quantity("turns", turns, "1"), self.quantity("duration", duration, "s"), self.step(step),
-            self.count("outputs", outputs), self.loop(loop), bool(force_step),
+            self.count("outputs", outputs), self.loop(loop), bool(force_step), self.companions(companions),
         )  # fmt: skip
+
+    def companions(self, value: Any) -> int | str | None:
+        """Runs beside a run: a whole number that fits the lanes, "auto" or None."""
+        value = _plain(value)
+        if value is None or value == "auto":
+            return None if value is None else "auto"
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if not whole or not 0 <= value <= MOST_COMPANIONS:
+            limit = f'a whole number from 0 to {MOST_COMPANIONS}, or "auto"'
+            self.fault("companions", "out of range" if whole else f"this is {kind_of(value)}", value, limit, "give one of these")
+            return None
+        return int(value)
 
     def count(self, name: str, value: Any, *, optional: bool = True) -> int | None:
         """A whole number of 1 or more; None stays None where it is ``optional``."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kernels.arrays import BLOCKS, Layout
 from .status import Status
+
+if TYPE_CHECKING:
+    from .companions import Beside, Companions
 
 Rows: TypeAlias = NDArray[np.float64]
 
@@ -26,8 +29,8 @@ class Writer(Protocol):
     def later(self) -> Callable[[], Rows]:
         """What reads the rows of the outputs when they are asked for."""
 
-    def append(self, steps: NDArray[np.int64], rows: Rows) -> None:
-        """Keeps outputs; those from step 0 on begin anew."""
+    def append(self, steps: NDArray[np.int64], rows: Rows, beside: Beside | None = None) -> None:
+        """Keeps outputs, with what companions leave beside the last of them; those from step 0 on begin anew."""
 
     def checkpoint(self, step: int, values: Rows) -> None:
         """Keeps all of the state after a step, in the order of :func:`lasting_rows`."""
@@ -46,7 +49,7 @@ class Record:
     output, where it is known.
 
     ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked for: a run that writes a file
-    keeps no rows in memory.
+    keeps no rows in memory. ``companions`` ran beside it, or None.
     """
 
     assembly: Assembly
@@ -58,6 +61,7 @@ class Record:
     status: Status = Status.COMPLETE
     final: Rows | None = None
     message: str = ""
+    companions: Companions | None = None
 
     @property
     def rows(self) -> Rows:
@@ -73,9 +77,7 @@ class Record:
 
     def block(self, name: str) -> NDArray[np.float64]:
         """Recorded values of a block, shape (outputs, entities)."""
-        layout = self.assembly.layout
-        order = np.argsort(self.kept, kind="stable")
-        return self.rows[:, order[np.searchsorted(self.kept, layout[name], sorter=order)]]
+        return self.rows[:, places(self.kept, self.assembly.layout[name])]
 
     def keeps(self, name: str) -> bool:
         """Whether a block was recorded; a record of an older version may lack one."""
@@ -100,3 +102,9 @@ def lasting_rows(layout: Layout) -> NDArray[np.intp]:
 def recorded_rows(assembly: Assembly) -> NDArray[np.uint32]:
     """Rows of S that a run keeps: all state and all extremes."""
     return np.array(assembly.layout.of("state", "extreme"), dtype=np.uint32)
+
+
+def places(recorded: NDArray[np.uint32], rows: NDArray[Any]) -> NDArray[np.intp]:
+    """Where rows of S stand among those that are recorded."""
+    order = np.argsort(recorded, kind="stable")
+    return np.asarray(order[np.searchsorted(recorded, rows, sorter=order)], dtype=np.intp)

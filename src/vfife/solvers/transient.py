@@ -13,6 +13,7 @@ from ..codegen.runner import Runner
 from ..codegen.straight_line import about
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
+from .companions import Gathering, lanes
 from .progress import Progress
 from .record import Record, Rows, Writer, lasting_rows, recorded_rows
 from .status import Status
@@ -31,40 +32,53 @@ def choose_loop(assembly: Assembly, loop: Loop) -> str:
     return "generated" if assembly.topology.path_unit == 1 and about(assembly.topology) <= LONGEST_STRAIGHT_LINE else "data-driven"
 
 
-def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress], None] | None = None, file: Writer | None = None) -> Record:
-    """Steps a mechanism from its start to the end of its choice of steps.
+def run(
+    assembly: Assembly,
+    *,
+    loop: Loop = "auto",
+    progress: Callable[[Progress], None] | None = None,
+    file: Writer | None = None,
+    companions: int = 0,
+) -> Record:
+    """Steps a mechanism from its start to the end of its choice of steps, with so many companions beside it.
 
     Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed
-    before is kept.
+    before is kept. Whatever runs beside it, the run has the same bits.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     chosen = choose_loop(assembly, loop)
     choice, smaller = assembly.choice, assembly.mechanism.settings.parts
-    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], chosen, kept, parts=smaller)
+    first = lanes(companions, chosen)
+    states, tables = np.repeat(assembly.state[:, None], len(first), axis=1), np.repeat(assembly.tables[None, :], len(first), axis=0)
+    runner = Runner(assembly.topology, states, tables, chosen, kept, parts=smaller, shares=first)
+    gathering = Gathering(assembly, kept, first[1 : companions + 1]) if companions else None
     parts: list[Rows] = []
 
-    def keep(done: int, rows: Rows) -> None:
+    def keep(done: int, rows: Rows, every: Rows) -> None:
         steps = (done + np.arange(len(rows), dtype=np.int64)) * choice.outputs_every
+        beside = gathering.take(steps, every) if gathering is not None and len(rows) else None
         if file is None:
             parts.append(rows)
         else:
-            file.append(steps, rows)
+            file.append(steps, rows, beside)
 
     status, done, wall = Status.COMPLETE, 0, 0.0
-    most = max(1, CHUNK_BYTES // (8 * len(kept)))
+    most = max(1, CHUNK_BYTES // (8 * len(kept) * len(first)))
     chunk = 1
-    keep(0, runner.advance(1, 1)[:, :, 0])
+    every = runner.advance(1, 1)
+    keep(0, every[:, :, 0].copy(), every)
     try:
         while done < choice.outputs:
             some = min(chunk, choice.outputs - done, most)
             began = time.perf_counter()
-            rows = runner.advance(choice.outputs_every, some)[:, :, 0]
+            every = runner.advance(choice.outputs_every, some)
             spent = time.perf_counter() - began
             wall += spent
+            rows = every[:, :, 0].copy()
             broken = unsound(assembly, kept, rows).any(axis=1)
             sound = int(np.argmax(broken)) if broken.any() else len(rows)
-            keep(done + 1, rows[:sound])
+            keep(done + 1, rows[:sound], every[:sound])
             if file is not None:
                 file.checkpoint(int((done + some) * choice.outputs_every), runner.states[lasting, 0])
             done += sound
@@ -78,6 +92,9 @@ def run(assembly: Assembly, *, loop: Loop = "auto", progress: Callable[[Progress
         status = Status.INTERRUPTED
     final = runner.states[:, 0].copy() if status == Status.COMPLETE else None
     if file is not None:  # an interrupt may have come after a chunk was written, and before it was counted
-        return Record(assembly, file.steps, file.later(), kept, wall, chosen, status, final)
-    rows = np.concatenate(parts)
-    return Record(assembly, np.arange(len(rows), dtype=np.int64) * choice.outputs_every, rows, kept, wall, chosen, status, final)
+        record = Record(assembly, file.steps, file.later(), kept, wall, chosen, status, final)
+    else:
+        rows = np.concatenate(parts)
+        record = Record(assembly, np.arange(len(rows), dtype=np.int64) * choice.outputs_every, rows, kept, wall, chosen, status, final)
+    record.companions = gathering.left(int(record.steps[-1])) if gathering is not None else None
+    return record

@@ -33,17 +33,19 @@ def compare(
     outputs: int | None = None,
     loop: Loop = "auto",
     force_step: bool = False,
+    companions: int | str = 0,
 ) -> Comparison:
     """Runs a mechanism under every pair of the given laws, and under its own where a kind is not given.
 
     A law is a name, a class or an instance. Of a name or a class the parameters are those of the law it takes the place of, where both have a
     field of the same name and unit (restitution, coefficient ...), else its defaults. ``joints``: those whose laws are changed, all with clearance
     if left out. ``progress`` receives the name of each run before it starts and may return a call for :func:`~vfife.simulate`; the others are
-    arguments of that. Ctrl-C ends with the runs that are complete. Raises ValueError with every law that cannot be used, before the first run.
+    arguments of that; without companions, which are none unless asked for, an automatic step is the finer one that nobody has to look at.
+    Ctrl-C ends with the runs that are complete. Raises ValueError with every law that cannot be used, before the first run.
     """
     given = Arguments("compare")
     given.mechanism(mechanism)
-    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step)
+    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions)
     given.callable("progress", progress)
     given.tell()
     names = chosen_joints(mechanism, joints)

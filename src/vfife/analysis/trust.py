@@ -1,0 +1,68 @@
+"""Whether a run can be trusted: how far it and its companions lie apart, what an automatic step has to become, when a run is sensitive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..solvers.companions import SENSITIVE, Parting
+from ..solvers.record import Record
+from ..solvers.status import Status
+from .ranges import Measured, ranged, spreads
+
+HALVINGS = 3  # of an automatic step for companions that lie apart, at the most
+DEEP_HALVINGS = 3, 5  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
+
+
+@dataclass(frozen=True)
+class Trust:
+    """What companions say of a run.
+
+    ``measure`` is known worst: within ``apart`` of its size (1), from ``low`` to ``high``. ``parting`` is where they part, ``lost`` how many of
+    the ``companions`` have infinite numbers.
+    """
+
+    companions: int
+    measure: str
+    apart: float
+    low: float
+    high: float
+    parting: Parting | None
+    lost: int
+
+    @property
+    def sensitive(self) -> bool:
+        """Whether the motion is decided by the steps."""
+        return self.apart > SENSITIVE
+
+
+def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | None:
+    """What the companions of a run say of it, None without any; ``found`` are its measures where they are known already."""
+    left = record.companions
+    if left is None:
+        return None
+    found = ranged(record) if found is None else found
+    name, apart = max(spreads(found).items(), key=lambda item: item[1], default=("", 0.0))
+    low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
+    return Trust(len(left.shifts), name, 1.0 if left.lost else apart, low, high, left.parting, len(left.lost))
+
+
+def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
+    """What was tried of an automatic step so far, this run's with it, where half of it should be tried next; None where it will do, or has to."""
+    choice = record.assembly.choice
+    if not choice.automatic or record.status not in (Status.COMPLETE, Status.DIVERGED):
+        return None
+    said = trust(record)
+    diverged = record.status == Status.DIVERGED
+    apart = 0.0 if said is None else 1.0 if diverged else said.apart
+    if apart > record.assembly.mechanism.settings.tolerance and sum(one is not None for _, one in choice.tried) < HALVINGS:
+        return (*choice.tried, (choice.step, apart))
+    if not diverged and too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]:
+        return (*choice.tried, (choice.step, None))
+    return None
+
+
+def too_deep(record: Record) -> bool:
+    """Whether a first contact landed deeper than its joint allows."""
+    return record.final is not None and bool(np.any(record.final[record.assembly.layout["contact_deep"]]))

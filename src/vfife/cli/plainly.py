@@ -1,0 +1,57 @@
+"""Arguments that need no checking are taken as they are typed.
+
+Newer versions of typer check every argument with a library whose import takes longer than a short run. What is absent, a text, a path or
+a value of its type already needs none of it (a number is checked); everything else goes the long way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from typer.core import TyperCommand
+
+
+class Plainly:
+    """A command, or a group of them, whose plain arguments are taken as they are."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Reads the arguments."""
+        take_plainly(self.get_params(ctx))  # type: ignore[attr-defined]
+        return super().parse_args(ctx, args)  # type: ignore[misc, no-any-return]
+
+
+class Command(Plainly, TyperCommand):
+    """A command."""
+
+
+def take_plainly(parameters: Iterable[Any]) -> None:
+    """Puts a :class:`Plain` reader before that of each parameter; older versions of typer have none and need none."""
+    for parameter in parameters:
+        if not isinstance(getattr(parameter, "get_runtime_param", Plain), Plain | type):
+            parameter.get_runtime_param = Plain(parameter)
+
+
+class Plain:
+    """Stands for the reader of one parameter, and makes it where it is needed."""
+
+    def __init__(self, parameter: Any) -> None:
+        self.parameter, self.checking = parameter, parameter.get_runtime_param
+
+    def __call__(self) -> Plain:
+        return self
+
+    def coerce(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The value of an argument as the command receives it. Raises what typer raises for one that does not fit."""
+        kind = getattr(self.parameter.type_descriptor, "annotation", None)
+        if value is None:
+            return () if param.multiple or param.nargs == -1 else None
+        if kind in (str, Path) and isinstance(value, str):
+            return kind(value)
+        if isinstance(kind, type) and type(value) is kind:
+            return value
+        return self.checking().coerce(value, param=param, ctx=ctx)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.checking(), name)

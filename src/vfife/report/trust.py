@@ -1,0 +1,76 @@
+"""How far a run can be trusted, in numbers and in sentences: the range over its companions, and how its step was found."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from ..analysis.trust import HALVINGS, trust
+from ..solvers.companions import SENSITIVE
+
+if TYPE_CHECKING:
+    from ..results.view import View
+
+UNITS = {"force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m", "angular_acceleration.max": "rad/s²"}
+
+
+def trusted(result: View) -> dict[str, Any]:
+    """What stands under ``trust`` in a summary.
+
+    ``companions``; ``sensitive``; the ``measure`` that is known worst, ``apart`` (1) and its ``low`` and ``high``; where they part, ``time`` (s)
+    and ``joint``; how many are ``lost``; ``tolerance`` (1) and the steps that were ``tried``. Empty for a run without companions.
+    """
+    record = result.record
+    said = trust(record, result.measures)
+    if said is None:
+        return {}
+    told = dataclasses.asdict(said) | {"sensitive": said.sensitive, "tolerance": record.assembly.mechanism.settings.tolerance}
+    parting = told.pop("parting") or {"time": None, "joint": None}
+    tried = [{"step": step, "apart": apart} for step, apart in record.assembly.choice.tried]
+    return told | parting | {"tried": tried, "automatic": record.assembly.choice.automatic}
+
+
+def verdict(told: dict[str, Any]) -> str:
+    """The sentence that a sensitive run is told by; empty for any other."""
+    found = told["trust"]
+    if not found or not found["sensitive"]:
+        return ""
+    if found["lost"]:
+        return (
+            f"This run is sensitive: of its {found['companions']} companions, whose steps are displaced, {found['lost']} left all bounds. "
+            "Take a smaller step, and trust no single number."
+        )
+    name, value = found["measure"], told["measures"][found["measure"]]
+    low, high = (100.0 * (found[key] / value - 1.0) for key in ("low", "high"))
+    unit = next(unit for kind, unit in UNITS.items() if name.endswith(kind))
+    where = f" They part at {found['time']:.6g} s in joint {found['joint']}." if found["time"] is not None else ""
+    searched = ""
+    if sum(one["apart"] is not None for one in found["tried"]) == HALVINGS:
+        searched = f" Halving the step {HALVINGS} times did not bring them together: tell the range, not the number."
+    return (
+        f"This run is sensitive: {name} lies between {found['low']:,.6g} and {found['high']:,.6g} {unit} ({low:+.2g} to {high:+.2g} % of this run) "
+        f"with the steps of {found['companions']} companions.{where}{searched}"
+    )
+
+
+def lines(told: dict[str, Any]) -> Iterable[str]:
+    """Short lines for the facts of a summary: what the companions say, and what was tried of an automatic step."""
+    found = told["trust"]
+    if not found:
+        return
+    if found["measure"]:
+        within = f"{100.0 * found['apart']:.2g} % at {found['measure']}"
+        yield f"{found['companions']} companions with displaced steps agree within {within}" + (
+            f": sensitive (beyond {100.0 * SENSITIVE:g} %)" if found["sensitive"] else ""
+        )
+    if found["tried"]:
+        from .tables import prefixed
+
+        steps = ", ".join(
+            f"{prefixed(one['step'], 's')} (" + ("first contacts too deep" if one["apart"] is None else f"{100.0 * one['apart']:.2g} % apart") + ")"
+            for one in found["tried"]
+        )
+        yield f"tried before: {steps}"
+        if found["apart"] > found["tolerance"]:
+            yield f"the tolerance of {100.0 * found['tolerance']:g} % was not reached"

@@ -1,0 +1,43 @@
+"""What a run file keeps of the companions of a run: their displacements and names of rows in its meta, the rows of the last turn beside it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..errors import RunFileError
+from ..solvers.companions import Beside, Companions, Parting, measured_rows, oldest_needed
+from ..solvers.record import Record
+from .provenance import named_rows, rows_named
+from .runfile import RunFile
+
+
+def kept_companions(assembly: Assembly, shifts: NDArray[np.float64]) -> dict[str, Any]:
+    """The entry of a run file's meta; nothing without companions."""
+    if not len(shifts):
+        return {}
+    return {"companions": {"shifts": [float(one) for one in shifts], "kept": named_rows(assembly, measured_rows(assembly))}}
+
+
+def beside(record: Record) -> Beside | None:
+    """What the companions of a record left, for a run file that is written at its end."""
+    found = record.companions
+    return None if found is None else Beside(found.rows, found.told, oldest_needed(record.assembly, int(record.steps[-1])))
+
+
+def restored_companions(file: RunFile, record: Record) -> Companions | None:
+    """The companions of a record that was read from a file, None where none are kept. Raises RunFileError where they do not fit the run."""
+    kept, meta = file.companions(), file.meta.get("companions")
+    if kept is None or meta is None:
+        return None
+    (told, steps, rows), where = kept, str(file.path)
+    shifts, names = np.array(meta["shifts"], dtype=float), rows_named(record.assembly, meta["kept"], where)
+    if rows.shape[1] != len(names) * len(shifts):
+        raise RunFileError(f"{where}: {rows.shape[1]} numbers are kept of {len(shifts)} companions with {len(names)} each; run the model again")
+    parting = None if told["parting"] is None else Parting(float(told["parting"][0]), str(told["parting"][1]))
+    window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
+    rows = rows.reshape(len(rows), len(names), len(shifts))[window]
+    return Companions(shifts, names, steps[window], rows, parting, tuple(told["lost"]))

@@ -1,0 +1,176 @@
+"""Companions of a run: the same motion with displaced steps, in the lanes beside it.
+
+The first step of companion k is k/(n + 1) of a step, with n companions; all else is the same, so onsets of contact and reversals of friction fall
+elsewhere in their steps. Where a result is decided by the motion, all agree; where it is decided by the steps, they part. Of a companion only what
+measures and figures need is kept: extremes, counts, moments and angular accelerations at the outputs of the last turn.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..codegen.native import widest
+from ..model.mechanism import MOST_COMPANIONS
+from .record import places
+
+Array = NDArray[np.float64]
+
+SENSITIVE = 0.01  # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
+SAMPLED = (
+    "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_fastest",
+    "contact_duration",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Parting:
+    """Where the companions part: the time (s) and the joint whose force first differs by more than SENSITIVE of its largest so far."""
+
+    time: float
+    joint: str
+
+
+@dataclass
+class Companions:
+    """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last turn and the output before it.
+
+    ``shifts`` (1) are their first steps as parts of a step: step n of companion k is at time (n + shifts[k]) dt. ``lost`` are those whose
+    numbers are no longer finite.
+    """
+
+    shifts: Array
+    kept: NDArray[np.uint32]
+    steps: NDArray[np.int64]
+    rows: Array
+    parting: Parting | None = None
+    lost: tuple[int, ...] = ()
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What is known beside the rows, for JSON."""
+        return {"parting": None if self.parting is None else [self.parting.time, self.parting.joint], "lost": list(self.lost)}
+
+
+def number(assembly: Assembly, loop: str, wanted: int | str) -> int:
+    """Companions of a run: as many as are wanted; "auto" fills the lanes of a straight line wherever there is contact."""
+    if assembly.mechanism.settings.analysis == "static" or not assembly.contacts:
+        return 0
+    if wanted == "auto":
+        return min(widest() - 1, MOST_COMPANIONS) if loop == "generated" else 0
+    return int(wanted)
+
+
+def displacements(count: int) -> Array:
+    """First steps of so many companions as parts of a step."""
+    return np.arange(1, count + 1) / (count + 1)
+
+
+def lanes(count: int, loop: str) -> Array:
+    """First steps of all lanes, 0 that of the run itself; vectors hold 1, 2, 4 or 8 numbers, and what is left of them repeats the run."""
+    shifts = np.zeros(count + 1 if loop != "generated" else 1 << count.bit_length())
+    shifts[1 : count + 1] = displacements(count)
+    return shifts
+
+
+def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
+    """Rows of S that measures and figures are made of."""
+    layout = assembly.layout
+    sampled = [row for name in SAMPLED for row in layout.rows_of(name).tolist()]
+    return np.array([*layout.of("extreme"), *sampled], dtype=np.uint32)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What belongs to the last of some outputs: rows of the companions, what is told of them, and the oldest step that is still needed."""
+
+    rows: Array
+    told: dict[str, Any]
+    oldest: int
+
+
+@dataclass
+class Gathering:
+    """Takes the rows of all lanes as they come, and keeps of the companions what belongs to the last turn."""
+
+    assembly: Assembly
+    recorded: NDArray[np.uint32]
+    shifts: Array  # of the companions, without the run itself
+    parting: Parting | None = None
+    lost: set[int] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self.kept = measured_rows(self.assembly)
+        self.columns = places(self.recorded, self.kept)
+        self.watch = Watch(self.assembly, self.recorded)
+        self.parts: deque[tuple[NDArray[np.int64], Array]] = deque()
+
+    def take(self, steps: NDArray[np.int64], rows: Array) -> Beside:
+        """Outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
+        count = len(self.shifts)
+        part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
+        if not np.isfinite(part.sum()):
+            self.lost |= set(np.flatnonzero(~np.isfinite(part).all(axis=(0, 1))).tolist())
+        if self.parting is None:
+            self.parting = self.watch.look(steps, rows[..., : count + 1])
+        self.parts.append((steps, part))
+        oldest = self.oldest(int(steps[-1])) if len(steps) else 0
+        while len(self.parts) > 1 and len(self.parts[0][0]) and self.parts[0][0][-1] < oldest:
+            self.parts.popleft()
+        return Beside(part, Companions(self.shifts, self.kept, steps, part, self.parting, tuple(sorted(self.lost))).told, oldest)
+
+    def oldest(self, last: int) -> int:
+        """The output before the turn that ends with a step."""
+        return oldest_needed(self.assembly, last)
+
+    def left(self, last: int) -> Companions:
+        """What they leave at the end of a run, whose last output is that of a step."""
+        steps = np.concatenate([steps for steps, _ in self.parts])
+        rows = np.concatenate([rows for _, rows in self.parts])
+        window = (steps >= self.oldest(last)) & (steps <= last)
+        return Companions(self.shifts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost)))
+
+
+class Watch:
+    """Finds where lanes part: forces of contacts differ by more than SENSITIVE of the largest so far, and not only because a peak fell into the
+    output interval beside.
+    """
+
+    def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
+        self.assembly = assembly
+        self.columns = places(recorded, assembly.layout["contact_force_squared_max"])
+        self.steps: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+        self.forces: Array | None = None
+        self.largest: Array | None = None
+
+    def look(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
+        """The first parting in these outputs, shape (outputs, recorded, lanes); the last output waits for the next ones."""
+        with np.errstate(invalid="ignore"):
+            force = np.sqrt(rows[:, self.columns])
+        if self.forces is None or self.largest is None:
+            self.forces, self.largest = force[:0], np.zeros(force.shape[1])
+        steps, force = np.concatenate([self.steps, steps]), np.concatenate([self.forces, force])
+        if len(steps) < 3:
+            self.steps, self.forces = steps, force
+            return None
+        largest = np.maximum(np.maximum.accumulate(np.fmax.reduce(force, axis=2), axis=0), self.largest)
+        near = np.maximum(np.maximum(force[:-2], force[1:-1]), force[2:])
+        limit = SENSITIVE * largest[2:]
+        over = (force[1:-1, :, 1:] - near[:, :, :1]).max(axis=2) > limit
+        over |= (force[1:-1, :, :1] - near[:, :, 1:]).max(axis=2) > limit
+        self.steps, self.forces, self.largest = steps[-2:], force[-2:], largest[-1]
+        if not over.any():
+            return None
+        output, contact = np.argwhere(over)[0]
+        return Parting(float(steps[output + 1] * self.assembly.choice.step), self.assembly.contact_joints[contact])
+
+
+def oldest_needed(assembly: Assembly, last: int) -> int:
+    """The step of the output before the turn that ends with a step; 0 without a crank."""
+    choice = assembly.choice
+    return max(0, int(np.ceil(last - choice.turn / choice.step - 0.5))) if choice.turn else 0
