@@ -269,7 +269,8 @@ BLOCKS: tuple[Block, ...] = (
         constraint_nx | 1 | direction of the constraint, 0 for an angle
         constraint_ny | 1 | direction of the constraint, 0 for an angle
         constraint_jb | m | lever on the bearing's body
-        constraint_jk | m | lever on the journal's body"""),
+        constraint_jk | m | lever on the journal's body
+        constraint_jc | 1 | lever on the carrier of gears, the other way"""),
 )  # fmt: skip
 
 BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
@@ -294,8 +295,10 @@ CONTACT_INDEX = Fields(
         *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "kind", "piece", "pieces"),
     )
 )
-JOINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces"))
-CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at"))
+JOINT_INDEX = Fields(
+    (name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces", "carrier")
+)
+CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at", "carrier"))
 SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))
 LOAD_INDEX = Fields((name, 1) for name in ("row", "body", "function", "follow"))
