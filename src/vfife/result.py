@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,7 @@ from .results.companions import beside, kept_companions, restored_companions
 from .results.provenance import final_state, keep_reference, provenance, restored
 from .results.runfile import RunFile
 from .results.view import View
-from .solvers.record import Record, lasting_rows
+from .solvers.record import Estimate, Record, lasting_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,12 +64,14 @@ class Result(View):
         if self.reference is not None and not file.has_reference:
             keep_reference(file, self.reference.record)
         meta = {} if file.knows("kept") else self._meta()
+        if record.estimate is not None:
+            meta["estimate"] = dataclasses.asdict(record.estimate)
         file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop, message=record.message)
 
     def _meta(self) -> dict[str, Any]:
         record, left = self.record, self.record.companions
         meta = provenance(record.assembly, record.kept, record.loop)
-        return meta if left is None else meta | kept_companions(record.assembly, left.shifts)
+        return meta if left is None else meta | kept_companions(record.assembly, left.shifts, left.earlier)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -80,6 +83,7 @@ class Result(View):
             where = str(file.path)
             meta, last = file.meta, file.last_checkpoint()
             result = cls(restored(meta, file.steps, file.rows, where))
+            result.record.estimate = Estimate(**meta["estimate"]) if "estimate" in meta else None
             result.record.companions = restored_companions(file, result.record)
             if last is not None and last[0] == result.record.steps[-1]:
                 result.record.final = final_state(meta, result.record.assembly, last[1], where)

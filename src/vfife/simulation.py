@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
+from .analysis.ranges import estimate, own_ranges
 from .analysis.trust import finer
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
@@ -24,11 +26,13 @@ from .results.start_from import States, initial_state
 from .solvers.arguments import Arguments, Asked, Loop
 from .solvers.companions import displacements, number
 from .solvers.progress import Progress
-from .solvers.record import recorded_rows
+from .solvers.record import Record, recorded_rows
+from .solvers.refinement import refine, worth
 from .solvers.statics import equilibrium
 from .solvers.status import Status
 from .solvers.transient import choose_loop, run
 
+Earlier: TypeAlias = dict[str, tuple[float, float]]
 Tried: TypeAlias = tuple[tuple[float, float | None], ...]
 StartFrom: TypeAlias = Result | str | Path | States
 
@@ -51,6 +55,7 @@ class Prepared:
     loop: Loop
     again: Callable[[float], Assembly]  # the same with another step (s)
     companions: int = 0
+    refined: bool = False  # whether it is smooth, and is run again with half the step
 
     @property
     def static(self) -> bool:
@@ -62,10 +67,10 @@ class Prepared:
         """The meta of its run file."""
         return self.meta(self.assembly)
 
-    def meta(self, assembly: Assembly, model: str | None = None) -> dict[str, Any]:
+    def meta(self, assembly: Assembly, model: str | None = None, earlier: Earlier | None = None) -> dict[str, Any]:
         """The same of a run with another step; ``model`` is the text of the mechanism where it is written already."""
         found = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
-        return found | kept_companions(assembly, displacements(self.companions))
+        return found | kept_companions(assembly, displacements(self.companions), earlier or {})
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
@@ -152,7 +157,9 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
     if looked and not companions and assembly.choice.automatic:  # a large frame: nobody looks whether a coarse step will do
         assembly = again(asked.step)
-    return Prepared(assembly, ideal, asked.loop, again, companions)
+    smooth = not mechanism.contacts and choose_loop(assembly, asked.loop) == "generated"
+    refined = smooth and bool(wanted) and (wanted != "auto" or worth(assembly))
+    return Prepared(assembly, ideal, asked.loop, again, companions, refined)
 
 
 def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None = None, file: RunFile | None = None) -> Result:
@@ -168,13 +175,26 @@ def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None
         keep_reference(file, prepared.reference.record)
     if prepared.static:
         return Result(equilibrium(assembly, loop=loop, progress=progress, file=file))
-    record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions)
+    record = looked_at(prepared, run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions))
     while (tried := finer(record)) is not None:
+        ideal = None if prepared.reference is None else prepared.reference.measures
+        earlier = {name: (one.low, one.high) for name, one in own_ranges(record, ideal).items()} if record.companions else {}
         assembly = halved(prepared, assembly, tried)
         if file is not None:
-            file.begin(prepared.meta(assembly, file.meta["model"]))
-        record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions)
+            file.begin(prepared.meta(assembly, file.meta["model"], earlier))
+        record = looked_at(prepared, run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions))
+        if record.companions is not None:
+            record.companions.earlier = earlier
     return Result(record, prepared.reference)
+
+
+def looked_at(prepared: Prepared, record: Record) -> Record:
+    """The record of a smooth run with an estimate of what its step leaves out, where one is made: Ctrl-C leaves it out."""
+    if prepared.refined and record.status == Status.COMPLETE and len(record.steps) > 2:
+        with suppress(KeyboardInterrupt):
+            step = record.assembly.choice.step
+            record.estimate = estimate(record, refine(record, prepared.again(0.5 * step), prepared.again(0.25 * step)))
+    return record
 
 
 def halved(prepared: Prepared, assembly: Assembly, tried: Tried) -> Assembly:

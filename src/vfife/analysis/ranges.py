@@ -8,12 +8,16 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solvers.record import Record
+from ..solvers.record import Estimate, Record
+from ..solvers.refinement import Refined
 from .measures import measures
 
 Array = NDArray[np.float64]
 
 JUDGED = ("force.max", "moment.max", "penetration.max", "angular_acceleration.max", "torque.max")  # largest values of a turn
+LOADS = (".force.max", ".moment.max", ".torque.max")
+NOISE = 1e-9  # of the largest load: what rounding leaves of one that is zero
+ROUNDING = 16.0 * 2.2e-16  # of an angle (rad)
 LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that, so that an idle joint makes no run sensitive
 
 
@@ -56,7 +60,25 @@ def companion_records(record: Record) -> Iterator[Record]:
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
-    """The measures of a run (:func:`~vfife.analysis.measures.measures`) with their ranges over run and companions."""
+    """The measures of a run (:func:`~vfife.analysis.measures.measures`) with their ranges over run and companions.
+
+    Companions share the size of the step. Where a try with twice the step was given up, and its range does not hold what has come out now, it was
+    that size which decided: then the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
+    """
+    if record.estimate is not None:
+        errors = record.estimate.errors
+        own = measures(record, reference)
+        return {name: Measured(value, value - errors.get(name, 0.0), value + errors.get(name, 0.0)) for name, value in own.items()}
+    found = own_ranges(record, reference)
+    earlier = {} if record.companions is None else record.companions.earlier
+    if not earlier or followed(record, found, earlier):
+        return found
+    both = {name: (min(one.low, *earlier[name]), max(one.high, *earlier[name])) for name, one in found.items() if name in earlier}
+    return {name: Measured(one.value, *both.get(name, (one.low, one.high))) for name, one in found.items()}
+
+
+def own_ranges(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
+    """The measures with their ranges over run and companions, whatever was tried before."""
     own = measures(record, reference)
     others = [measures(one, reference) for one in companion_records(record)]
     found = {}
@@ -66,25 +88,44 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict
     return found
 
 
-def spreads(found: Mapping[str, Measured]) -> dict[str, float]:
-    """Width of the range of each largest value of a turn over its size (1), by name.
+def estimate(record: Record, refined: Refined) -> Estimate:
+    """Errors of the largest values of a turn: what they differ by from those at half the step, times 2^p/(2^p - 1) with the order p.
 
-    Its size is the largest of the range, or a tenth of the largest of its kind where it is less. What never touches has none.
+    An order is taken as it is found, between one and two; two where nothing but rounding is left to tell it by.
     """
-    of_kind = {kind: [(name, one) for name, one in found.items() if name.endswith(f".{kind}")] for kind in JUDGED}
+    finer = dataclasses.replace(record, steps=refined.steps, source=refined.rows, kept=refined.kept)
+    own, other = measures(record), measures(finer)
+    power = 2.0 ** min(max(2.0 if refined.order is None else refined.order, 1.0), 2.0)
+    judged = [name for name in own if name.endswith(tuple(f".{kind}" for kind in JUDGED)) and name in other]
+    return Estimate(refined.order, {name: abs(own[name] - other[name]) * power / (power - 1.0) for name in judged})
+
+
+def followed(record: Record, found: Mapping[str, Measured], earlier: Mapping[str, tuple[float, float]]) -> bool:
+    """Whether every largest value lies within its earlier range, widened by the tolerance of its size."""
+    sizes_now, tolerance = sizes(found, record.assembly.choice.step), record.assembly.mechanism.settings.tolerance
+    return all(low - tolerance * sizes_now[name] <= found[name] <= high + tolerance * sizes_now[name]
+               for name, (low, high) in earlier.items() if name in sizes_now)  # fmt: skip
+
+
+def sizes(found: Mapping[str, Measured], step: float) -> dict[str, float]:
+    """The size of each largest value of a turn, by name: the largest of its range, or a tenth of the largest of its kind where it is less.
+
+    What never touches has none, nor has what is rounding: moments and forces beside the largest of both (N m, N), and second differences of an
+    angle with a ``step`` (s).
+    """
     result = {}
-    for members in of_kind.values():
+    loads = max((one.high for name, one in found.items() if name.endswith(LOADS)), default=0.0)
+    noise = dict.fromkeys(LOADS, NOISE * loads) | {".angular_acceleration.max": ROUNDING / step**2}
+    for kind in JUDGED:
+        members = [(name, one) for name, one in found.items() if name.endswith(f".{kind}")]
         floor = LEAST * max((one.high for _, one in members), default=0.0)
-        for name, one in members:
-            if one.high > 0.0:
-                result[name] = (one.high - max(one.low, 0.0)) / max(one.high, floor)
+        result.update({name: max(one.high, floor) for name, one in members if one.high > noise.get(f".{kind}", 0.0)})
     return result
 
 
-def widest_range(found: Mapping[str, Measured]) -> tuple[str, float] | None:
-    """Name and relative width of the measure that is known worst, None where there is none."""
-    every = spreads(found)
-    return max(every.items(), key=lambda item: item[1]) if every else None
+def spreads(found: Mapping[str, Measured], step: float) -> dict[str, float]:
+    """Width of the range of each largest value of a turn over its size (1), by name."""
+    return {name: (found[name].high - max(found[name].low, 0.0)) / size for name, size in sizes(found, step).items()}
 
 
 def band(record: Record, series: Callable[[Record], Array]) -> tuple[Array, Array] | None:

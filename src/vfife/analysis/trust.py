@@ -11,16 +11,16 @@ from ..solvers.record import Record
 from ..solvers.status import Status
 from .ranges import Measured, ranged, spreads
 
-HALVINGS = 3  # of an automatic step for companions that lie apart, at the most
+HALVINGS = 3  # of an automatic step for companions that lie apart, or errors that are too large, at the most
 DEEP_HALVINGS = 3, 5  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
 
 
 @dataclass(frozen=True)
 class Trust:
-    """What companions say of a run.
+    """What companions, or a run at half the step, say of a run.
 
     ``measure`` is known worst: within ``apart`` of its size (1), from ``low`` to ``high``. ``parting`` is where they part, ``lost`` how many of
-    the ``companions`` have infinite numbers.
+    the ``companions`` have infinite numbers. Of a smooth run, which has none, ``apart`` is the estimated error, and ``order`` that of the step.
     """
 
     companions: int
@@ -30,6 +30,7 @@ class Trust:
     high: float
     parting: Parting | None
     lost: int
+    order: float | None = None
 
     @property
     def sensitive(self) -> bool:
@@ -38,13 +39,15 @@ class Trust:
 
 
 def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | None:
-    """What the companions of a run say of it, None without any; ``found`` are its measures where they are known already."""
-    left = record.companions
-    if left is None:
+    """What companions or an estimate say of a run, None without any; ``found`` are its measures where they are known already."""
+    left, said = record.companions, record.estimate
+    if left is None and said is None:
         return None
     found = ranged(record) if found is None else found
-    name, apart = max(spreads(found).items(), key=lambda item: item[1], default=("", 0.0))
+    name, apart = max(spreads(found, record.assembly.choice.step).items(), key=lambda item: item[1], default=("", 0.0))
     low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
+    if left is None:
+        return Trust(0, name, 0.5 * apart, low, high, None, 0, None if said is None else said.order)
     return Trust(len(left.shifts), name, 1.0 if left.lost else apart, low, high, left.parting, len(left.lost))
 
 

@@ -25,6 +25,7 @@ from .entities import Parts, parts_of, touches_of, turning
 from .fill import Filler, touch_rows
 from .numbering import Numbering
 from .prestress import prestress, wanted
+from .redundancy import redundant
 from .timestep import choose_step
 
 
@@ -84,6 +85,8 @@ def assemble(
     filler.drivers_and_loads(parts.loads)
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
+    if redundant(filler.layout, filler.state, topology):
+        topology = dataclasses.replace(topology, redundant=True)
     choice = choose_step(
         mechanism,
         filler.layout,

@@ -20,6 +20,7 @@ from .lock import WRITING
 from .native import Code, object_code, processor
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_rewrites": True, "no_cfunc_wrapper": True, "no_cpython_wrapper": True, "_nrt": False}
+CALLED = ("step", "functions", "resize")  # from several places: written into each, they would be compiled as often
 EFFORT = 3  # of LLVM's code generator, as numba has it
 DTYPES = {"f": np.float64, "u": np.uint32}
 
@@ -56,8 +57,11 @@ def _machine_text(body: str, name: str, kinds: list[str]) -> str:
     import numba
     from numba import types
 
-    space: dict[str, Any] = {"math": math, "jit": numba.njit(forceinline=True, **OPTIONS)}
-    exec(compile(body.replace(f"@jit\ndef {name}(", f"def {name}("), f"<vfife {name}>", "exec"), space)  # our own text and the user's laws
+    space: dict[str, Any] = {"math": math, "jit": numba.njit(forceinline=True, **OPTIONS), "called": numba.njit(**OPTIONS)}
+    source = body.replace(f"@jit\ndef {name}(", f"def {name}(")
+    for part in CALLED:
+        source = source.replace(f"@jit\ndef {part}(", f"@called\ndef {part}(")
+    exec(compile(source, f"<vfife {name}>", "exec"), space)  # our own text and the user's laws
     numbers = {"d": types.float64, "i": types.int64}
     signature = [numbers.get(kind) or types.Array(numba.from_dtype(np.dtype(DTYPES[kind[0]])), int(kind[1:]), "C") for kind in kinds]
     function = numba.njit(tuple(signature), nogil=True, **OPTIONS)(space[name])

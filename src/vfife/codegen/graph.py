@@ -47,6 +47,7 @@ class Graph:
     start: tuple[int, ...]
     size: int
     close_again: bool
+    closing: tuple[bool, ...]
 
 
 @lru_cache(maxsize=64)
@@ -73,7 +74,34 @@ def derive(topology: Topology) -> Graph:
         start.append(size - low)
         size += r - low + 1
     again = any(constrained)
-    return Graph(jointed, pinned, shared, constrained, couples, tuple(reach), tuple(start), size, again)
+    return Graph(
+        jointed,
+        pinned,
+        shared,
+        constrained,
+        couples,
+        tuple(reach),
+        tuple(start),
+        size,
+        again,
+        _closing([three[:2] for three in ideals], starts, free),
+    )
+
+
+def _closing(ideals: list[tuple[int, int]], starts: tuple[int, ...], free: set[int]) -> tuple[bool, ...]:
+    """Whether each constraint joins bodies that joints before its own hold together already; bodies whose motion is prescribed are one."""
+    part: dict[int, int] = {}
+    found: list[bool] = []
+    for joint, pair in enumerate(ideals):
+        first, second = (body if body in free else 0 for body in pair)
+        while first in part:
+            first = part[first]
+        while second in part:
+            second = part[second]
+        if first != second:
+            part[max(first, second)] = min(first, second)
+        found += [first == second] * (starts[joint + 1] - starts[joint])
+    return tuple(found)
 
 
 def _couples(sides: list[tuple[int, int, int]], free: set[int]) -> tuple[tuple[int, int, int, int, int], ...]:
@@ -180,7 +208,10 @@ class Lists:
                 [row(k) if self.count else 0 for k in starts[:-1]], [self.y + k for k in starts[:-1]],
                 self.function(t.joint_function or [-1] * len(t.joint_bearing)), counts, *self.paths(t.joint_path, len(t.joint_bearing)), carriers,
             ),
-            "constraint": [(row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k], leaning[k]) for k in range(self.count)],
+            "constraint": [
+                (row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k], int(graph.closing[k]), leaning[k])
+                for k in range(self.count)
+            ],
             "couple": [
                 (row(i), row(k), int(body[shared]), row(i, LEVERS[si]), row(k, LEVERS[sk]), int((si == JOURNAL) == (sk == JOURNAL)),
                  low + graph.start[i] + k, int(pins[i] and pins[k]), low + graph.start[min(i + 1, self.count - 1)] + k)
@@ -235,8 +266,9 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = made.low, made.graph.size, inverse, y, gn, gt
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
     watched = bool(t.contact_bearing or t.function_start or STOP in t.spring_kind)
-    flags = (made.layout.plain, t.particles - len(t.bound), t.path_unit, t.damped, worked, made.graph.close_again, watched)
-    names = ("plain", "plain_count", "path_unit", "damped", "worked", "close_again", "watched")
+    plain = (made.layout.plain, t.particles - len(t.bound))
+    flags = (*plain, t.path_unit, t.damped, worked, made.graph.close_again, watched, any(made.graph.closing), t.redundant)
+    names = ("plain", "plain_count", "path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant")
     integers[[getattr(HEADER, name) for name in names]] = flags
     return integers, made.layout, gt + made.count
 

@@ -100,7 +100,7 @@ class Runner:
         self.shares = aligned(self.lanes)
         self.shares[:] = 0.0 if shares is None else shares
         self.states[:] = states
-        self.states[self.layout["c"]] = self.states[self.layout["cn"]] = 1.0
+        self.states[self.layout["c"]] = 1.0
         self.take: Callable[[Advance], None]
         if loop == "generated":
             self.take = straight_line(topology, self.lanes)

@@ -20,6 +20,8 @@ from .source import dispatch, films, regimes
 from .trace import STEP_NUMBER, Operand, Operation, Rows, Seldom, Symbol, Tape, Trace, either
 from .traceable import Traceable
 
+STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
+
 
 def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     """Rows whose value follows from the topology: what never moves, and what a body without arms does not feel."""
@@ -28,14 +30,14 @@ def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     for i in range(topology.particles):
         base = layout.record("particle", i)
         if i in bound:
-            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", "sn")}
-            known |= {base + getattr(PARTICLE, name): 1.0 for name in ("c", "cn")}
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", *STEP)}
+            known |= {base + getattr(PARTICLE, name): 1.0 for name in ("c",)}
         if topology.weightless:
             known |= {base + getattr(PARTICLE, name): 0.0 for name in ("load_x", "load_y", "load_m")}
         if i not in free:
             known |= {base + getattr(PARTICLE, name): 0.0 for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")}
         if i not in free | driven:
-            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw", "xn", "yn", "tn")}
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
     if topology.weightless:
         known |= {layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"}
     known |= _on_particles(topology, layout, armed)

@@ -49,6 +49,7 @@ def resize(S, I, size, shift, repeated):
     for m in range(I[HEADER.constraint_count]):
         q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m]
         S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (S[q + CONSTRAINT.force] - S[q + CONSTRAINT.before]) * (size / old)
+    S[SYSTEM.pivots_before] = S[SYSTEM.pivots] - (S[SYSTEM.pivots] - S[SYSTEM.pivots_before]) * (size / old)
     S[SYSTEM.step] = size
     S[SYSTEM.shift] = shift
     S[SYSTEM.repeated] += repeated
@@ -70,16 +71,16 @@ def again(S, K, T, I, tables, n, parts, rows):
     resize(S, I, dt / parts, shift * parts, 1.0)
     for i in range((n - 1) * parts + 1, n * parts + 1):
         functions(S, T, I, tables, i)
-        step(S, I, i, False)
+        step(S, I, i, i == 0)  # the kinds that the first call has: another literal would be compiled anew
     resize(S, I, dt, shift, 0.0)
 
 
-def displace(S, T, I, tables, share):
-    """After the start, a first step of a share of one: all that follow are out of phase with those of a simulation without it."""
+def displace(S, T, I, tables, n, share):
+    """After the start, a first step of a share of one, as step n = 1: all that follow are out of phase with those of a simulation without it."""
     dt = S[SYSTEM.step]
     resize(S, I, share * dt, 0.0, 0.0)
-    functions(S, T, I, tables, 1)
-    step(S, I, 1, False)
+    functions(S, T, I, tables, n)
+    step(S, I, n, n == 0)
     resize(S, I, dt, share, 0.0)
 
 
@@ -107,7 +108,7 @@ def advance(S, K, T, I, wide, rows, lanes, n0, count, parts, shares, out, kept, 
                 if watched and n > 0 and S[SYSTEM.event] > 0.0:
                     again(S, K, T, I, tables, n, parts, rows)
                 if n == 0 and shares[w] > 0.0:
-                    displace(S, T, I, tables, shares[w])
+                    displace(S, T, I, tables, n + 1, shares[w])
             for q in range(out.shape[1]):
                 out[m, q, w] = S[kept[q]]
         for q in range(rows):

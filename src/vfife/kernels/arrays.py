@@ -148,7 +148,9 @@ BLOCKS: tuple[Block, ...] = (
         unbalanced | 1 | unbalanced force that is left there, over the largest force
         repeated | 1 | steps that were taken again in smaller ones"""),
     *_blocks("memory", "system", """
-        event | 1 | whether something begins, ends or changes its regime in step n"""),
+        event | 1 | whether something begins, ends or changes its regime in step n
+        pivots | 1 | product of the pivots of constraints that close loops, over their diagonals, at step n
+        pivots_before | 1 | the same at step n - 1"""),
     *_blocks("extreme", "contact", """
         contact_force_squared_max | N^2 | largest squared joint force since the last output
         contact_penetration_max | m | largest signed penetration since the last output"""),
@@ -243,11 +245,14 @@ BLOCKS: tuple[Block, ...] = (
         vu | m/s | velocity at step n
         vv | m/s | velocity at step n
         vw | rad/s | angular velocity at step n
-        xn | m | position at step n + 1
-        yn | m | position at step n + 1
-        tn | rad | rotation at step n + 1
-        cn | 1 | cosine of the rotation at step n + 1
-        sn | 1 | sine of the rotation at step n + 1
+        step_x | m | displacement from step n to n + 1
+        step_y | m | displacement from step n to n + 1
+        step_turn | rad | rotation from step n to n + 1
+        step_sine | 1 | its sine
+        step_versine | 1 | 1 less its cosine
+        change_x | N | what a correction of the reactions adds to the force
+        change_y | N | what a correction of the reactions adds to the force
+        change_m | N m | what a correction of the reactions adds to the moment
         rn | 1/kg | velocities per unit of a joint's normal force | 3
         rt | 1/kg | velocities per unit of a joint's friction force | 3"""),
     *_blocks("scratch", "contact", """
@@ -270,6 +275,10 @@ BLOCKS: tuple[Block, ...] = (
         constraint_ny | 1 | direction of the constraint, 0 for an angle
         constraint_jb | m | lever on the bearing's body
         constraint_jk | m | lever on the journal's body
+        constraint_turn_x | 1 | change of the direction from step n to n + 1
+        constraint_turn_y | 1 | change of the direction from step n to n + 1
+        constraint_turn_b | m | change of the lever on the bearing's body
+        constraint_turn_k | m | change of the lever on the journal's body
         constraint_jc | 1 | lever on the carrier of gears, the other way"""),
 )  # fmt: skip
 
@@ -298,7 +307,7 @@ CONTACT_INDEX = Fields(
 JOINT_INDEX = Fields(
     (name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces", "carrier")
 )
-CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at", "carrier"))
+CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at", "closing", "carrier"))
 SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))
 LOAD_INDEX = Fields((name, 1) for name in ("row", "body", "function", "follow"))
@@ -329,21 +338,8 @@ HEADER = Fields(
     for name in (
         *LISTS,
         *(f"{name}_count" for name in LISTS),
-        *(
-            "plain",
-            "plain_count",
-            "profile",
-            "profile_count",
-            "inverse",
-            "y",
-            "gn",
-            "gt",
-            "path_unit",
-            "damped",
-            "worked",
-            "close_again",
-            "watched",
-        ),
+        *("plain", "plain_count", "profile", "profile_count", "inverse", "y", "gn", "gt"),
+        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant"),
     )
 )
 

@@ -26,7 +26,8 @@ from .arrays import (
     UNIT,
 )
 from .central_difference import chord_acceleration, coefficients, driven_reaction, larger
-from .constraint import ahead, close, fill, levers, reaction, warm_start
+from .closing import close, hold
+from .constraint import reaction
 from .contact import contact_geometry, solve_contacts, velocities
 from .elementary import sincos
 from .frame import axial, bending, bending_released, chord, nodal_force, step_turn, turn
@@ -332,26 +333,19 @@ def observe(S, I, span):
         S[at] = larger(S[at], abs(alpha))
 
 
-def joints(S, I, n, start, span, central):
+def joints(S, I, start, span, central):
     """All joints at t_n: clearances met, ideal reactions, then both again with what each does to the other."""
     dt = S[SYSTEM.step]
     h, b, k, p = central
     if I[HEADER.contact_count] > 0:
         contact_geometry(S, I, start, p, h)
     if I[HEADER.joint_count] > 0:
-        levers(S, I)
-        ahead(S, I, (n + 1 + S[SYSTEM.shift]) * dt)
-        fill(S, I)
-        warm_start(S, I)
-        close(S, I, dt, b, k, True)
+        hold(S, I, dt, b, k, start)
     if I[HEADER.contact_count] > 0:
         velocities(S, I, p, h)
         solve_contacts(S, I, span, central)
     if I[HEADER.close_again] != 0:
-        close(S, I, dt, b, k, False)
-    elif I[HEADER.joint_count] > 0:  # noqa: SIM102 (a rare branch has a condition of its own)
-        if seldom(start):
-            close(S, I, dt, b, k, False)
+        close(S, I, dt, b, k)
 
 
 def step(S, I, n, start):
@@ -369,6 +363,6 @@ def step(S, I, n, start):
     tiles(S, I, n % I[HEADER.path_unit] == 0, d, h, b, k, p)
     loads(S, I)
     springs(S, I, span, p, h)
-    joints(S, I, n, start, span, (h, b, k, p))
+    joints(S, I, start, span, (h, b, k, p))
     settle(S, I, span, h, b, k, p)
     observe(S, I, span)

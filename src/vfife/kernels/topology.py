@@ -61,6 +61,7 @@ class Topology:
     path_unit: int = 1
     damped: bool = False
     weightless: bool = False
+    redundant: bool = False
     contact_laws: tuple[type, ...] = ()
     friction_laws: tuple[type, ...] = ()
 

@@ -63,7 +63,9 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "laws": _laws(result),
         "warnings": list(static_warnings(result) if record.static else warnings(result)),
         "measures": measures,
-        "ranges": {name: {"low": one.low, "high": one.high} for name, one in result.measures.items()} if record.companions else {},
+        "ranges": {name: {"low": one.low, "high": one.high} for name, one in result.measures.items()}
+        if record.companions or record.estimate
+        else {},
         "trust": trusted(result),
     }
 

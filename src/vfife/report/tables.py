@@ -51,7 +51,7 @@ def _facts(told: dict[str, Any]) -> Table:
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in told["model"]["bodies"].items())),
         ("Step", _step(told)),
         ("Run", _pace(told)),
-        *(("Range" if k == 0 else "", line) for k, line in enumerate(lines(told))),
+        *(("Trust" if k == 0 else "", line) for k, line in enumerate(lines(told))),
         ("Energy", _energy(told)),
         *(("Driver", line) for line in _torques(told)),
         *(("Laws" if k == 0 else "", line) for k, line in enumerate(_law_lines(told))),

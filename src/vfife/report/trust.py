@@ -19,7 +19,8 @@ def trusted(result: View) -> dict[str, Any]:
     """What stands under ``trust`` in a summary.
 
     ``companions``; ``sensitive``; the ``measure`` that is known worst, ``apart`` (1) and its ``low`` and ``high``; where they part, ``time`` (s)
-    and ``joint``; how many are ``lost``; ``tolerance`` (1) and the steps that were ``tried``. Empty for a run without companions.
+    and ``joint``; how many are ``lost``; ``tolerance`` (1) and the steps that were ``tried``. A smooth run has no
+    companions, and ``order`` beside the error ``apart``. Empty for a run that nobody looked at.
     """
     record = result.record
     said = trust(record, result.measures)
@@ -36,6 +37,11 @@ def verdict(told: dict[str, Any]) -> str:
     found = told["trust"]
     if not found or not found["sensitive"]:
         return ""
+    if not found["companions"]:
+        return (
+            f"The step is coarse: {found['measure']} errs by some {100.0 * found['apart']:.2g} %, as a run with half of it tells. "
+            f"Take a smaller step{'' if found['automatic'] else ', or auto'}."
+        )
     if found["lost"]:
         return (
             f"This run is sensitive: of its {found['companions']} companions, whose steps are displaced, {found['lost']} left all bounds. "
@@ -59,7 +65,10 @@ def lines(told: dict[str, Any]) -> Iterable[str]:
     found = told["trust"]
     if not found:
         return
-    if found["measure"]:
+    if found["measure"] and not found["companions"]:
+        order = f", order {found['order']:.2f}" if found["order"] is not None else ""
+        yield f"largest values err by some {100.0 * found['apart']:.1g} % at the most ({found['measure']}), by a run at half the step{order}"
+    elif found["measure"]:
         within = f"{100.0 * found['apart']:.2g} % at {found['measure']}"
         yield f"{found['companions']} companions with displaced steps agree within {within}" + (
             f": sensitive (beyond {100.0 * SENSITIVE:g} %)" if found["sensitive"] else ""
@@ -68,7 +77,7 @@ def lines(told: dict[str, Any]) -> Iterable[str]:
         from .tables import prefixed
 
         steps = ", ".join(
-            f"{prefixed(one['step'], 's')} (" + ("first contacts too deep" if one["apart"] is None else f"{100.0 * one['apart']:.2g} % apart") + ")"
+            f"{prefixed(one['step'], 's')} (" + ("first contacts too deep" if one["apart"] is None else f"{100.0 * one['apart']:.2g} %") + ")"
             for one in found["tried"]
         )
         yield f"tried before: {steps}"

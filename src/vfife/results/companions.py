@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,12 @@ from .provenance import named_rows, rows_named
 from .runfile import RunFile
 
 
-def kept_companions(assembly: Assembly, shifts: NDArray[np.float64]) -> dict[str, Any]:
+def kept_companions(assembly: Assembly, shifts: NDArray[np.float64], earlier: Mapping[str, tuple[float, float]]) -> dict[str, Any]:
     """The entry of a run file's meta; nothing without companions."""
     if not len(shifts):
         return {}
-    return {"companions": {"shifts": [float(one) for one in shifts], "kept": named_rows(assembly, measured_rows(assembly))}}
+    kept = named_rows(assembly, measured_rows(assembly))
+    return {"companions": {"shifts": [float(one) for one in shifts], "kept": kept, "earlier": dict(earlier)}}
 
 
 def beside(record: Record) -> Beside | None:
@@ -40,4 +42,5 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     parting = None if told["parting"] is None else Parting(float(told["parting"][0]), str(told["parting"][1]))
     window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
     rows = rows.reshape(len(rows), len(names), len(shifts))[window]
-    return Companions(shifts, names, steps[window], rows, parting, tuple(told["lost"]))
+    earlier = {name: (float(low), float(high)) for name, (low, high) in meta["earlier"].items()}
+    return Companions(shifts, names, steps[window], rows, parting, tuple(told["lost"]), earlier)

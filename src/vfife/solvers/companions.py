@@ -8,6 +8,7 @@ measures and figures need is kept: extremes, counts, moments and angular acceler
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,7 +42,7 @@ class Companions:
     """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last turn and the output before it.
 
     ``shifts`` (1) are their first steps as parts of a step: step n of companion k is at time (n + shifts[k]) dt. ``lost`` are those whose
-    numbers are no longer finite.
+    numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice the step that was given up.
     """
 
     shifts: Array
@@ -50,6 +51,7 @@ class Companions:
     rows: Array
     parting: Parting | None = None
     lost: tuple[int, ...] = ()
+    earlier: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def told(self) -> dict[str, Any]:

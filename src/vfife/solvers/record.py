@@ -40,6 +40,14 @@ class Writer(Protocol):
 
 
 @dataclass
+class Estimate:
+    """What the step of a smooth run leaves out, from the same run at half of it: by measure, in its unit, and of which order that is."""
+
+    order: float | None
+    errors: dict[str, float]
+
+
+@dataclass
 class Record:
     """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps * step.
 
@@ -49,7 +57,7 @@ class Record:
     output, where it is known.
 
     ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked for: a run that writes a file
-    keeps no rows in memory. ``companions`` ran beside it, or None.
+    keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate`` is that of a smooth run, where it was made.
     """
 
     assembly: Assembly
@@ -62,6 +70,7 @@ class Record:
     final: Rows | None = None
     message: str = ""
     companions: Companions | None = None
+    estimate: Estimate | None = None
 
     @property
     def rows(self) -> Rows:

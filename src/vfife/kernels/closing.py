@@ -1,0 +1,271 @@
+"""Reactions of ideal joints at t_n: those that keep the joints closed until t_(n+1).
+
+What is solved are the increments of a step, not the positions at its end: u dt and the turns of arms are small, and so is their rounding, eps v dt
+instead of eps x. Closing positions makes of that a noise of eps x/dt^2 in the accelerations, which drowns the reactions of a short step. What is
+open at t_n is fed back by a ``GAIN``, a sixteenth a step, in which rounding is lost.
+
+Two corrections. The first uses the directions of t_n. But forces in these directions close constraints that have turned by t_(n+1): per unit of the
+angle of a step an error stays, which on a body of radius of gyration k on an arm r counts (r/k)^2 times, and which the next step has to make up
+for: it grows. How the rows turn is known after the first correction, so the second one takes it in, with the same factors.
+"""
+
+from .arrays import CONSTRAINT, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE
+from .constraint import carry, lever, levers, placed, pull, relative_turn
+from .elementary import turned
+from .factors import equations, idle, solve
+from .frame import chord
+from .geometry import arm, seldom
+from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
+
+GAIN = 0.0625  # of what is open at t_n
+
+
+def ahead(S, I, dt):
+    """Turns of the driven bodies from t_n to t_(n+1)."""
+    for m in range(I[HEADER.driven_count]):
+        r = I[HEADER.driven] + DRIVEN_INDEX.SIZE * m
+        k = I[r + DRIVEN_INDEX.row]
+        i = I[r + DRIVEN_INDEX.body]
+        f = I[r + DRIVEN_INDEX.function]
+        angle = S[k + DRIVEN.speed] * dt if f == 0 else S[f + FUNCTION.next] - S[f + FUNCTION.value]
+        S[i + PARTICLE.step_x] = 0.0
+        S[i + PARTICLE.step_y] = 0.0
+        S[i + PARTICLE.step_turn] = angle
+        S[i + PARTICLE.step_sine], S[i + PARTICLE.step_versine] = turned(angle)
+
+
+def guess(S, q):
+    """Reaction that goes on as it did: with it the first correction closes the joints to third order in the step."""
+    force = S[q + CONSTRAINT.force]
+    before = S[q + CONSTRAINT.before]
+    S[q + CONSTRAINT.before] = force
+    S[q + CONSTRAINT.force] = 0.0
+    return force + (force - before) if before != 0.0 else force
+
+
+def bear(S, I, r, q, force):
+    """Adds a reaction along constraint q of joint r to the forces on its bodies."""
+    pull(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
+    if I[r + JOINT_INDEX.carrier] != 0:
+        carry(S, q, I[r + JOINT_INDEX.carrier], force)
+
+
+def warm_start(S, I):
+    """Reactions to start from."""
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        for c in range(I[r + JOINT_INDEX.rows]):
+            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
+            bear(S, I, r, q, guess(S, q))
+
+
+def share_out(S, I):
+    """Takes off what moves nothing."""
+    idle(S, I, I[HEADER.y])
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        for c in range(I[r + JOINT_INDEX.rows]):
+            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
+            bear(S, I, r, q, -S[I[r + JOINT_INDEX.y] + c])
+
+
+def predict(S, I, dt, b, k):
+    """Displacements from t_n to t_(n+1) of the pinned bodies under the forces so far."""
+    for q in range(I[HEADER.pinned_count]):
+        i = I[I[HEADER.pinned] + q]
+        im = S[i + PARTICLE.inverse_mass]
+        S[i + PARTICLE.step_x] = dt * (b * S[i + PARTICLE.u] + k * (im * S[i + PARTICLE.fx]))
+        S[i + PARTICLE.step_y] = dt * (b * S[i + PARTICLE.v] + k * (im * S[i + PARTICLE.fy]))
+        angle = dt * (b * S[i + PARTICLE.w] + k * (S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]))
+        S[i + PARTICLE.step_turn] = angle
+        S[i + PARTICLE.step_sine], S[i + PARTICLE.step_versine] = turned(angle)
+
+
+def change(S, i, x, y):
+    """How a vector (x, y) that turns with a body changes from t_n to t_(n+1)."""
+    s = S[i + PARTICLE.step_sine]
+    v = S[i + PARTICLE.step_versine]
+    return -(v * x + s * y), s * x - v * y
+
+
+def turning(S, q, nx, ny, jb, jk):
+    """How a row changes from t_n to t_(n+1)."""
+    S[q + CONSTRAINT.turn_x] = nx
+    S[q + CONSTRAINT.turn_y] = ny
+    S[q + CONSTRAINT.turn_b] = jb
+    S[q + CONSTRAINT.turn_k] = jk
+
+
+def residual(S, I):
+    """What opens in each constraint from t_n to t_(n+1), with a share of what is open; and how its row turns."""
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        i = I[r + JOINT_INDEX.row]
+        b = I[r + JOINT_INDEX.bearing]
+        k = I[r + JOINT_INDEX.journal]
+        y = I[r + JOINT_INDEX.y]
+        q = I[r + JOINT_INDEX.first]
+        f = I[r + JOINT_INDEX.function]
+        place = I[r + JOINT_INDEX.place]
+        turn = I[r + JOINT_INDEX.turn]
+        aim = S[i + JOINT.offset]
+        move = 0.0
+        if f != 0:
+            aim += S[f + FUNCTION.value]
+            move = S[f + FUNCTION.next] - S[f + FUNCTION.value]
+        if place != NOWHERE:
+            bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[i + JOINT.bearing_x], S[i + JOINT.bearing_y])
+            kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[i + JOINT.journal_x], S[i + JOINT.journal_y])
+            ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
+            ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
+            dbx, dby = change(S, b, bx, by)
+            dkx, dky = change(S, k, kx, ky)
+            dx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + (dkx - dbx)
+            dy = (S[k + PARTICLE.step_y] - S[b + PARTICLE.step_y]) + (dky - dby)
+            if place == PINNED:
+                S[y] = dx + GAIN * ex
+                S[y + 1] = dy + GAIN * ey
+                turning(S, q, 0.0, 0.0, -dby, -dky)
+                turning(S, q + CONSTRAINT.SIZE, 0.0, 0.0, dbx, dkx)
+            else:
+                guided(S, I, r, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move)
+        if turn != FREE:
+            q = q + CONSTRAINT.SIZE * (I[r + JOINT_INDEX.rows] - 1)
+            y = y + (I[r + JOINT_INDEX.rows] - 1)
+            ratio = S[i + JOINT.ratio] if turn == GEARED else 1.0
+            c = I[r + JOINT_INDEX.carrier]
+            apart = relative_turn(S[b + PARTICLE.theta], S[k + PARTICLE.theta], ratio, S[c + PARTICLE.theta] if c != 0 else 0.0) - aim
+            turned_by = relative_turn(S[b + PARTICLE.step_turn], S[k + PARTICLE.step_turn], ratio, S[c + PARTICLE.step_turn] if c != 0 else 0.0)
+            S[y] = (turned_by - move) + GAIN * apart
+            turning(S, q, 0.0, 0.0, 0.0, 0.0)
+
+
+def guided(S, I, r, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
+    """The same for a guide, a path or a massless link: the journal's pin is at (ex, ey) from the bearing's and goes (dx, dy) further."""
+    i = I[r + JOINT_INDEX.row]
+    b = I[r + JOINT_INDEX.bearing]
+    k = I[r + JOINT_INDEX.journal]
+    y = I[r + JOINT_INDEX.y]
+    q = I[r + JOINT_INDEX.first]
+    place = I[r + JOINT_INDEX.place]
+    nx = S[q + CONSTRAINT.nx]
+    ny = S[q + CONSTRAINT.ny]
+    dnx, dny = change(S, b, nx, ny)
+    if place == ON_PATH:  # its normal turns along it too
+        dcx, dsx = change(S, b, S[b + PARTICLE.c], S[b + PARTICLE.s])
+        measured, mx, my = placed(
+            S, place, I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces], S[b + PARTICLE.c] + dcx, S[b + PARTICLE.s] + dsx,
+            S[i + JOINT.direction_x], S[i + JOINT.direction_y], ex + dx, ey + dy,
+        )  # fmt: skip
+        dnx = mx - nx
+        dny = my - ny
+        S[y] = measured
+    elif place == APART:  # its direction is that from pin to pin
+        length = ex * nx + ey * ny
+        after, _, mx, my = chord(ex + dx, ey + dy)
+        dnx = mx - nx
+        dny = my - ny
+        S[y] = ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length) - move + GAIN * (length - aim)
+    else:
+        measured = ex * nx + ey * ny
+        S[y] = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny) + GAIN * measured
+        if place == ALONG:
+            S[y] = S[y] - move - GAIN * aim
+    rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
+    ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
+    mx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + dkx
+    my = (S[k + PARTICLE.step_y] - S[b + PARTICLE.step_y]) + dky
+    jb = lever(rx + mx, ry + my, dnx, dny) + lever(mx, my, nx, ny)
+    jk = lever(kx + dkx, ky + dky, dnx, dny) + lever(dkx, dky, nx, ny)
+    turning(S, q, dnx, dny, jb, jk)
+
+
+def lost(S, I, dt, k):
+    """What the first correction leaves in each constraint, because the rows turn from t_n to t_(n+1) while its forces do not."""
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        p = I[r + JOINT_INDEX.bearing]
+        j = I[r + JOINT_INDEX.journal]
+        px, py, pw = gone(S, p, dt, k)
+        jx, jy, jw = gone(S, j, dt, k)
+        for c in range(I[r + JOINT_INDEX.rows]):
+            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
+            along = S[q + CONSTRAINT.turn_x] * (jx - px) + S[q + CONSTRAINT.turn_y] * (jy - py)
+            S[I[r + JOINT_INDEX.y] + c] = along + (S[q + CONSTRAINT.turn_k] * jw - S[q + CONSTRAINT.turn_b] * pw)
+
+
+def gone(S, i, dt, k):
+    """By how much a correction displaces a body at t_(n+1)."""
+    im = dt * (k * S[i + PARTICLE.inverse_mass])
+    ii = dt * (k * S[i + PARTICLE.inverse_inertia])
+    return im * S[i + PARTICLE.change_x], im * S[i + PARTICLE.change_y], ii * S[i + PARTICLE.change_m]
+
+
+def correct(S, I, dt, k):
+    """Solves for corrections of the reactions and adds them, to the bodies' forces too."""
+    solve(S, I, I[HEADER.y])
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        for i in (I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal]):
+            S[i + PARTICLE.change_x] = 0.0
+            S[i + PARTICLE.change_y] = 0.0
+            S[i + PARTICLE.change_m] = 0.0
+        if I[r + JOINT_INDEX.carrier] != 0:
+            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_x] = 0.0
+            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_y] = 0.0
+            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] = 0.0
+    scale = -1.0 / (dt * k)
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        for c in range(I[r + JOINT_INDEX.rows]):
+            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
+            force = scale * S[I[r + JOINT_INDEX.y] + c]
+            tug(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
+            if I[r + JOINT_INDEX.carrier] != 0:
+                S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] -= force * S[q + CONSTRAINT.jc]
+    for q in range(I[HEADER.pinned_count]):
+        take_in(S, I[I[HEADER.pinned] + q])
+    for m in range(I[HEADER.driven_count]):
+        take_in(S, I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.body])
+
+
+def tug(S, q, b, k, force):
+    """Adds to a reaction, and to what has been added to the forces of its bodies."""
+    S[q + CONSTRAINT.force] += force
+    px = force * S[q + CONSTRAINT.nx]
+    py = force * S[q + CONSTRAINT.ny]
+    S[k + PARTICLE.change_x] += px
+    S[k + PARTICLE.change_y] += py
+    S[k + PARTICLE.change_m] += force * S[q + CONSTRAINT.jk]
+    S[b + PARTICLE.change_x] -= px
+    S[b + PARTICLE.change_y] -= py
+    S[b + PARTICLE.change_m] -= force * S[q + CONSTRAINT.jb]
+
+
+def take_in(S, i):
+    """Forces of a body with what corrections add."""
+    S[i + PARTICLE.fx] += S[i + PARTICLE.change_x]
+    S[i + PARTICLE.fy] += S[i + PARTICLE.change_y]
+    S[i + PARTICLE.mz] += S[i + PARTICLE.change_m]
+
+
+def close(S, I, dt, b, k):
+    """Corrects the reactions so that the joints are closed at t_(n+1)."""
+    predict(S, I, dt, b, k)
+    residual(S, I)
+    correct(S, I, dt, k)
+    lost(S, I, dt, k)
+    correct(S, I, dt, k)
+    if I[HEADER.redundant] != 0:
+        share_out(S, I)
+
+
+def hold(S, I, dt, b, k, start):
+    """Reactions of all ideal joints at t_n under the other forces."""
+    levers(S, I)
+    ahead(S, I, dt)
+    equations(S, I, dt, start)
+    warm_start(S, I)
+    close(S, I, dt, b, k)
+    if seldom(start):
+        close(S, I, dt, b, k)

@@ -1,0 +1,146 @@
+"""The equations of the reactions: G M^-1 G^T along the profile of the joint graph, factored in place, and what is done where it is singular.
+
+**Singular positions.** Where the directions of two constraints become one, a pivot goes as the square of the angle that is left, and within some
+steps of there it changes by as much as itself in a step: what a whole correction does is unbounded. There all pivots get a share more (Levenberg
+1944), and inertia carries the mechanism through. A pivot may also be small and stay so, in a flat arch or a light body far off its pin; that is
+no passage. What becomes small is told from what is small by the second difference of the product of the pivots that close loops, which is
+2 (turn of a step)^2 of itself over the angle squared, whatever else is in the product. A tree of bodies has no such pivots.
+
+**Redundant joints.** With rows that depend on one another all pivots have a floor, so that the order of the rows does not matter, and the part of
+the reactions that moves nothing is taken off again: what is left is their solution of least norm, each row weighed by its own diagonal.
+"""
+
+from .arrays import CONSTRAINT, CONSTRAINT_INDEX, COUPLE_INDEX, HEADER, PARTICLE, SYSTEM
+from .central_difference import larger
+from .geometry import seldom
+
+NEAR = 32.0  # second differences of the product of pivots, over itself, that count as a passage: eight steps away from it
+SINGULAR = 16.0  # share of the pivots there, in squared turns of a step: that of four steps away
+COARSE = 1e-3  # the largest such share
+FLOOR = 1e-8  # share of the pivots where joints are redundant
+LOST = 1e-12  # pivot, of what it was before elimination, that is nothing but rounding
+
+
+def fill(S, I):
+    """Lower half of the matrix G M^-1 G^T, summed over the bodies that two constraints share."""
+    for q in range(I[HEADER.profile_count]):
+        S[I[HEADER.profile] + q] = 0.0
+    for m in range(I[HEADER.couple_count]):
+        r = I[HEADER.couple] + COUPLE_INDEX.SIZE * m
+        a = I[r + COUPLE_INDEX.first]
+        c = I[r + COUPLE_INDEX.second]
+        body = I[r + COUPLE_INDEX.body]
+        x = I[r + COUPLE_INDEX.first_lever]
+        y = I[r + COUPLE_INDEX.second_lever]
+        im = S[body + PARTICLE.inverse_mass]
+        ii = S[body + PARTICLE.inverse_inertia]
+        sign = 1.0 if I[r + COUPLE_INDEX.same] != 0 else -1.0
+        at = I[r + COUPLE_INDEX.at]
+        if I[r + COUPLE_INDEX.pins] != 0:  # two revolutes: their four entries at once
+            ax = S[x]
+            ay = S[x + CONSTRAINT.SIZE]
+            cx = sign * ii * S[y]
+            cy = sign * ii * S[y + CONSTRAINT.SIZE]
+            lower = I[r + COUPLE_INDEX.lower]
+            S[at] += sign * im + ax * cx
+            S[lower] += ay * cx
+            S[lower + 1] += sign * im + ay * cy
+            if a != c:
+                S[at + 1] += ax * cy
+        else:
+            along = S[a + CONSTRAINT.nx] * S[c + CONSTRAINT.nx] + S[a + CONSTRAINT.ny] * S[c + CONSTRAINT.ny]
+            S[at] += sign * (im * along + ii * S[x] * S[y])
+
+
+def factor(S, I, share):
+    """L D L^T of the matrix along its profile, in place, its diagonal enlarged by ``share``; a pivot lost to rounding is left out.
+
+    Returned: the product of the pivots of rows that close loops, over what each was before elimination.
+    """
+    inverse = I[HEADER.inverse]
+    stiff = 1.0
+    for r in range(I[HEADER.constraint_count]):
+        first = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start]
+        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
+        for c in range(first, r):
+            other = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * c + CONSTRAINT_INDEX.at]
+            start = max(first, I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * c + CONSTRAINT_INDEX.start])
+            value = S[at + c]
+            for q in range(start, c):
+                value -= S[at + q] * S[other + q]
+            S[at + c] = value
+        diagonal = S[at + r]
+        left = diagonal + share * diagonal
+        for c in range(first, r):
+            value = S[at + c]
+            ratio = value * S[inverse + c]
+            left -= value * ratio
+            S[at + c] = ratio
+        one = 1.0 / left if left > LOST * diagonal else 0.0
+        S[inverse + r] = one
+        if I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.closing] != 0:
+            stiff = stiff * (diagonal * one)
+    return 1.0 / stiff if stiff > 0.0 else 0.0
+
+
+def passage(S, I, dt):
+    """Share of the pivots by which the fastest turning pinned body is held back near a singular position."""
+    spin = 0.0
+    for q in range(I[HEADER.pinned_count]):
+        spin = larger(spin, abs(S[I[I[HEADER.pinned] + q] + PARTICLE.w]))
+    share = SINGULAR * (dt * spin) * (dt * spin)
+    return share if share < COARSE else COARSE
+
+
+def equations(S, I, dt, start):
+    """The matrix of t_n and its factors, damped where the mechanism passes a singular position."""
+    fill(S, I)
+    floor = FLOOR if I[HEADER.redundant] != 0 else 0.0
+    pivots = factor(S, I, floor)
+    if I[HEADER.closing] != 0:
+        if seldom(start):
+            S[SYSTEM.pivots] = pivots
+            S[SYSTEM.pivots_before] = pivots
+        bent = (pivots - S[SYSTEM.pivots]) - (S[SYSTEM.pivots] - S[SYSTEM.pivots_before])
+        S[SYSTEM.pivots_before] = S[SYSTEM.pivots]
+        S[SYSTEM.pivots] = pivots
+        if seldom(NEAR * abs(bent) > pivots):
+            fill(S, I)
+            factor(S, I, floor + passage(S, I, dt))
+
+
+def forward(S, I, y):
+    """Forward substitution with the factors in place."""
+    for r in range(I[HEADER.constraint_count]):
+        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
+        value = S[y + r]
+        for c in range(I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start], r):
+            value -= S[at + c] * S[y + c]
+        S[y + r] = value
+
+
+def backward(S, I, y):
+    """Division by D and backward substitution."""
+    for r in range(I[HEADER.constraint_count]):
+        S[y + r] = S[y + r] * S[I[HEADER.inverse] + r]
+    for q in range(I[HEADER.constraint_count]):
+        r = I[HEADER.constraint_count] - 1 - q
+        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
+        value = S[y + r]
+        for c in range(I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start], r):
+            S[y + c] -= S[at + c] * value
+
+
+def solve(S, I, y):
+    """Solution with the factors in place."""
+    forward(S, I, y)
+    backward(S, I, y)
+
+
+def idle(S, I, y):
+    """Part of the reactions that moves nothing, of redundant joints: (A + f D)^-1 f D times what they are, with the floor f and the diagonal D."""
+    for r in range(I[HEADER.constraint_count]):
+        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
+        q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.row]
+        S[y + r] = FLOOR * S[at + r] * S[q + CONSTRAINT.force]
+    solve(S, I, y)

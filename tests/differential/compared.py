@@ -1,0 +1,103 @@
+"""A drawn mechanism through the package and through the plain equations, and how far apart the two are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from differential.constrained import Unfit
+from differential.drawn import Drawn, drawn
+from vfife.analysis.forces import joint_force, joint_moment, joint_rows
+from vfife.analysis.motion import velocities
+from vfife.assembly.assemble import assemble
+from vfife.model.validate import validate
+from vfife.solvers.record import Record
+from vfife.solvers.transient import run
+
+Array = np.ndarray
+
+
+@dataclass
+class Compared:
+    """At the end of a run: values by the plain equations, and by the package at a step and at half of it."""
+
+    drawn: Drawn
+    truth: dict[str, Array]
+    coarse: dict[str, Array]
+    fine: dict[str, Array]
+
+
+def seen(one: Drawn, record: Record) -> dict[str, Array]:
+    """Centres of mass and angles, velocities, accelerations, and the force and moment of each joint, at the last output."""
+    where = record.assembly.bodies
+    particles = [where[name].particles[0] for name in one.m.bodies]
+    v = velocities(record)
+    position = np.stack([record.block(f"particle_{axis}")[-1, particles] for axis in ("x", "y", "theta")], axis=1)
+    velocity = np.stack([v[axis][-1, particles] for axis in "uvw"], axis=1)
+    acceleration = np.stack([record.block(f"particle_{axis}")[-1, particles] for axis in ("ax", "ay", "aw")], axis=1)
+    arms = np.array([np.subtract(where[name].center, where[name].reference) for name in one.m.bodies])
+    c, s = np.cos(position[:, 2]), np.sin(position[:, 2])
+    arm = np.stack([c * arms[:, 0] - s * arms[:, 1], s * arms[:, 0] + c * arms[:, 1]], axis=1)
+    across = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+    position[:, :2] += arm
+    acceleration[:, :2] += across * acceleration[:, 2:] - arm * velocity[:, 2:] ** 2
+    velocity[:, :2] += across * velocity[:, 2:]
+    found = {"position": position, "velocity": velocity, "acceleration": acceleration}
+    if one.system.touches:
+        found["force"] = joint_force(record)[-1, [list(joint_rows(record)).index(touch.name) for touch in one.system.touches]]
+        return found
+    names, force, moment = list(joint_rows(record)), joint_force(record)[-1], joint_moment(record)[-1]
+    for name in one.reactions:
+        if name in names:
+            found[f"force of {name}"] = force[names.index(name)]
+            found[f"moment of {name}"] = np.array([moment[names.index(name)]])
+    return found
+
+
+def truth(one: Drawn) -> dict[str, Array]:
+    """The same by the plain equations; reactions where no constraint is redundant."""
+    system = one.system
+    q, v = system.advance(one.velocity, [one.duration])[0]
+    acceleration, _, multipliers, now = system.solved(one.duration, q, v)
+    found = {"position": q, "velocity": v, "acceleration": acceleration}
+    if system.touches:
+        f = system.touches[0].force(now)[0]
+        found["force"] = np.array([[f.real, f.imag]])
+        return found
+    if system.freedom()[1] == 0:
+        for name, by in multipliers.items():
+            joint = one.m.joints.get(name)
+            if joint is None:
+                continue
+            held = [c for c in system.constraints if c.name == name]
+            if type(held[0]).__name__ == "Pin":
+                force, rest = by[:2], by[2:]
+            else:
+                n = held[0].normal * now.turn[held[0].a]
+                force, rest = by[0] * np.array([n.real, n.imag]), by[1:]
+            found[f"force of {name}"] = force
+            found[f"moment of {name}"] = rest if len(rest) else np.zeros(1)
+            one.reactions.append(name)
+    return found
+
+
+def taken(one: Drawn, steps: int, loop: str) -> Record:
+    """The package's run in a number of steps."""
+    record = run(assemble(one.m, one.duration / steps, duration=one.duration, outputs=1, force_step=True), loop=loop)  # type: ignore[arg-type]
+    assert record.status == "complete", record.status
+    return record
+
+
+def compared(seed: int, family: str, steps: int, loop: str = "data-driven") -> Compared:
+    """The first mechanism of a seed whose motion leads nowhere singular, in a number of steps and in twice as many."""
+    for again in range(20):
+        one = drawn(seed, family, again)
+        try:
+            exact = truth(one)
+        except Unfit:
+            continue
+        validate(one.m)
+        coarse, fine = (seen(one, taken(one, n, loop)) for n in (steps, 2 * steps))
+        return Compared(one, exact, coarse, fine)
+    raise AssertionError(f"{family} {seed}: twenty mechanisms that lead to a singular position")

@@ -1,0 +1,95 @@
+"""What companions leave survives the process, in the same transactions as the run."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vfife
+from support import four_bar
+from vfife.analysis.trust import trust
+from vfife.errors import RunFileError
+from vfife.result import Result
+from vfife.results.runfile import RunFile
+from vfife.simulation import carry_out, prepare
+from vfife.solvers import transient
+from vfife.solvers.arguments import Asked
+
+
+def same(one: Result, other: Result) -> None:
+    assert trust(one.record, one.measures) == trust(other.record, other.measures)
+    assert list(one.measures) == list(other.measures)
+    for name, value in one.measures.items():
+        assert (value, value.low, value.high) == (other.measures[name], other.measures[name].low, other.measures[name].high)
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return vfife.simulate(four_bar("BCD"), turns=1.5)
+
+
+def test_saved_and_read(result: Result, tmp_path: Path) -> None:
+    result.save(tmp_path / "run.sqlite")
+    again = Result.load(tmp_path / "run.sqlite")
+    same(result, again)
+    assert again.record.assembly.choice == result.record.assembly.choice
+    assert again.record.companions is not None and result.record.companions is not None
+    assert np.array_equal(again.record.companions.rows, result.record.companions.rows)
+
+
+def test_written_while_it_runs(result: Result, tmp_path: Path) -> None:
+    prepared = prepare(four_bar("BCD"), Asked(turns=1.5))
+    with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
+        written = carry_out(prepared, file=file)
+        written.finish(file)
+    same(written, result)
+    same(Result.load(tmp_path / "run.sqlite"), result)
+
+
+def test_an_interrupted_run_has_ranges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    prepared = prepare(four_bar("BCD"), Asked(turns=8.0, outputs=200))
+    monkeypatch.setattr(transient, "CHUNK_BYTES", 2**16)
+
+    def stop(progress: object) -> None:
+        if progress.done > 10000:  # type: ignore[attr-defined]
+            raise KeyboardInterrupt
+
+    with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
+        written = carry_out(prepared, file=file, progress=stop)
+    assert written.record.status == "interrupted"
+    killed = Result.load(tmp_path / "run.sqlite")
+    assert killed.record.status == "unfinished"
+    same(written, killed)
+    assert any(one.width > 0.0 for one in killed.measures.values())
+
+
+def test_chunks_that_nobody_needs_are_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(transient, "CHUNK_BYTES", 2**17)
+    prepared = prepare(four_bar("C"), Asked(turns=6.0, outputs=100, step=1e-5))
+    with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
+        carry_out(prepared, file=file).finish(file)
+    with sqlite3.connect(tmp_path / "run.sqlite") as connection:
+        kept, every = (connection.execute(f"SELECT sum(outputs) FROM {table}").fetchone()[0] for table in ("companions", "history"))
+    assert every == 601 and kept < 250
+
+
+def test_a_file_without_them_is_read_as_before(result: Result, tmp_path: Path) -> None:
+    path = tmp_path / "run.sqlite"
+    result.save(path)
+    with sqlite3.connect(path) as connection:
+        connection.execute("DROP TABLE companions")
+    again = Result.load(path)
+    assert again.record.companions is None
+    assert {name: one.value for name, one in again.measures.items()} == {name: one.value for name, one in result.measures.items()}
+
+
+def test_rows_that_do_not_fit_are_told(result: Result, tmp_path: Path) -> None:
+    path = tmp_path / "run.sqlite"
+    result.save(path)
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE companions SET outputs = outputs - 1")
+    with pytest.raises(RunFileError, match=r"run\.sqlite: this run file is damaged"):
+        Result.load(path)
