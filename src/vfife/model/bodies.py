@@ -100,12 +100,17 @@ class Body:
 @renamed(points="pins")
 @dataclass(frozen=True, kw_only=True)
 class RigidBody(Body):
-    """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins (m, in the body's frame)."""
+    """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins (m, in the body's frame).
 
-    mass: float = quantity("kg", "mass", above=0.0)
-    inertia: float = quantity("kg m^2", "moment of inertia about the centre of mass", above=0.0)
+    Mass, inertia and centre are those without the ``masses`` (kg) that sit at its pins. A body without any inertia, one mass on a rigid arm, counts
+    with a millionth of its mass times the square of its reach.
+    """
+
+    mass: float = quantity("kg", "mass without attached masses", low=0.0)
+    inertia: float = quantity("kg m^2", "moment of inertia about the centre of mass, without attached masses", low=0.0)
     center: Point = described(PLACE, "centre of mass in the body's frame", (0.0, 0.0))
     pins: dict[str, Point] = described(Names(PLACE), "pins in the body's frame", factory=dict)
+    masses: dict[str, float] = described(Names(Measure("kg", above=0.0)), "point masses attached at pins", factory=dict)
 
     @property
     def points(self) -> dict[str, Point]:
@@ -135,7 +140,7 @@ class Link(Body):
     selected_by: ClassVar[str] = "model"  # the field that says which others are of use
 
     length: float = quantity("m", "distance from start to end", above=0.0)
-    mass: float | None = quantity("kg", "mass without attached masses; from density and section if left out", None, above=0.0)
+    mass: float | None = quantity("kg", "mass without attached masses; from density and section if left out", None, low=0.0)
     model: LinkModel = described(
         Choice(LINK_MODELS, ("particle", "frame")),
         "rigid, elastic (frame elements) or two-particle (one element, half the mass at each end)",
@@ -158,6 +163,9 @@ class Link(Body):
         Many(PLACE), "points on the way from start to end, where the link is bent: along it, across it", (), only=("rigid", "elastic")
     )
     pins: dict[str, Point] = described(Names(PLACE), "further pins of a rigid link: along it, across it", factory=dict, only=("rigid",))
+    masses: dict[str, float] = described(
+        Names(Measure("kg", above=0.0)), "point masses attached at pins of a rigid link, its ends among them", factory=dict, only=("rigid",)
+    )
 
     @property
     def points(self) -> dict[str, Point]:

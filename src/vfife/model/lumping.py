@@ -12,6 +12,8 @@ from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Str
 
 Array = NDArray[np.float64]
 _KEPT = "_mesh"
+THIN = 1e-6  # inertia of a body that has none of its own, over its mass times the square of its reach
+ROUNDING = 1e-14  # of the same: what is left of none where masses are summed up
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 
 
@@ -158,7 +160,30 @@ def section_of(link: Link) -> Section:
 
 
 def rigid_properties(body: Body) -> tuple[float, Point, float]:
-    """Mass (kg), centre of mass (m, body's frame) and inertia about it (kg m^2), as the body is calculated if it were rigid."""
+    """Mass (kg), centre of mass (m, body's frame) and inertia about it (kg m^2), as the body is calculated if it were rigid.
+
+    One mass on a rigid arm has no inertia of its own: what turns the body is on its arm. It counts with ``THIN`` m r^2, r the farthest point.
+    ValueError where there is no mass, or no inertia and no arm.
+    """
+    mass, center, inertia = _own_properties(body)
+    attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
+    if attached:
+        at = np.array([center, *(body.points[pin] for pin in attached)])
+        mass, center, inertia = _together(at, np.array([mass, *attached.values()]), np.array([inertia, *(0.0 for _ in attached)]))
+    if not mass > 0.0:
+        raise ValueError(f"body {body.name!r} weighs nothing: give it a mass, or masses at its pins, or join the others by a distance")
+    if isinstance(body, PointMass) or is_elastic(body):
+        return mass, center, inertia
+    reach = max(float(np.hypot(x - center[0], y - center[1])) for x, y in body.points.values())
+    if inertia > ROUNDING * mass * reach**2:
+        return mass, center, inertia
+    if not reach > 0.0:
+        raise ValueError(f"body {body.name!r} has neither inertia nor a pin away from its mass: give it an inertia, or make it a particle")
+    return mass, center, THIN * mass * reach**2
+
+
+def _own_properties(body: Body) -> tuple[float, Point, float]:
+    """Those without attached point masses."""
     if isinstance(body, PointMass):
         return body.mass, (0.0, 0.0), body.inertia
     if isinstance(body, RigidBody):
@@ -190,6 +215,8 @@ def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
 
 def _together(at: Array, mass: Array, inertia: Array) -> tuple[float, Point, float]:
     total = float(mass.sum())
+    if not total > 0.0:
+        return 0.0, (float(at[0, 0]), float(at[0, 1])), float(inertia.sum())
     center = mass @ at / total
     return total, (float(center[0]), float(center[1])), float(inertia.sum() + mass @ ((at - center) ** 2).sum(axis=1))
 

@@ -39,6 +39,7 @@ class LinkOptions(BodyOptions, total=False):
     end_inertia: float
     via: tuple[Point, ...]
     pins: dict[str, Point]
+    masses: dict[str, float]
 
 
 class RigidBodyOptions(BodyOptions, total=False):
@@ -46,6 +47,7 @@ class RigidBodyOptions(BodyOptions, total=False):
 
     center: Point
     pins: dict[str, Point]
+    masses: dict[str, float]
 
 
 class PointMassOptions(BodyOptions, total=False):

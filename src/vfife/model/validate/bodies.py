@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 from ...errors import Path
-from ..bodies import ELASTIC, MOST_ELEMENTS, Frame, Link, Section
+from ..bodies import ELASTIC, MOST_ELEMENTS, Frame, Link, RigidBody, Section
+from ..lumping import rigid_properties
 from .checks import Checks, article, ends, given, known
 
 
@@ -17,6 +18,8 @@ def check_bodies(checks: Checks) -> None:
         for pin in given(body, "pins"):
             if pin in ("center", *body.own_points):
                 checks.add((*path, "pins", pin), "the body has a pin of this name already", "call it otherwise")
+        if isinstance(body, Link | RigidBody):
+            check_masses(checks, path, body)
         if isinstance(body, Link):
             check_section(checks, (*path, "section"), body.section)
             check_link(checks, name, body)
@@ -26,6 +29,27 @@ def check_bodies(checks: Checks) -> None:
             check_frame(checks, path, body)
         if any(body.velocity or ()) and name in checks.turned:
             checks.add((*path, "velocity"), "a driven body has no initial velocity of its own", "remove it; the driver sets the velocity")
+
+
+def check_masses(checks: Checks, path: Path, body: Any) -> None:
+    """Attached masses sit at pins, and something has a mass, and an inertia or an arm."""
+    points = {"center", *body.own_points, *given(body, "pins")} if isinstance(body, RigidBody) else {"start", "end", *given(body, "pins")}
+    for pin in body.masses or ():
+        if pin not in points:
+            checks.add((*path, "masses", pin), f"there is no pin {pin!r}", checks.near(pin, points, "name a pin"))
+            return
+    if body.mass != 0.0 and not (isinstance(body, RigidBody) and body.inertia == 0.0):
+        return
+    if isinstance(body, Link) and body.model in ELASTIC:
+        checks.add((*path, "mass"), f"{article(body.model)} link needs a mass", "give it one, or leave it out for that of its section")
+        return
+    try:
+        rigid_properties(body)
+    except ValueError as error:
+        what, _, remedy = str(error).partition(": ")
+        checks.add((*path, "mass"), what, remedy)
+    except TypeError:  # a field that it needs is refused, which is told elsewhere
+        return
 
 
 def check_link(checks: Checks, name: str, body: Any) -> None:
