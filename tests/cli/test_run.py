@@ -205,3 +205,24 @@ def test_killed_run_is_readable(process: Callable, command: Callable, tmp_path: 
     exported = command("export", "long", "out.nc")
     assert exported.exit_code == 0, exported.stderr
     assert "unfinished" in exported.stderr
+
+
+def test_a_sensitive_run_says_so_first(command: Callable, tmp_path: Path) -> None:
+    """Case c with three times the friction, at a step at which companions part."""
+    rough = [word for joint in "BCD" for word in ("--set", f"joint.{joint}.friction.coefficient=0.3")]
+    done = command("run", CASE_C, *rough, "--step", "2.5e-6", "--companions", "3", "-o", "out")
+    assert done.exit_code == 0
+    said = " ".join(done.stdout.split())
+    assert said.index("This run is sensitive") < said.index("Bodies") and "They part at" in said and "range of reaction" in said
+    summary = json.loads(Path("out/summary.json").read_text())
+    assert summary["trust"]["sensitive"] and summary["trust"]["joint"] in "BCD"
+    name = summary["trust"]["measure"]
+    assert summary["ranges"][name]["low"] <= summary["measures"][name] <= summary["ranges"][name]["high"]
+
+
+def test_companions_are_asked_for_and_turned_off(command: Callable) -> None:
+    assert command("run", CASE_C, "--step", "5e-6", "--turns", "1", "--companions", "0", "-o", "out", "--json").exit_code == 0
+    assert json.loads(Path("out/summary.json").read_text())["ranges"] == {}
+    assert "companions = 0" in Path("out/model.toml").read_text()
+    wrong = command("run", CASE_C, "--companions", "12")
+    assert wrong.exit_code == 2 and "from 0 to 7, or auto" in wrong.stderr
