@@ -1,0 +1,193 @@
+"""Does the suite notice small faults in the kernels? ``make mutations`` draws a hundred, and ends with 1 where one is not noticed.
+
+Each fault goes into a copy of the package, never into the working tree. A process of its own runs tests of the suite in that copy, what is quick
+and sees most first: mechanisms against the constrained equations, hashes of the bits of the straight-line loop, then whole files of tests.
+What changes no result is listed with its reason in ``equivalent.txt``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from mutations.mutants import Mutant, drawn
+
+Answer = TypeVar("Answer")
+ROOT = Path(__file__).resolve().parents[2]
+TESTS = ROOT / "tests"
+SOURCE = ROOT / "src" / "vfife"
+LONGEST = 60.0  # s of processor time that the first tests may take: a fault can make a loop endless
+QUICK = [("contact", k) for k in range(4)] + [("loop", 1), ("chain", 0), ("gears", 0), ("redundant", 0), ("chain", 2), ("loop", 5), ("gears", 3),
+         ("chain", 4), ("redundant", 1), ("redundant", 2), ("chain", 5), ("contact", 17)]  # fmt: skip
+# Files of tests that a fault in a kernel should be seen by, where the first did not.
+CLOSE = {
+    "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_forms.py", "tests/laws/test_contact_laws.py"],
+    "polynomial": ["tests/model/test_functions.py", "tests/physics/test_loads_and_drivers.py"],
+    "frame": ["tests/kernels/test_frame.py", "tests/physics/test_beams.py"],
+    "path": ["tests/physics/test_curved_slot.py"],
+    "spring": ["tests/physics/test_machinery.py", "tests/physics/test_accounts.py"],
+    "contact": ["tests/kernels/test_contact_step.py", "tests/physics/test_journal_in_bearing.py", "tests/physics/test_accounts.py",
+                "tests/physics/test_sticking.py", "tests/physics/test_lubricated_journal.py"],
+    "constraint": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
+    "central_difference": ["tests/kernels/test_central_difference.py"],
+    "geometry": ["tests/kernels"],
+    "step": ["tests/kernels", "tests/physics/test_accounts.py", "tests/physics/test_machinery.py"],
+    "advance": ["tests/kernels", "tests/physics/test_accounts.py"],
+}  # fmt: skip
+REST = ["tests/kernels", "tests/kinematics", "tests/physics", "tests/solvers", "tests/analysis", "tests/model", "tests/codegen", "tests/golden"]
+
+
+def now(name: str) -> str:
+    """Hash of the bits of a golden run, of its straight line."""
+    from golden.test_golden import digest
+
+    return digest(name, "generated")
+
+
+def hashes() -> str:
+    """Those of all golden runs, as they are without a fault."""
+    from golden.test_golden import CASES
+
+    return json.dumps({name: now(name) for name in CASES})
+
+
+def first(before: dict[str, str]) -> str:
+    """Which of the quick tests sees a fault in the package of this process; nothing where none does."""
+    from differential.compared import compared
+    from differential.test_against_equations import STEPS, check
+
+    for family, seed in QUICK:
+        try:
+            check(compared(seed, family, STEPS, "interpreted"))
+        except BaseException as error:
+            return f"differential {family}-{seed} ({type(error).__name__})"
+    for name, bits in before.items():
+        try:
+            if now(name) != bits:
+                return f"golden {name}"
+        except BaseException as error:
+            return f"golden {name} ({type(error).__name__})"
+    return ""
+
+
+def in_a_child(source: Path, work: Callable[[], str]) -> str:
+    """What a function says in a process of its own that has a copy of the package; nothing good where it does not come back."""
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.setitimer(signal.ITIMER_PROF, LONGEST)  # kills it
+        os.close(read)
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, 1)
+        os.dup2(null, 2)
+        os.environ["VFIFE_CACHE"] = str(source.parent / "cache")
+        sys.path[:0] = [str(source.parent), str(TESTS)]
+        try:
+            said = work()
+        except BaseException as error:
+            said = f"import ({type(error).__name__})"
+        os.write(write, (said or "-").encode())
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        said = pipe.read()
+    os.waitpid(child, 0)
+    return "" if said == "-" else said or "it ended or took too long"
+
+
+def by_pytest(source: Path, files: Sequence[str], but: Collection[str] = (), *, all_of_them: bool = False) -> list[str]:
+    """Tests of some files that fail with a copy of the package: the first one, or all; ``but`` are not run."""
+    variables = {**os.environ, "PYTHONPATH": str(source.parent), "VFIFE_CACHE": str(source.parent / "cache")}
+    line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "0", *([] if all_of_them else ["-x"]), *files]
+    line += [word for test in but for word in ("--deselect", test)]
+    done = subprocess.run(line, cwd=ROOT, env=variables, capture_output=True, text=True, check=False)
+    failed = [text.split(" ", 1)[1].split(" - ")[0] for text in done.stdout.splitlines() if text.startswith(("FAILED", "ERROR"))]
+    return failed or ([] if done.returncode in (0, 5) else [f"pytest ended with {done.returncode}"])
+
+
+@dataclass
+class Suite:
+    """A copy of the package, and what holds of it without any fault."""
+
+    base: Path
+    before: dict[str, str]
+    red: dict[tuple[str, ...], list[str]] = field(default_factory=dict)  # tests that fail anyway, by the files that were asked for
+
+    def with_it(self, mutant: Mutant, work: Callable[[], Answer]) -> Answer:
+        """What is done while the copy has a fault."""
+        file = self.base / "vfife" / "kernels" / f"{mutant.file}.py"
+        whole = file.read_text()
+        try:
+            file.write_text(mutant.applied(whole))
+            return work()
+        finally:
+            file.write_text(whole)
+
+    def quickly(self, mutant: Mutant) -> str:
+        """Which of the quick tests sees a fault; nothing where none does."""
+        return self.with_it(mutant, lambda: in_a_child(self.base / "vfife", lambda: first(self.before)))
+
+    def slowly(self, mutant: Mutant, files: Sequence[str]) -> str:
+        """Which test of some files sees a fault, those aside that fail without it."""
+        key = tuple(files)
+        found = self.with_it(mutant, lambda: by_pytest(self.base / "vfife", files, self.red.get(key, ())))
+        if found and key not in self.red:
+            self.red[key] = by_pytest(self.base / "vfife", files, all_of_them=True)
+            if set(found) & set(self.red[key]):
+                return self.slowly(mutant, files)
+        return found[0] if found else ""
+
+
+def equivalent() -> set[str]:
+    """Faults that change no result, from their list: one a line, the reason after a tab."""
+    lines = (TESTS / "mutations" / "equivalent.txt").read_text().splitlines()
+    return {line.split("\t")[0] for line in lines if line and not line.startswith("#")}
+
+
+def main() -> int:
+    """Draws faults and tells which are seen."""
+    ask = argparse.ArgumentParser(description=__doc__)
+    ask.add_argument("--seed", type=int, default=11)
+    ask.add_argument("--count", type=int, default=100)
+    ask.add_argument("--quick", action="store_true", help="only the quick tests")
+    given = ask.parse_args()
+    for library in ("hypothesis", "llvmlite.binding", "numpy", "pytest", "scipy.integrate"):  # what each child would load
+        importlib.import_module(library)
+    known, alive = equivalent(), []
+    with tempfile.TemporaryDirectory() as folder:
+        base = Path(folder)
+        shutil.copytree(SOURCE, base / "vfife", ignore=shutil.ignore_patterns("__pycache__"))
+        suite = Suite(base, json.loads(in_a_child(base / "vfife", hashes)))
+        if said := in_a_child(base / "vfife", lambda: first(suite.before)):
+            print(f"without any fault: {said}")
+            return 2
+        mutants = drawn(SOURCE / "kernels", given.seed, given.count)
+        for number, mutant in enumerate(mutants):
+            said = "equivalent" if mutant.label in known else suite.quickly(mutant)
+            alive += [] if said else [mutant]
+            print(f"{number:3d} {said or 'not seen quickly':42s} {mutant.kind}, line {mutant.line}: {mutant.label}", flush=True)
+        print(f"seed {given.seed}: {len(mutants) - len(alive)} of {len(mutants)} seen quickly, or equivalent")
+        if not given.quick:
+            for mutant in list(alive):
+                said = suite.slowly(mutant, CLOSE[mutant.file]) or suite.slowly(mutant, REST)
+                print(f"{said or 'NOT SEEN'}: line {mutant.line}: {mutant.label}", flush=True)
+                alive = [one for one in alive if one is not mutant or not said]
+    print(f"{len(alive)} not seen")
+    return 1 if alive else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
