@@ -8,8 +8,10 @@ What changes no result is listed with its reason in ``equivalent.txt``.
 from __future__ import annotations
 
 import argparse
+import compileall
 import importlib
 import json
+import linecache
 import os
 import shutil
 import signal
@@ -19,13 +21,12 @@ import tempfile
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mutations.mutants import Mutant, drawn
 
-Answer = TypeVar("Answer")
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = ROOT / "tests"
 SOURCE = ROOT / "src" / "vfife"
@@ -50,41 +51,48 @@ CLOSE = {
 REST = ["tests/kernels", "tests/kinematics", "tests/physics", "tests/solvers", "tests/analysis", "tests/model", "tests/codegen", "tests/golden"]
 
 
-def now(name: str) -> str:
-    """Hash of the bits of a golden run, of its straight line."""
-    from golden.test_golden import digest
+class Quick:
+    """The quick tests: what does not depend on the kernels is computed once, in the process that makes all others."""
 
-    return digest(name, "generated")
+    def __init__(self) -> None:
+        from differential.compared import fitting, stepped
+        from differential.test_against_equations import STEPS, check
+        from golden.test_golden import CASES, KINDS, digest
 
+        self.drawn = [fitting(seed, family) for family, seed in QUICK]
+        self.check = lambda one, exact: check(stepped(one, exact, STEPS, "interpreted"))
+        self.digest = lambda name: digest(name, "generated")
+        self.bits = json.loads(in_a_child(lambda: json.dumps({name: self.digest(name) for name in (*KINDS, *CASES)})))
 
-def hashes() -> str:
-    """Those of all golden runs, as they are without a fault."""
-    from golden.test_golden import CASES
-
-    return json.dumps({name: now(name) for name in CASES})
-
-
-def first(before: dict[str, str]) -> str:
-    """Which of the quick tests sees a fault in the package of this process; nothing where none does."""
-    from differential.compared import compared
-    from differential.test_against_equations import STEPS, check
-
-    for family, seed in QUICK:
-        try:
-            check(compared(seed, family, STEPS, "interpreted"))
-        except BaseException as error:
-            return f"differential {family}-{seed} ({type(error).__name__})"
-    for name, bits in before.items():
-        try:
-            if now(name) != bits:
-                return f"golden {name}"
-        except BaseException as error:
-            return f"golden {name} ({type(error).__name__})"
-    return ""
+    def __call__(self) -> str:
+        """Which of them sees a fault in the kernels of this process; nothing where none does."""
+        for one, exact in self.drawn:
+            try:
+                self.check(one, exact)
+            except BaseException as error:
+                return f"differential {one.label} ({type(error).__name__})"
+        for name, bits in self.bits.items():
+            try:
+                if self.digest(name) != bits:
+                    return f"golden {name}"
+            except BaseException as error:
+                return f"golden {name} ({type(error).__name__})"
+        return ""
 
 
-def in_a_child(source: Path, work: Callable[[], str]) -> str:
-    """What a function says in a process of its own that has a copy of the package; nothing good where it does not come back."""
+def put(mutant: Mutant, text: str, file: Path) -> None:
+    """Gives the function of a fault its new code, wherever it was imported; ``file`` has the text."""
+    from importlib import import_module
+
+    module = import_module(f"vfife.kernels.{mutant.file}")
+    space = dict(vars(module))
+    exec(compile(text, str(file), "exec"), space)
+    getattr(module, mutant.function).__code__ = space[mutant.function].__code__
+    linecache.checkcache()
+
+
+def in_a_child(work: Callable[[], str]) -> str:
+    """What a function says in a process of its own; one that does not come back has seen something."""
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
@@ -93,19 +101,17 @@ def in_a_child(source: Path, work: Callable[[], str]) -> str:
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, 1)
         os.dup2(null, 2)
-        os.environ["VFIFE_CACHE"] = str(source.parent / "cache")
-        sys.path[:0] = [str(source.parent), str(TESTS)]
         try:
             said = work()
         except BaseException as error:
-            said = f"import ({type(error).__name__})"
+            said = f"at once ({type(error).__name__}: {error})"
         os.write(write, (said or "-").encode())
         os._exit(0)
     os.close(write)
     with os.fdopen(read) as pipe:
         said = pipe.read()
     os.waitpid(child, 0)
-    return "" if said == "-" else said or "it ended or took too long"
+    return "" if said == "-" else said or "it took too long"
 
 
 def by_pytest(source: Path, files: Sequence[str], but: Collection[str] = (), *, all_of_them: bool = False) -> list[str]:
@@ -123,27 +129,33 @@ class Suite:
     """A copy of the package, and what holds of it without any fault."""
 
     base: Path
-    before: dict[str, str]
+    quick: Quick
     red: dict[tuple[str, ...], list[str]] = field(default_factory=dict)  # tests that fail anyway, by the files that were asked for
 
-    def with_it(self, mutant: Mutant, work: Callable[[], Answer]) -> Answer:
+    def with_it(self, mutant: Mutant, work: Callable[[str, Path], str | list[str]]) -> Any:
         """What is done while the copy has a fault."""
         file = self.base / "vfife" / "kernels" / f"{mutant.file}.py"
         whole = file.read_text()
         try:
             file.write_text(mutant.applied(whole))
-            return work()
+            return work(mutant.applied(whole), file)
         finally:
             file.write_text(whole)
 
     def quickly(self, mutant: Mutant) -> str:
         """Which of the quick tests sees a fault; nothing where none does."""
-        return self.with_it(mutant, lambda: in_a_child(self.base / "vfife", lambda: first(self.before)))
+
+        def work(text: str, file: Path) -> str:
+            put(mutant, text, file)
+            return self.quick()
+
+        found: str = self.with_it(mutant, lambda text, file: in_a_child(lambda: work(text, file)))
+        return found
 
     def slowly(self, mutant: Mutant, files: Sequence[str]) -> str:
         """Which test of some files sees a fault, those aside that fail without it."""
         key = tuple(files)
-        found = self.with_it(mutant, lambda: by_pytest(self.base / "vfife", files, self.red.get(key, ())))
+        found = self.with_it(mutant, lambda *_: by_pytest(self.base / "vfife", files, self.red.get(key, ())))
         if found and key not in self.red:
             self.red[key] = by_pytest(self.base / "vfife", files, all_of_them=True)
             if set(found) & set(self.red[key]):
@@ -170,8 +182,12 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         base = Path(folder)
         shutil.copytree(SOURCE, base / "vfife", ignore=shutil.ignore_patterns("__pycache__"))
-        suite = Suite(base, json.loads(in_a_child(base / "vfife", hashes)))
-        if said := in_a_child(base / "vfife", lambda: first(suite.before)):
+        compileall.compile_dir(base, quiet=1)  # a file with a fault is compiled anew, and kept nowhere
+        sys.dont_write_bytecode = True
+        os.environ["VFIFE_CACHE"] = str(base / "cache")
+        sys.path.insert(0, str(base))
+        suite = Suite(base, Quick())
+        if said := in_a_child(suite.quick):
             print(f"without any fault: {said}")
             return 2
         mutants = drawn(SOURCE / "kernels", given.seed, given.count)
@@ -182,7 +198,7 @@ def main() -> int:
         print(f"seed {given.seed}: {len(mutants) - len(alive)} of {len(mutants)} seen quickly, or equivalent")
         if not given.quick:
             for mutant in list(alive):
-                said = suite.slowly(mutant, CLOSE[mutant.file]) or suite.slowly(mutant, REST)
+                said = suite.slowly(mutant, CLOSE.get(mutant.file, REST)) or suite.slowly(mutant, REST)
                 print(f"{said or 'NOT SEEN'}: line {mutant.line}: {mutant.label}", flush=True)
                 alive = [one for one in alive if one is not mutant or not said]
     print(f"{len(alive)} not seen")
