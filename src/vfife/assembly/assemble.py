@@ -135,6 +135,7 @@ def topology_of(
         joint_turn=tuple(j.turn for j in parts.ideals),
         joint_path=paths[: len(parts.ideals)],
         path_pieces=tuple(len(path.pieces) for path in parts.paths),
+        joint_carrier=tuple(j.carrier for j in parts.ideals),
         joint_function=tuple(j.function for j in parts.ideals),
         spring_first=tuple(s[2][0] for s in parts.springs),
         spring_second=tuple(s[3][0] for s in parts.springs),

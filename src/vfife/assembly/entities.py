@@ -24,6 +24,7 @@ from ..kernels.topology import (
 from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers, spinless
 from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
+from ..model.carriers import carrier_of
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
@@ -38,13 +39,14 @@ GEOMETRIES = {"bearing": BEARING, "round": ROUND, "line": LINE, "slot": SLOT}
 
 @dataclass(frozen=True)
 class Ideal:
-    """An ideal joint, gear or prescribed motion: the rows it holds, its two places and the function of a prescribed motion."""
+    """An ideal joint, gear or prescribed motion: the rows it holds, its two places, the function of a prescribed motion, the carrier of gears."""
 
     name: str
     rows: tuple[Row, ...]
     bearing: Place
     journal: Place
     function: int = -1
+    carrier: int = 0
 
     @property
     def place(self) -> int:
@@ -121,7 +123,7 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
             found.append(Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal))
     for gear in mechanism.gears.values():
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
-        found.append(Ideal(gear.name, gear.rows(), ends[0], ends[1]))
+        found.append(Ideal(gear.name, gear.rows(), ends[0], ends[1], carrier=numbering.particle(carrier_of(mechanism, gear))))
     for name, driver in constraint_drivers(mechanism).items():
         function = numbering.function(driver.motion(0.0))
         if driver.slider and (guided := guide_of(mechanism, driver.slider)):

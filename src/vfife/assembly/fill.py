@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
+from ..kernels.constraint import relative_turn
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import ALONG, FREE, LINEAR
 from ..kinematics.drives import kinematic_drivers
@@ -133,7 +134,8 @@ class Filler:
         angles = [float(self.state[self.layout.row("particle_theta", end[0])]) for end in (joint.bearing, joint.journal)]
         begin = 0.0 if joint.function < 0 else self._function(joint.function, tables)
         if joint.place != ALONG:
-            return angles[1] - joint.ratio * angles[0] - begin
+            carrier = float(self.state[self.layout.row("particle_theta", joint.carrier)])
+            return float(relative_turn(angles[0], angles[1], joint.ratio, carrier)) - begin
         c, s = math.cos(angles[0]), math.sin(angles[0])
         dx, dy = c * joint.direction[0] - s * joint.direction[1], s * joint.direction[0] + c * joint.direction[1]
         (bx, by), (kx, ky) = self.seen(joint.bearing), self.seen(joint.journal)

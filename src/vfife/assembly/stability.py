@@ -259,7 +259,7 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with the angle, and the quarter turn Q of
     the forces of joints, which stay in space while the bodies turn.
     """
-    joined = sorted({*topology.joint_bearing, *topology.joint_journal})
+    joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
     inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
     turn = 1e-6
     now, before, after = (_constraints(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
@@ -280,12 +280,13 @@ def _constraints(layout: Layout, state: Array, topology: Topology, joined: Seque
     S[layout["c"]], S[layout["s"]] = np.cos(angle), np.sin(angle)
     levers(S, [int(value) for value in integers])
     starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], len(joined), 3))
-    for joint, (bearing, journal) in enumerate(zip(topology.joint_bearing, topology.joint_journal, strict=True)):
+    for joint, (bearing, journal, carrier) in enumerate(zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True)):
         for k in range(starts[joint], starts[joint + 1]):
             row = layout.record("constraint", k)
-            nx, ny, jb, jk = (S[row + field] for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk))
+            nx, ny, jb, jk, jc = (S[row + field] for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc))
             found[k, joined.index(bearing)] -= nx, ny, jb
             found[k, joined.index(journal)] += nx, ny, jk
+            found[k, joined.index(carrier), 2] -= jc
     return found.reshape(len(found), -1)
 
 

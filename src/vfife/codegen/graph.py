@@ -29,6 +29,8 @@ from ..kernels.arrays import (
 )
 from ..kernels.topology import CURRENT, FREE, PINNED, STOP, Topology
 
+LEVERS = (CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc)  # of bearing, journal and carrier in a row of constraints
+JOURNAL = 1  # the side whose lever counts the other way than that of the two others
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
 
@@ -40,7 +42,7 @@ class Graph:
     pinned: tuple[int, ...]
     shared: tuple[bool, ...]
     constrained: tuple[bool, ...]
-    couples: tuple[tuple[int, int, int, bool, bool], ...]
+    couples: tuple[tuple[int, int, int, int, int], ...]
     first: tuple[int, ...]
     start: tuple[int, ...]
     size: int
@@ -50,10 +52,10 @@ class Graph:
 
 @lru_cache(maxsize=64)
 def derive(topology: Topology) -> Graph:
-    """The graph of a topology. A couple is (row, row before it or the same, body, journal side of the first, journal side of the second)."""
+    """The graph of a topology. A couple is (row, row before it or the same, body, its side in the first, its side in the second)."""
     free = set(topology.free)
     clearances = list(zip(topology.contact_bearing, topology.contact_journal, strict=True))
-    ideals = list(zip(topology.joint_bearing, topology.joint_journal, strict=True))
+    ideals = list(zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True))
     uses = Counter(body for pair in [*clearances, *ideals] for body in set(pair) if body in free)
     pinned = tuple(sorted({body for pair in ideals for body in pair if body in free}))
     constrained = tuple(any(body in pinned for body in pair) for pair in clearances)
@@ -62,7 +64,7 @@ def derive(topology: Topology) -> Graph:
     touched = {body for pair in clearances for body in pair if body in free}
     jointed = tuple(sorted(touched | (set(pinned) if any(constrained) else set())))
     starts = topology.constraint_starts
-    sides = [pair for joint, pair in enumerate(ideals) for _ in range(starts[joint + 1] - starts[joint])]
+    sides = [three for joint, three in enumerate(ideals) for _ in range(starts[joint + 1] - starts[joint])]
     couples = _couples(sides, free)
     reach = list(range(len(sides)))
     for row, other, *_ in couples:
@@ -72,7 +74,18 @@ def derive(topology: Topology) -> Graph:
         start.append(size - low)
         size += r - low + 1
     again = any(constrained)
-    return Graph(jointed, pinned, shared, constrained, couples, tuple(reach), tuple(start), size, again, _closing(ideals, starts, free))
+    return Graph(
+        jointed,
+        pinned,
+        shared,
+        constrained,
+        couples,
+        tuple(reach),
+        tuple(start),
+        size,
+        again,
+        _closing([three[:2] for three in ideals], starts, free),
+    )
 
 
 def _closing(ideals: list[tuple[int, int]], starts: tuple[int, ...], free: set[int]) -> tuple[bool, ...]:
@@ -91,13 +104,13 @@ def _closing(ideals: list[tuple[int, int]], starts: tuple[int, ...], free: set[i
     return tuple(found)
 
 
-def _couples(sides: list[tuple[int, int]], free: set[int]) -> tuple[tuple[int, int, int, bool, bool], ...]:
+def _couples(sides: list[tuple[int, int, int]], free: set[int]) -> tuple[tuple[int, int, int, int, int], ...]:
     """Pairs of constraint rows that share a body, with that body; the pair of sides says where it stands in each."""
-    uses: dict[int, list[tuple[int, bool]]] = {}
-    for row, pair in enumerate(sides):
-        for journal, body in zip((False, True), pair, strict=True):
+    uses: dict[int, list[tuple[int, int]]] = {}
+    for row, three in enumerate(sides):
+        for side, body in enumerate(three):
             if body in free:
-                uses.setdefault(body, []).append((row, journal))
+                uses.setdefault(body, []).append((row, side))
     found = [
         (row, other, body, side, other_side) for body, rows in uses.items() for row, side in rows for other, other_side in rows if other <= row
     ]
@@ -187,19 +200,21 @@ class Lists:
         ends = [pair for k, pair in enumerate(zip(t.joint_bearing, t.joint_journal, strict=True)) for _ in range(starts[k + 1] - starts[k])]
         counts = np.diff(starts)
         pins = [part for held, rows in zip(t.held, counts, strict=True) for part in ((1, 2) if held == (PINNED, FREE) else (0,) * int(rows))]
-        lever = {False: CONSTRAINT.jb, True: CONSTRAINT.jk}
+        carriers = [0 if c == 0 else int(body[c]) for c in t.carriers]
+        leaning = [c for k, c in enumerate(carriers) for _ in range(starts[k + 1] - starts[k])]
         return {
             "joint": self.records(
                 "joint", self.bodies(t.joint_bearing), self.bodies(t.joint_journal), *(np.array(t.held, dtype=int).reshape(-1, 2).T),
                 [row(k) if self.count else 0 for k in starts[:-1]], [self.y + k for k in starts[:-1]],
-                self.function(t.joint_function or [-1] * len(t.joint_bearing)), counts, *self.paths(t.joint_path, len(t.joint_bearing)),
+                self.function(t.joint_function or [-1] * len(t.joint_bearing)), counts, *self.paths(t.joint_path, len(t.joint_bearing)), carriers,
             ),
             "constraint": [
-                (row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k], int(graph.closing[k])) for k in range(self.count)
+                (row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k], int(graph.closing[k]), leaning[k])
+                for k in range(self.count)
             ],
             "couple": [
-                (row(i), row(k), int(body[shared]), row(i, lever[si]), row(k, lever[sk]), int(si == sk), low + graph.start[i] + k,
-                 int(pins[i] and pins[k]), low + graph.start[min(i + 1, self.count - 1)] + k)
+                (row(i), row(k), int(body[shared]), row(i, LEVERS[si]), row(k, LEVERS[sk]), int((si == JOURNAL) == (sk == JOURNAL)),
+                 low + graph.start[i] + k, int(pins[i] and pins[k]), low + graph.start[min(i + 1, self.count - 1)] + k)
                 for i, k, shared, si, sk in graph.couples
                 if not (pins[i] and pins[k]) or (pins[i] == 1 and pins[k] == 1)
             ],

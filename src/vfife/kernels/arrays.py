@@ -278,7 +278,8 @@ BLOCKS: tuple[Block, ...] = (
         constraint_turn_x | 1 | change of the direction from step n to n + 1
         constraint_turn_y | 1 | change of the direction from step n to n + 1
         constraint_turn_b | m | change of the lever on the bearing's body
-        constraint_turn_k | m | change of the lever on the journal's body"""),
+        constraint_turn_k | m | change of the lever on the journal's body
+        constraint_jc | 1 | lever on the carrier of gears, the other way"""),
 )  # fmt: skip
 
 BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
@@ -303,8 +304,10 @@ CONTACT_INDEX = Fields(
         *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "kind", "piece", "pieces"),
     )
 )
-JOINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces"))
-CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at", "closing"))
+JOINT_INDEX = Fields(
+    (name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces", "carrier")
+)
+CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at", "closing", "carrier"))
 SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))
 LOAD_INDEX = Fields((name, 1) for name in ("row", "body", "function", "follow"))

@@ -10,7 +10,7 @@ for: it grows. How the rows turn is known after the first correction, so the sec
 """
 
 from .arrays import CONSTRAINT, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE
-from .constraint import lever, levers, placed, pull, relative_turn
+from .constraint import carry, lever, levers, placed, pull, relative_turn
 from .elementary import turned
 from .factors import equations, idle, solve
 from .frame import chord
@@ -43,13 +43,20 @@ def guess(S, q):
     return force + (force - before) if before != 0.0 else force
 
 
+def bear(S, I, r, q, force):
+    """Adds a reaction along constraint q of joint r to the forces on its bodies."""
+    pull(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
+    if I[r + JOINT_INDEX.carrier] != 0:
+        carry(S, q, I[r + JOINT_INDEX.carrier], force)
+
+
 def warm_start(S, I):
     """Reactions to start from."""
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
             q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            pull(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], guess(S, q))
+            bear(S, I, r, q, guess(S, q))
 
 
 def share_out(S, I):
@@ -59,7 +66,7 @@ def share_out(S, I):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
             q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            pull(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], -S[I[r + JOINT_INDEX.y] + c])
+            bear(S, I, r, q, -S[I[r + JOINT_INDEX.y] + c])
 
 
 def predict(S, I, dt, b, k):
@@ -126,8 +133,10 @@ def residual(S, I):
             q = q + CONSTRAINT.SIZE * (I[r + JOINT_INDEX.rows] - 1)
             y = y + (I[r + JOINT_INDEX.rows] - 1)
             ratio = S[i + JOINT.ratio] if turn == GEARED else 1.0
-            apart = relative_turn(S[b + PARTICLE.theta], S[k + PARTICLE.theta], ratio) - aim
-            S[y] = (relative_turn(S[b + PARTICLE.step_turn], S[k + PARTICLE.step_turn], ratio) - move) + GAIN * apart
+            c = I[r + JOINT_INDEX.carrier]
+            apart = relative_turn(S[b + PARTICLE.theta], S[k + PARTICLE.theta], ratio, S[c + PARTICLE.theta] if c != 0 else 0.0) - aim
+            turned_by = relative_turn(S[b + PARTICLE.step_turn], S[k + PARTICLE.step_turn], ratio, S[c + PARTICLE.step_turn] if c != 0 else 0.0)
+            S[y] = (turned_by - move) + GAIN * apart
             turning(S, q, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -201,12 +210,19 @@ def correct(S, I, dt, k):
             S[i + PARTICLE.change_x] = 0.0
             S[i + PARTICLE.change_y] = 0.0
             S[i + PARTICLE.change_m] = 0.0
+        if I[r + JOINT_INDEX.carrier] != 0:
+            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_x] = 0.0
+            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_y] = 0.0
+            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] = 0.0
     scale = -1.0 / (dt * k)
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
             q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            tug(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], scale * S[I[r + JOINT_INDEX.y] + c])
+            force = scale * S[I[r + JOINT_INDEX.y] + c]
+            tug(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
+            if I[r + JOINT_INDEX.carrier] != 0:
+                S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] -= force * S[q + CONSTRAINT.jc]
     for q in range(I[HEADER.pinned_count]):
         take_in(S, I[I[HEADER.pinned] + q])
     for m in range(I[HEADER.driven_count]):

@@ -4,9 +4,9 @@ For two particles alone the block of a revolute is (1/m_B + 1/m_J) and its solut
 let positions drift, so the reaction at t_n is the one that closes the joint at t_(n+1) (SHAKE: Ryckaert, Ciccotti and Berendsen 1977). Where
 bodies carry several joints the rows couple; they are factored along the profile of the joint graph, never as a matrix of the mechanism.
 
-A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b. A joint holds a place, a turn or both: a revolute has
-a row for x and one for y, a slider one across its guide and one for the turn, a weld all three, a pin on a path one across it, a massless link
-one along it, gears and prescribed angles one for the turn with n = 0.
+A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b, less jc w_c where a third body carries gears. A joint
+holds a place, a turn or both: a revolute has a row for x and one for y, a slider one across its guide and one for the turn, a weld all three, a pin
+on a path one across it, a massless link one along it, gears and prescribed angles one for the turn with n = 0.
 """
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, HEADER, JOINT, JOINT_INDEX, PARTICLE
@@ -49,9 +49,9 @@ def placed(S, place, piece, pieces, c, s, dx, dy, ex, ey):
     return measured, nx, ny
 
 
-def relative_turn(bearing, journal, ratio):
-    """What a row of the turn measures (rad)."""
-    return journal - ratio * bearing
+def relative_turn(bearing, journal, ratio, carrier):
+    """What a row of the turn measures (rad): (journal - carrier) - ratio (bearing - carrier), Willis' formula."""
+    return (journal - ratio * bearing) - (1.0 - ratio) * carrier
 
 
 def levers(S, I):
@@ -81,6 +81,8 @@ def levers(S, I):
         if turn != FREE:
             q = q + CONSTRAINT.SIZE * (I[r + JOINT_INDEX.rows] - 1)
             row(S, q, 0.0, 0.0, S[i + JOINT.ratio] if turn == GEARED else 1.0, 1.0)
+            if I[r + JOINT_INDEX.carrier] != 0:
+                S[q + CONSTRAINT.jc] = 1.0 - S[i + JOINT.ratio]
 
 
 def pull(S, q, b, k, force):
@@ -94,6 +96,11 @@ def pull(S, q, b, k, force):
     S[b + PARTICLE.fx] -= px
     S[b + PARTICLE.fy] -= py
     S[b + PARTICLE.mz] -= force * S[q + CONSTRAINT.jb]
+
+
+def carry(S, q, c, force):
+    """The moment of a reaction along constraint q on the body c that carries its gears."""
+    S[c + PARTICLE.mz] -= force * S[q + CONSTRAINT.jc]
 
 
 def turn_with(S, i, moment):
@@ -139,6 +146,9 @@ def spread(S, I, w, y, b, k, fx, fy, mk, mb):
         nx = S[i + CONSTRAINT.nx]
         ny = S[i + CONSTRAINT.ny]
         S[y + m] = (nx * S[q] + ny * S[q + 1] + S[i + CONSTRAINT.jk] * S[q + 2]) - (nx * S[p] + ny * S[p + 1] + S[i + CONSTRAINT.jb] * S[p + 2])
+        c = I[r + CONSTRAINT_INDEX.carrier]
+        if c != 0:
+            S[y + m] -= S[i + CONSTRAINT.jc] * S[c + w + 2]
     solve(S, I, y)
     for m in range(I[HEADER.constraint_count]):
         r = I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m
@@ -153,6 +163,9 @@ def spread(S, I, w, y, b, k, fx, fy, mk, mb):
         S[p + w] += S[p + PARTICLE.inverse_mass] * gx
         S[p + w + 1] += S[p + PARTICLE.inverse_mass] * gy
         S[p + w + 2] += S[p + PARTICLE.inverse_inertia] * (S[y + m] * S[i + CONSTRAINT.jb])
+        c = I[r + CONSTRAINT_INDEX.carrier]
+        if c != 0:
+            S[c + w + 2] += S[c + PARTICLE.inverse_inertia] * (S[y + m] * S[i + CONSTRAINT.jc])
 
 
 def joint_compliance(S, I, j, b, k):
@@ -186,3 +199,5 @@ def apply_response(S, I, h, normal, friction):
         r = I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m
         force = normal * S[I[HEADER.gn] + m] - friction * S[I[HEADER.gt] + m]
         pull(S, I[r + CONSTRAINT_INDEX.row], I[r + CONSTRAINT_INDEX.bearing], I[r + CONSTRAINT_INDEX.journal], force)
+        if I[r + CONSTRAINT_INDEX.carrier] != 0:
+            carry(S, I[r + CONSTRAINT_INDEX.row], I[r + CONSTRAINT_INDEX.carrier], force)

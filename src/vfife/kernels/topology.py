@@ -22,7 +22,8 @@ CURRENT, REFERENCE = range(2)  # what length the stiffness of an element counts 
 class Topology:
     """Integers that say what is joined to what. Two models with equal topology share one generated step.
 
-    Particle 0 is the ground. Each tuple has one entry per entity. ``contact_path`` and ``joint_path`` are indices of
+    Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per entity.
+    ``contact_path`` and ``joint_path`` are indices of
     paths, -1 for none; ``path_pieces`` the number of pieces of each.
     """
 
@@ -44,6 +45,7 @@ class Topology:
     joint_turn: tuple[int, ...] = ()
     joint_path: tuple[int, ...] = ()
     joint_function: tuple[int, ...] = ()
+    joint_carrier: tuple[int, ...] = ()
     spring_first: tuple[int, ...] = ()
     spring_second: tuple[int, ...] = ()
     spring_kind: tuple[int, ...] = ()
@@ -75,6 +77,11 @@ class Topology:
         return self.frame_strain or (CURRENT,) * len(self.frame_nodes)
 
     @property
+    def carriers(self) -> tuple[int, ...]:
+        """The particle from which each ideal joint measures its turn; the ground unless said."""
+        return self.joint_carrier or (0,) * len(self.joint_bearing)
+
+    @property
     def constraint_starts(self) -> tuple[int, ...]:
         """First constraint row of each ideal joint, and the number of rows."""
         starts = [0]
@@ -89,7 +96,16 @@ class Topology:
     @cached_property
     def bound(self) -> tuple[int, ...]:
         """Particles that a joint, spring, load, driver or function touches, or that turn an arm; the ground."""
-        touched = {0, *self.trig, *self.contact_bearing, *self.contact_journal, *self.joint_bearing, *self.joint_journal, *self.driven}
+        touched = {
+            0,
+            *self.trig,
+            *self.contact_bearing,
+            *self.contact_journal,
+            *self.joint_bearing,
+            *self.joint_journal,
+            *self.joint_carrier,
+            *self.driven,
+        }
         touched |= {*self.spring_first, *self.spring_second, *self.load_particle}
         touched |= {body for _, first, second in self.function_argument for body in (first, second)}
         free = set(self.free)

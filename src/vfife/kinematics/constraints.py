@@ -31,11 +31,12 @@ KERNEL = lifted(geometry, path, constraint)  # arm, lever, placed and relative_t
 
 
 class Rows(NamedTuple):
-    """phi [r] (m), blocks of G for bodies a and b [r, 3] (1 or m), and gamma [r] (m/s2): what G a must be, without a drive's own acceleration."""
+    """phi [r] (m), blocks of G for bodies a, b and c [r, 3] (1 or m), and gamma [r] (m/s2): what G a must be, but for a drive's acceleration."""
 
     phi: Sequence[float]
     a: Sequence[Sequence[float]]
     b: Sequence[Sequence[float]]
+    c: Sequence[Sequence[float]]
     gamma: Sequence[float]
 
 
@@ -43,8 +44,8 @@ class Rows(NamedTuple):
 class Constraint:
     """Two bodies, a point of each, and the rows that tie them: a place, a turn or both.
 
-    ``aim`` is what the row of the turn (rad) or along a guide (m) keeps. A drive prescribes it at the instant, with its ``speed`` and
-    ``acceleration``.
+    ``body_c`` carries the gears of a row of the turn, the ground if nothing else. ``aim`` is what the row of the turn (rad) or along a guide (m)
+    keeps. A drive prescribes it at the instant, with its ``speed`` and ``acceleration``.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Constraint:
     speed: float = 0.0
     acceleration: float = 0.0
     driven: bool = False
+    body_c: int = 0
 
     def __post_init__(self) -> None:
         place = self.place
@@ -117,10 +119,11 @@ class Constraint:
         if isinstance(self.place, Apart):
             phi = [phi[0] - self.place.length]
         if self.turn is not None:
-            phi = [*phi, length * (KERNEL.relative_turn(a[2], b[2], self.ratio) - self.aim)]
+            phi = [*phi, length * (KERNEL.relative_turn(a[2], b[2], self.ratio, p[self.body_c, 2].item()) - self.aim)]
             on_a, on_b = [*on_a, (0.0, 0.0, -length * self.ratio)], [*on_b, (0.0, 0.0, length)]
             gamma = [*gamma, 0.0]
-        return Rows(phi, on_a, on_b, gamma)
+        on_c = [(0.0, 0.0, 0.0)] * len(seen) + [(0.0, 0.0, -length * (1.0 - self.ratio))] * (self.turn is not None)
+        return Rows(phi, on_a, on_b, on_c, gamma)
 
     def _gamma(self, a: list[float], b: list[float], va: list[float], vb: list[float]) -> list[float]:
         """- dG/dt v: the second derivatives of phi with all accelerations zero, turned round."""

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..model.bodies import PointMass
+from ..model.carriers import carrier_of
 from ..model.drivers import AngleTable, Driver
 from ..model.joints import Contact, Gear, Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import Across, Along, Guided, Turn, place_row, turn_row
-from .constraints import Constraint
+from .constraints import KERNEL, Constraint
 from .forces import Datum, driven_body
 from .pins import from_center
 from .system import RigidSystem
@@ -121,8 +122,10 @@ def _joint(mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tup
 
 
 def _gear(mechanism: Mechanism, names: tuple[str, ...], gear: Gear) -> Constraint:
-    offset = _angle(mechanism, gear.second) - gear.ratio * _angle(mechanism, gear.first)
-    return Constraint(gear.name, names.index(gear.first), names.index(gear.second), gear.rows(), aim=offset)
+    carrier = carrier_of(mechanism, gear)
+    offset = KERNEL.relative_turn(*(_angle(mechanism, body) for body in (gear.first, gear.second)), gear.ratio, _angle(mechanism, carrier))
+    ends = names.index(gear.first), names.index(gear.second)
+    return Constraint(gear.name, *ends, gear.rows(), aim=offset, body_c=names.index(carrier))
 
 
 def _drive(mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, time: float, datum: Datum) -> Constraint:

@@ -95,7 +95,8 @@ def _length(one: Constraint, reach: Array) -> float:
     """What multiplies a row of angles, so that it has unit length (m)."""
     a = 0.0 if one.body_a == 0 else one.ratio / reach[one.body_a]
     b = 0.0 if one.body_b == 0 else 1.0 / reach[one.body_b]
-    return float(1.0 / np.hypot(a, b))
+    c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[one.body_c]
+    return float(1.0 / np.hypot(np.hypot(a, b), c))
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
         found = one.rows(position, velocity, length)
         for k in range(len(found.phi)):
             phi[row + k], gamma[row + k] = found.phi[k], found.gamma[k]
-            for body, block in ((one.body_a, found.a[k]), (one.body_b, found.b[k])):
+            for body, block in ((one.body_a, found.a[k]), (one.body_b, found.b[k]), (one.body_c, found.c[k])):
                 if body:
                     values += (block[0], block[1], block[2] / system.reach[body])
                     at += (row + k,) * 3

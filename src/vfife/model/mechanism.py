@@ -185,11 +185,11 @@ class Mechanism:
         """Adds a contact between a round pin and a line or another round; see :class:`~vfife.model.joints.ExternalContact`."""
         return self._add_joint(ExternalContact(name=name, bearing=bearing, journal=journal, journal_radius=journal_radius, **options))
 
-    def gear(self, name: str, first: str, second: str, *, ratio: float) -> Gear:
+    def gear(self, name: str, first: str, second: str, *, ratio: float, carrier: str | None = None) -> Gear:
         """Couples the angles of two bodies; see :class:`~vfife.model.joints.Gear`."""
         if name in self.gears:
             raise ValueError(f"there is a gear called {name!r} already")
-        self.gears[name] = Gear(name=name, first=first, second=second, ratio=ratio)
+        self.gears[name] = Gear(name=name, first=first, second=second, ratio=ratio, carrier=carrier)
         return self.gears[name]
 
     def spring(

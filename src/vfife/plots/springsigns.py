@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.carriers import carrier_of
 from ..model.joints import Contact, Gear
 from ..model.springs import AnySpring
 from ..model.strokes import PairSeen
@@ -39,6 +40,10 @@ def gear_signs(sheet: Sheet) -> None:
 
 def gear_seen(sheet: Sheet, gear: Gear) -> PairSeen:
     """A gear as the sheet shows it: where its wheels turn."""
+    carrier = carrier_of(sheet.mechanism, gear)
+    if carrier != "ground":
+        ends = [axis_of(sheet, "ground", carrier) if wheel == "ground" else axis_of(sheet, carrier, wheel) for wheel in (gear.first, gear.second)]
+        return PairSeen(ends[0], ends[1], 0.0, sheet.size)
     one, two = axis_of(sheet, "ground", gear.first), axis_of(sheet, gear.first, gear.second)
     if np.allclose(one, two):
         two = axis_of(sheet, "ground", gear.second)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .reach import end_of_reach
+
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
     from ..solvers.record import Record
@@ -18,7 +20,7 @@ def diverged(record: Record) -> str:
     """The sentences about a run that diverged."""
     choice = record.assembly.choice
     step, name = first_infinite(record)
-    return f"in step {step:,}, at {step * choice.step:.6g} s, {name}. {cause(record)}"
+    return f"in step {step:,}, at {step * choice.step:.6g} s, {name}. {cause(record, step * choice.step)}"
 
 
 def first_infinite(record: Record) -> tuple[int, str]:
@@ -75,13 +77,18 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
     return "the whole"
 
 
-def cause(record: Record) -> str:
-    """Likely cause and remedy."""
+def cause(record: Record, time: float) -> str:
+    """Likely cause of what happened at ``time`` (s), and remedy."""
     choice = record.assembly.choice
     if choice.step > choice.stable:
         return (
             f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows, "
             "which is the likely cause; take --step auto, without --force-step."
+        )
+    if passed := end_of_reach(record, time):
+        return (
+            f"The drivers lead to a position that the mechanism cannot pass: {passed}. No step helps there: end the course of the driver before, "
+            "or drive the mechanism elsewhere, such as at the crank."
         )
     topology = record.assembly.topology
     if record.assembly.ideals and not (topology.frame_nodes or topology.contact_bearing):

@@ -16,8 +16,7 @@ from .joint import Joint, Point
 class Distance(Joint):
     """A rigid link without mass from the bearing's pin to the journal's: they stay ``length`` (m) apart, and both bodies turn freely.
 
-    ``angle`` (rad) is that of the link in the frame of the bearing's body, roughly, where no position of the other body says where it starts. The
-    force on the journal along the link is positive where the link pushes.
+    ``angle`` (rad) is that of the link in the frame of the bearing's body, roughly, where no position of the other body says where it starts.
     """
 
     kind: ClassVar[str] = "distance"

@@ -6,6 +6,7 @@ from typing import Any
 
 from ...errors import Path
 from ..bodies import Frame, Link
+from ..carriers import carrier_of
 from ..rows import Coincide
 from .checks import Checks, ends, held_by, known, rows_of
 
@@ -48,6 +49,14 @@ def check_joint(checks: Checks, path: Path, joint: Any, pairs: dict[frozenset[st
         checks.add((*path, conflict.key), conflict.what, conflict.remedy, conflict.limit)
 
 
+def _carrier(checks: Checks, gear: Any) -> str:
+    """The body on which both wheels turn; the ground where faults elsewhere keep it from being found."""
+    try:
+        return carrier_of(checks.mechanism, gear)
+    except (AttributeError, KeyError, TypeError, ValueError):
+        return "ground"
+
+
 def check_gears(checks: Checks) -> None:
     """A gear couples two different bodies that turn, once, and its ratio is not zero."""
     pairs: dict[frozenset[str], str] = {}
@@ -58,13 +67,19 @@ def check_gears(checks: Checks) -> None:
             remedy = "give the teeth of the first over those of the second, negative for external gears"
             checks.add((*path, "ratio"), "with a ratio of zero the second body would not turn at all", remedy, "any number but 0")
         found = [checks.body((*path, key), body) for key, body in (("first", one), ("second", two))]
+        if gear.carrier is not None and (not checks.body((*path, "carrier"), gear.carrier) or not all(found)):
+            continue
         if not all(found):
+            continue
+        if gear.carrier in (one, two) and gear.carrier != "ground":
+            checks.add((*path, "carrier"), f"{gear.carrier} is one of the two wheels", "name the body on which both of them turn, or leave it out")
             continue
         if one == two:
             checks.add((*path, "second"), f"the gear couples {one} with itself", "name another body")
             continue
-        if "ground" in (one, two):
-            checks.add((*path, ""), "a gear to the ground holds the body where it is", "name two bodies that turn")
+        if "ground" in (one, two) and _carrier(checks, gear) == "ground":
+            remedy = "name two bodies that turn, or the carrier of a planet that rolls on a fixed wheel"
+            checks.add((*path, ""), "a gear to the ground holds the body where it is", remedy)
         other = pairs.setdefault(frozenset((one, two)), name)
         if other != name:
             checks.add((*path, ""), f"gear {other} couples {one} and {two} already", "remove one of the two")
