@@ -65,4 +65,6 @@ def test_bits_of_every_kind_are_as_before(name):
 
 if __name__ == "__main__":
     sys.path.insert(0, str(ROOT / "tests"))
-    HASHES.write_text(json.dumps({name: digest(name, "generated" if name in KINDS else "data-driven") for name in (*CASES, *KINDS)}, indent=1) + "\n")
+    HASHES.write_text(
+        json.dumps({name: digest(name, "generated" if name in KINDS else "data-driven") for name in (*CASES, *KINDS)}, indent=1) + "\n"
+    )
