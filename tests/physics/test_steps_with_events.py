@@ -84,7 +84,8 @@ def test_a_stop_is_met_within_a_step():
         m.revolute("O", "ground.O", "wheel.center")
         m.stop("st", "ground", "wheel", low=-9.0, high=start + 1e-4, stiffness=300.0, damping=0.4)
         record = go(with_settings(m, parts=parts), step, duration=0.06, outputs=2)
-        assert record.block("repeated")[-1, 0] == (1.0 if parts > 1 else 0.0)
+        again = record.block("repeated")[-1, 0]  # twice where the smaller steps end just short of the stop
+        assert again in ((1.0, 2.0) if parts > 1 else (0.0,))
         return float(particle(record, "wheel")["w"][-1])
 
     begin = (start + 1e-4) / 2.0
