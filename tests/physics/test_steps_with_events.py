@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import vfife
-from support import bits, go, lanes, particle, with_settings
+from support import bits, go, lanes, particle, times, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.codegen.runner import Runner
 from vfife.model.mechanism import Mechanism
@@ -74,29 +74,26 @@ def test_one_part_is_the_scheme_of_the_paper():
 
 
 def test_a_stop_is_met_within_a_step():
-    """Spring and damper beyond a limit against DOP853 with the instant located."""
-    start = 0.1  # the wheel starts towards the stop at 2 rad/s
-
-    def run(step: float, parts: int) -> float:
-        m = Mechanism("wheel")
-        m.point("O", 0.0, 0.0)
-        m.rigid_body("wheel", mass=1.0, inertia=0.02, velocity=(0.0, 0.0, 2.0))
-        m.revolute("O", "ground.O", "wheel.center")
-        m.stop("st", "ground", "wheel", low=-9.0, high=start + 1e-4, stiffness=300.0, damping=0.4)
-        record = go(with_settings(m, parts=parts), step, duration=0.06, outputs=2)
-        again = record.block("repeated")[-1, 0]  # twice where the smaller steps end just short of the stop
-        assert again in ((1.0, 2.0) if parts > 1 else (0.0,))
-        return float(particle(record, "wheel")["w"][-1])
-
-    begin = (start + 1e-4) / 2.0
+    """Spring and damper beyond a limit against DOP853 from the instant where a wheel of 2 rad/s meets it."""
+    limit = 0.1001
 
     def rate(_t: float, y: np.ndarray) -> list[float]:
         return [y[1], -(300.0 * y[0] + 0.4 * y[1]) / 0.02]
 
-    solved = solve_ivp(rate, (begin, 0.06), [0.0, 2.0], method="DOP853", rtol=1e-12, atol=1e-14)
-    exact = float(solved.y[1, -1])
-    worst = {parts: max(abs(run(step, parts) - exact) for step in (4e-4, 4.1e-4, 4.3e-4, 3.7e-4)) for parts in (1, 8)}
-    assert worst[8] < 0.35 * worst[1] and worst[8] < 2e-3 * abs(exact)
+    exact = solve_ivp(rate, (limit / 2.0, 0.07), [0.0, 2.0], method="DOP853", rtol=1e-12, atol=1e-14, dense_output=True).sol
+
+    def error(step: float, parts: int) -> float:
+        m = Mechanism("wheel")
+        m.point("O", 0.0, 0.0)
+        m.rigid_body("wheel", mass=1.0, inertia=0.02, velocity=(0.0, 0.0, 2.0))
+        m.revolute("O", "ground.O", "wheel.center")
+        m.stop("st", "ground", "wheel", low=-9.0, high=limit, stiffness=300.0, damping=0.4)
+        record = go(with_settings(m, parts=parts), step, duration=0.06, outputs=50)
+        assert record.block("repeated")[-1, 0] == (1.0 if parts > 1 else 0.0)
+        return abs(float(particle(record, "wheel")["theta"][-1]) - limit - exact(times(record)[-1])[0])
+
+    worst = {parts: max(error(step, parts) for step in (4e-4, 3e-4, 2e-4, 1e-4)) for parts in (1, 8)}
+    assert worst[8] < 0.35 * worst[1] and worst[8] < 2e-5
 
 
 def test_lanes_out_of_phase_move_alike():
