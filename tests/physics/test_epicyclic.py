@@ -143,7 +143,7 @@ def test_loops_agree_to_the_bit_where_a_planet_strikes():
 
 @pytest.mark.parametrize("pin", ["planet.center", "arm.planet"])
 def test_what_a_blow_meets_is_the_whole_train(pin):
-    """Velocities per unit of a force on the pin of planet or arm, by which damping and friction are solved, keep to Willis' formula and to the pins."""
+    """Velocities per unit of a force on a pin, by which damping and friction are solved, keep to Willis' formula and to the pins."""
     m = train()
     m.point("wall", 0.125, 0.0)
     m.external_contact("blow", "ground.wall", pin, journal_radius=0.0205, direction=(0.0, 1.0))
