@@ -152,14 +152,20 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
         return assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
 
-    looked = bool(wanted and mechanism.contacts and (wanted != "auto" or asked.loop in ("auto", "generated")))
-    assembly = again(asked.step, FIRST_CONTACT_STEPS if looked else CONTACT_STEPS)
+    begin = first_contact_steps(mechanism, wanted, asked.loop)
+    assembly = again(asked.step, begin)
     companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
-    if looked and not companions and assembly.choice.automatic:  # a large frame: nobody looks whether a coarse step will do
+    if begin != CONTACT_STEPS and not companions and assembly.choice.automatic:  # a large frame: nobody looks whether a coarse step will do
         assembly = again(asked.step)
     smooth = not mechanism.contacts and choose_loop(assembly, asked.loop) == "generated"
     refined = smooth and bool(wanted) and (wanted != "auto" or worth(assembly))
     return Prepared(assembly, ideal, asked.loop, again, companions, refined)
+
+
+def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop = "auto") -> int:
+    """Steps in half a period of the stiffest contact with which an automatic step begins: fewer where companions look whether they will do."""
+    looked = mechanism.contacts and companions and (companions != "auto" or loop in ("auto", "generated"))
+    return FIRST_CONTACT_STEPS if looked else CONTACT_STEPS
 
 
 def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None = None, file: RunFile | None = None) -> Result:
@@ -192,8 +198,7 @@ def looked_at(prepared: Prepared, record: Record) -> Record:
     """The record of a smooth run with an estimate of what its step leaves out, where one is made: Ctrl-C leaves it out."""
     if prepared.refined and record.status == Status.COMPLETE and len(record.steps) > 2:
         with suppress(KeyboardInterrupt):
-            step = record.assembly.choice.step
-            record.estimate = estimate(record, refine(record, prepared.again(0.5 * step), prepared.again(0.25 * step)))
+            record.estimate = estimate(record, refine(record))
     return record
 
 

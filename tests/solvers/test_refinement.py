@@ -55,7 +55,7 @@ def test_a_body_that_does_not_turn_is_no_doubt() -> None:
 
 
 def test_a_coarse_step_is_told() -> None:
-    result = vfife.simulate(pendulum(), step=0.1, outputs=20)
+    result = vfife.simulate(pendulum(), step=0.05, outputs=20)
     assert result.summary["trust"]["sensitive"]
     assert result.summary["warnings"][0].startswith("The step is coarse: O.force.max errs by some")
 

@@ -9,10 +9,15 @@ import numpy as np
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
 from ..solvers.status import Status
+from .energy import ledger
 from .ranges import Measured, ranged, spreads
 
 HALVINGS = 3  # of an automatic step for companions that lie apart, or errors that are too large, at the most
 DEEP_HALVINGS = 3, 5  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
+
+
+OPEN_HALVINGS = 2  # of one for an energy ledger that stays open: down to the step of a run without companions
+OPEN = 1e-3  # of the largest energy: a ledger that is open by more is not to be trusted
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,10 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     apart = 0.0 if said is None else 1.0 if diverged else said.apart
     if apart > record.assembly.mechanism.settings.tolerance and sum(one is not None for _, one in choice.tried) < HALVINGS:
         return (*choice.tried, (choice.step, apart))
-    if not diverged and too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]:
+    if diverged:
+        return None
+    unlike = record.companions is not None and len(choice.tried) < OPEN_HALVINGS and ledger(record).error > OPEN
+    if unlike or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]):
         return (*choice.tried, (choice.step, None))
     return None
 

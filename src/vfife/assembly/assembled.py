@@ -41,7 +41,8 @@ class BodyMap:
 class StepChoice:
     """The step (s), what allowed it, and how long a run with it is.
 
-    ``tried``: larger steps (s) that were given up, with the share by which their companions lay apart, or None where first contacts were too deep.
+    ``tried``: larger steps (s) that were given up, with the share by which their companions lay apart, or None where first contacts were
+    too deep or energy was not accounted for.
     """
 
     step: float

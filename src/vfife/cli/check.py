@@ -31,13 +31,15 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     """Everything that is known before a run."""
     mechanism = read_model(model, texts, laws)
     from ..assembly.assemble import assemble
+    from ..assembly.timestep import CONTACT_STEPS
     from ..report import described
-    from ..simulation import expected_forces, reference_of
+    from ..simulation import expected_forces, first_contact_steps, reference_of
     from .cost import estimate
     from .filled import filled_in
 
     expected = expected_forces(reference_of(mechanism))
-    assembly = assemble(mechanism, expected=expected)
+    begin = first_contact_steps(mechanism, mechanism.settings.companions)
+    assembly = assemble(mechanism, expected=expected, contact_steps=begin)
     choice = assembly.choice
     return {
         "model": mechanism.name,
@@ -48,7 +50,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "couplings": described.couplings(assembly),
         "degrees_of_freedom": described.freedom(assembly),
         "load_factors": list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else [],
-        "step": described.step(assembly),
+        "step": described.step(assembly) | {"searched": assembly.choice.automatic and begin != CONTACT_STEPS},
         "steps": choice.steps,
         "outputs": choice.outputs + 1,
         "steps_between_outputs": choice.outputs_every,
@@ -162,7 +164,7 @@ def steps(found: Mapping[str, Any]) -> list[str]:
     step = found["step"]
     endless = step["stable"] == float("inf")
     how = (
-        f"chosen; set by {step['set_by']}"
+        f"chosen; set by {step['set_by']}" + ("; a run halves it while its companions disagree" if step["searched"] else "")
         if step["automatic"]
         else "as given"
         if endless

@@ -27,7 +27,7 @@ from ..kernels.arrays import (
     TILE_INDEX,
     Layout,
 )
-from ..kernels.topology import CURRENT, FREE, PINNED, STOP, Topology
+from ..kernels.topology import BEARING, CURRENT, FREE, LINE, PINNED, ROUND, STOP, Topology
 
 LEVERS = (CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc)  # of bearing, journal and carrier in a row of constraints
 JOURNAL = 1  # the side whose lever counts the other way than that of the two others
@@ -48,6 +48,7 @@ class Graph:
     size: int
     close_again: bool
     closing: tuple[bool, ...]
+    together: tuple[bool, ...]
 
 
 @lru_cache(maxsize=64)
@@ -74,18 +75,18 @@ def derive(topology: Topology) -> Graph:
         start.append(size - low)
         size += r - low + 1
     again = any(constrained)
-    return Graph(
-        jointed,
-        pinned,
-        shared,
-        constrained,
-        couples,
-        tuple(reach),
-        tuple(start),
-        size,
-        again,
-        _closing([three[:2] for three in ideals], starts, free),
-    )
+    closing, together = _closing([three[:2] for three in ideals], starts, free), _together(topology, constrained)
+    return Graph(jointed, pinned, shared, constrained, couples, tuple(reach), tuple(start), size, again, closing, together)
+
+
+def _together(topology: Topology, constrained: tuple[bool, ...]) -> tuple[bool, ...]:
+    """Contacts from outside, rounds and corners, that share a free body with another: they may begin in one step and are solved together."""
+    kinds = topology.contact_kind or (BEARING,) * len(topology.contact_bearing)
+    pairs = list(zip(topology.contact_bearing, topology.contact_journal, strict=True))
+    outside = [kind in (ROUND, LINE) and not hangs for kind, hangs in zip(kinds, constrained, strict=True)]
+    free = set(topology.free)
+    uses = Counter(body for pair, counts in zip(pairs, outside, strict=True) if counts for body in pair if body in free)
+    return tuple(counts and any(uses[body] > 1 for body in pair) for pair, counts in zip(pairs, outside, strict=True))
 
 
 def _closing(ideals: list[tuple[int, int]], starts: tuple[int, ...], free: set[int]) -> tuple[bool, ...]:
@@ -184,7 +185,7 @@ class Lists:
         film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
         return self.records(
             "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
-            t.contact_form, t.friction_form, ahead, kinked, film, t.contact_kind or [0] * len(t.contact_bearing),
+            t.contact_form, t.friction_form, ahead, kinked, film, self.graph.together, t.contact_kind or [0] * len(t.contact_bearing),
             *self.paths(t.contact_path, len(t.contact_bearing)),
         )  # fmt: skip
 
@@ -267,8 +268,9 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
     watched = bool(t.contact_bearing or t.function_start or STOP in t.spring_kind)
     plain = (made.layout.plain, t.particles - len(t.bound))
-    flags = (*plain, t.path_unit, t.damped, worked, made.graph.close_again, watched, any(made.graph.closing), t.redundant)
-    names = ("plain", "plain_count", "path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant")
+    closes = (any(made.graph.closing), t.redundant)
+    flags = (*plain, t.path_unit, t.damped, worked, made.graph.close_again, watched, *closes, any(made.graph.together))
+    names = ("plain", "plain_count", "path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "together")
     integers[[getattr(HEADER, name) for name in names]] = flags
     return integers, made.layout, gt + made.count
 

@@ -253,6 +253,7 @@ BLOCKS: tuple[Block, ...] = (
         change_x | N | what a correction of the reactions adds to the force
         change_y | N | what a correction of the reactions adds to the force
         change_m | N m | what a correction of the reactions adds to the moment
+        touches | 1 | contacts that are solved together and press on it
         rn | 1/kg | velocities per unit of a joint's normal force | 3
         rt | 1/kg | velocities per unit of a joint's friction force | 3"""),
     *_blocks("scratch", "contact", """
@@ -266,6 +267,7 @@ BLOCKS: tuple[Block, ...] = (
         damping_coefficient | N s/m | damping coefficient
         normal | N | normal force to start from
         friction | N | friction force to start from
+        more | N | change of the normal force in a sweep
         film_radial | N | force of a film towards the bearing's centre, at rest
         film_across | N | its force along t on the journal, at rest
         film_damping | N s/m | damping of that by the velocity along t
@@ -301,7 +303,8 @@ FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release",
 CONTACT_INDEX = Fields(
     (name, 1)
     for name in (
-        *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "kind", "piece", "pieces"),
+        *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "together"),
+        *("kind", "piece", "pieces"),
     )
 )
 JOINT_INDEX = Fields(
@@ -339,7 +342,7 @@ HEADER = Fields(
         *LISTS,
         *(f"{name}_count" for name in LISTS),
         *("plain", "plain_count", "profile", "profile_count", "inverse", "y", "gn", "gt"),
-        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant"),
+        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "together"),
     )
 )
 

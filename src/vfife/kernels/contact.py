@@ -12,6 +12,7 @@ from .central_difference import larger
 from .constraint import apply_response, joint_compliance
 from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
 from .path import in_slot
+from .together import approach_rate, press, press_together, shove
 from .topology import LINE, ROUND, SLOT
 
 STICKS = 1e-9  # share of a free velocity that a set-valued law leaves to rounding
@@ -27,20 +28,6 @@ def velocities(S, I, p, h):
         S[i + PARTICLE.vu] = p * (S[i + PARTICLE.u] + h * (im * S[i + PARTICLE.fx]))
         S[i + PARTICLE.vv] = p * (S[i + PARTICLE.v] + h * (im * S[i + PARTICLE.fy]))
         S[i + PARTICLE.vw] = p * (S[i + PARTICLE.w] + h * (S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]))
-
-
-def press(S, j, b, k, normal, friction):
-    """Adds a normal and a friction force of joint j to the forces on its two particles."""
-    nx = S[j + CONTACT.nx]
-    ny = S[j + CONTACT.ny]
-    px = -normal * nx - friction * ny
-    py = friction * nx - normal * ny
-    S[k + PARTICLE.fx] += px
-    S[k + PARTICLE.fy] += py
-    S[k + PARTICLE.mz] += friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn]
-    S[b + PARTICLE.fx] -= px
-    S[b + PARTICLE.fy] -= py
-    S[b + PARTICLE.mz] -= friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn]
 
 
 def expected(S, i, p, h):
@@ -214,6 +201,8 @@ def solve_contacts(S, I, span, central):
     """
     half, decay, gain, p = central
     h = p * half
+    if I[HEADER.together] != 0:
+        press_together(S, I, h)
     for m in range(I[HEADER.contact_count]):
         r = I[HEADER.contact] + CONTACT_INDEX.SIZE * m
         j = I[r + CONTACT_INDEX.row]
@@ -229,13 +218,16 @@ def solve_contacts(S, I, span, central):
         gm = h * gm
         ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
         rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
-        rate = nx * ru + ny * rv + S[j + CONTACT.jn] * S[k + PARTICLE.vw] - S[j + CONTACT.bn] * S[b + PARTICLE.vw]
+        rate = approach_rate(S, j, b, k)
         slip = nx * rv - ny * ru + S[j + CONTACT.jt] * S[k + PARTICLE.vw] - S[j + CONTACT.bt] * S[b + PARTICLE.vw]
         push = S[j + CONTACT.elastic]
         resisting = S[j + CONTACT.damping_coefficient]
         if I[r + CONTACT_INDEX.film] != 0:
             push, resisting = eliminate_film(S, j, slip - gt * S[j + CONTACT.friction], gt)
-        normal, rate = normal_force(push, resisting, rate + gn * S[j + CONTACT.normal], gn)
+        if I[r + CONTACT_INDEX.together] != 0:
+            normal = S[j + CONTACT.normal]
+        else:
+            normal, rate = normal_force(push, resisting, rate + gn * S[j + CONTACT.normal], gn)
         more = normal - S[j + CONTACT.normal]
         loose = slip - gm * more - gt * S[j + CONTACT.friction]
         dry = normal
@@ -285,19 +277,3 @@ def change_regime(S, I, r, free, sliding, normal):
     if seldom(regime != S[j + CONTACT.regime]):
         S[SYSTEM.event] = 1.0
     S[j + CONTACT.regime] = regime
-
-
-def shove(S, j, b, k, h, normal, friction):
-    """Velocities at t_n of the two bodies of joint j under a change of its force."""
-    nx = S[j + CONTACT.nx]
-    ny = S[j + CONTACT.ny]
-    px = -normal * nx - friction * ny
-    py = friction * nx - normal * ny
-    hk = h * S[k + PARTICLE.inverse_mass]
-    hb = h * S[b + PARTICLE.inverse_mass]
-    S[k + PARTICLE.vu] += hk * px
-    S[k + PARTICLE.vv] += hk * py
-    S[k + PARTICLE.vw] += h * S[k + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn])
-    S[b + PARTICLE.vu] -= hb * px
-    S[b + PARTICLE.vv] -= hb * py
-    S[b + PARTICLE.vw] -= h * S[b + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..analysis.forces import MODES
+from ..analysis.trust import OPEN
 from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
     from ..results.view import View
 
-LARGEST_ERROR = 1e-3  # of the energy ledger, beyond which a run is not to be trusted
 CONTACT_KEYS = (
     "penetration.max",
     "impacts",
@@ -171,7 +171,7 @@ def warnings(result: View) -> Iterable[str]:
     if sensitive := verdict({"trust": trusted(result), "measures": result.measures}):
         yield sensitive
     yield from out_of_range(result)
-    if result.ledger.error > LARGEST_ERROR:
+    if result.ledger.error > OPEN:
         yield (
             f"The energy ledger is open by {100.0 * result.ledger.error:.2g} % of the largest energy: "
             "take a smaller step and see whether it closes."

@@ -76,10 +76,9 @@ def lines(told: dict[str, Any]) -> Iterable[str]:
     if found["tried"]:
         from .tables import prefixed
 
-        steps = ", ".join(
-            f"{prefixed(one['step'], 's')} (" + ("first contacts too deep" if one["apart"] is None else f"{100.0 * one['apart']:.2g} %") + ")"
-            for one in found["tried"]
-        )
+        unlike = "first contacts too deep, or energy not accounted for"
+        shares = (unlike if one["apart"] is None else f"{100.0 * one['apart']:.2g} %" for one in found["tried"])
+        steps = ", ".join(f"{prefixed(one['step'], 's')} ({share})" for one, share in zip(found["tried"], shares, strict=True))
         yield f"tried before: {steps}"
         if found["apart"] > found["tolerance"]:
             yield f"the tolerance of {100.0 * found['tolerance']:g} % was not reached"

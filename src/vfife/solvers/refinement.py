@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from math import log2
 
@@ -45,8 +46,9 @@ def worth(assembly: Assembly) -> bool:
     return about(assembly.topology) * float(assembly.choice.steps) <= MOST_LINES
 
 
-def refine(record: Record, half: Assembly, quarter: Assembly) -> Refined:
-    """Runs the first half of a smooth run at a quarter of its step beside all of it at half; ``half`` and ``quarter`` are assembled at those."""
+def refine(record: Record) -> Refined:
+    """Runs the first half of a smooth run at a quarter of its step beside all of it at half."""
+    half, quarter = (with_step(record.assembly, part * record.assembly.choice.step) for part in (0.5, 0.25))
     choice, kept = record.assembly.choice, measured_rows(record.assembly)
     sampled = np.concatenate([record.assembly.layout.rows_of(name) for name in SAMPLED]).astype(np.uint32)
     outputs, every = len(record.steps) - 1, 2 * choice.outputs_every
@@ -66,6 +68,13 @@ def refine(record: Record, half: Assembly, quarter: Assembly) -> Refined:
         compared.take(done, rows[:, len(kept) :])
     rows = np.concatenate(window)
     return Refined(kept, np.asarray(record.steps[len(record.steps) - len(rows) :]), rows, compared.order())
+
+
+def with_step(assembly: Assembly, step: float) -> Assembly:
+    """The same start with another step (s), on which nothing else of it depends."""
+    state = assembly.state.copy()
+    state[assembly.layout["step"]] = step
+    return dataclasses.replace(assembly, state=state)
 
 
 def started(group: tuple[Assembly, ...], kept: NDArray[np.uint32]) -> Runner:

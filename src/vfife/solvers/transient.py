@@ -67,7 +67,7 @@ def run(
     most = max(1, CHUNK_BYTES // (8 * len(kept) * len(first)))
     chunk = 1
     every = runner.advance(1, 1)
-    keep(0, every[:, :, 0].copy(), every)
+    keep(0, np.ascontiguousarray(every[:, :, 0]), every)
     try:
         while done < choice.outputs:
             some = min(chunk, choice.outputs - done, most)
@@ -75,7 +75,7 @@ def run(
             every = runner.advance(choice.outputs_every, some)
             spent = time.perf_counter() - began
             wall += spent
-            rows = every[:, :, 0].copy()
+            rows = np.ascontiguousarray(every[:, :, 0])
             broken = unsound(assembly, kept, rows).any(axis=1)
             sound = int(np.argmax(broken)) if broken.any() else len(rows)
             keep(done + 1, rows[:sound], every[:sound])
