@@ -116,8 +116,7 @@ class Gathering:
         """Outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
         count = len(self.shifts)
         part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
-        if not np.isfinite(part.sum()):
-            self.lost |= set(np.flatnonzero(~np.isfinite(part).all(axis=(0, 1))).tolist())
+        self.lost |= set(np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist())  # what is not finite stays so
         if self.parting is None:
             self.parting = self.watch.look(steps, rows[..., : count + 1])
         self.parts.append((steps, part))
@@ -153,19 +152,21 @@ class Watch:
     def look(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
         """The first parting in these outputs, shape (outputs, recorded, lanes); the last output waits for the next ones."""
         with np.errstate(invalid="ignore"):
-            force = np.sqrt(rows[:, self.columns])
+            return self._look(steps, rows)
+
+    def _look(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
+        force = np.ascontiguousarray(np.sqrt(rows.take(self.columns, axis=1)).transpose(2, 0, 1))  # lanes, outputs, contacts
         if self.forces is None or self.largest is None:
-            self.forces, self.largest = force[:0], np.zeros(force.shape[1])
-        steps, force = np.concatenate([self.steps, steps]), np.concatenate([self.forces, force])
+            self.forces, self.largest = force[:, :0], np.zeros(force.shape[2])
+        steps, force = np.concatenate([self.steps, steps]), np.concatenate([self.forces, force], axis=1)
         if len(steps) < 3:
             self.steps, self.forces = steps, force
             return None
-        largest = np.maximum(np.maximum.accumulate(np.fmax.reduce(force, axis=2), axis=0), self.largest)
-        near = np.maximum(np.maximum(force[:-2], force[1:-1]), force[2:])
-        limit = SENSITIVE * largest[2:]
-        over = (force[1:-1, :, 1:] - near[:, :, :1]).max(axis=2) > limit
-        over |= (force[1:-1, :, :1] - near[:, :, 1:]).max(axis=2) > limit
-        self.steps, self.forces, self.largest = steps[-2:], force[-2:], largest[-1]
+        largest = np.maximum(np.maximum.accumulate(np.fmax.reduce(force, axis=0), axis=0), self.largest)
+        near = np.maximum(np.maximum(force[:, :-2], force[:, 1:-1]), force[:, 2:])
+        present = force[:, 1:-1]
+        over = (present[1:] - near[0] > SENSITIVE * largest[2:]).any(axis=0) | (present[0] - near[1:] > SENSITIVE * largest[2:]).any(axis=0)
+        self.steps, self.forces, self.largest = steps[-2:], force[:, -2:], largest[-1]
         if not over.any():
             return None
         output, contact = np.argwhere(over)[0]
