@@ -20,8 +20,10 @@ COVERAGE_TESTS := tests/kernels
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export MPLBACKEND ?= Agg
+# A test run starts a hundred processes, and each would compile the package anew.
+unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test oldest coverage lint docs bench verify soak clean help
+.PHONY: demo test oldest coverage lint docs bench verify soak mutations clean help
 
 demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with figures, into runs/four_bar
 	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures
@@ -51,8 +53,12 @@ bench: $(VENV)/.runtime  ## measure speed into benchmarks/latest.json
 verify: $(VENV)/.test  ## the long comparisons with references and published numbers
 	@$(PYTHON) -m pytest $(XDIST) -m verify $(PYTEST)
 
-soak: $(VENV)/.test  ## long runs, killed and restarted
-	@$(PYTHON) -m pytest -m soak $(PYTEST)
+soak: $(VENV)/.test  ## long runs, killed and restarted; thousands of mechanisms; all examples of every property
+	@$(PYTHON) -m pytest -s -m soak $(PYTEST)
+	@VFIFE_EXAMPLES=all $(PYTHON) -m pytest $(XDIST) -m "hypothesis and not verify" $(PYTEST)
+
+mutations: $(VENV)/.test  ## a hundred small faults in the kernels: does the suite see each of them? (MUTATE="--seed 5 --count 20")
+	@$(PYTHON) tests/mutations/mutate.py $(MUTATE)
 
 clean:  ## remove what was built, except .venv and runs/
 	@rm -rf build dist docs/_build docs/api docs/examples docs/sg_execution_times.rst \

@@ -1,14 +1,36 @@
-"""No test is judged by time; laws that a test registers do not stay."""
+"""No test is judged by time; laws that a test registers do not stay; files that take long begin first."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from vfife.laws import ContactLaw, FrictionLaw
 
+# The first two compile the data-driven loop, each for another set of laws, and those after them find it compiled; then what takes long, so
+# that no process is left alone with it at the end.
+FIRST = (
+    "codegen/test_loops.py", "physics/test_random_mechanisms.py", "plots/test_figures_of_all_kinds.py", "examples/test_examples.py",
+    "paper/test_paper_independent.py", "paper/test_paper.py", "examples/test_gallery.py", "laws/test_friction_laws.py",
+    "laws/test_friction_solutions.py", "differential/test_against_equations.py", "modelfile/test_modelfile_roundtrip.py",
+    "laws/test_own_laws.py", "codegen/test_cache.py", "cli/test_run.py", "results/test_result.py", "laws/test_contact_laws.py",
+)  # fmt: skip
+
 settings.register_profile("calm", deadline=None)
 settings.load_profile("calm")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Files keep their order among processes; by itself xdist begins with those of most tests."""
+    if hasattr(config.option, "loadscopereorder"):
+        config.option.loadscopereorder = False
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Puts the files of ``FIRST`` first, in its order."""
+    rank = {name: k for k, name in enumerate(FIRST)}
+    items.sort(key=lambda item: rank.get("/".join(Path(item.path).parts[-2:]), len(rank)))
 
 
 @pytest.fixture

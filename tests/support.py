@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -22,6 +23,12 @@ CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 TURN = 0.04  # s, one turn of that crank
 SQUARE = Section.square(1e-3)  # the links of the paper: A = 1e-3 m^2
 EPS = 2.0**-52
+SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.3  # of the examples of a property in one run; they differ from run to run
+
+
+def often(examples: int) -> int:
+    """How many examples of a property are tried in this run: a share of them, all in `make soak`."""
+    return round(SHARE * examples)
 
 
 def four_bar(

@@ -117,7 +117,7 @@ def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]
     """Rows of so many lanes, all state and extremes, and the rows' names; each lane has its own parameters and step."""
     step, every, outputs, interpreted = RUNS[model]
     chosen = EIGHT[:width]
-    beside = mechanisms.every_law() if model is journals else None  # one compilation serves other tests too
+    beside = mechanisms.every_law() if model in (journals, machinery) else None  # one compilation serves other tests too
     assemblies = [assemble(model(lane), step * (1 - 0.05 * lane), duration=1e-3, force_step=True, beside=beside) for lane in chosen]
     runner = lanes(assemblies, loop)
     start = runner.advance(1, 1)

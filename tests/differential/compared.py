@@ -89,15 +89,23 @@ def taken(one: Drawn, steps: int, loop: str) -> Record:
     return record
 
 
-def compared(seed: int, family: str, steps: int, loop: str = "data-driven") -> Compared:
-    """The first mechanism of a seed whose motion leads nowhere singular, in a number of steps and in twice as many."""
+def fitting(seed: int, family: str) -> tuple[Drawn, dict[str, Array]]:
+    """The first mechanism of a seed whose motion leads nowhere singular, and where it leads by the plain equations."""
     for again in range(20):
         one = drawn(seed, family, again)
         try:
-            exact = truth(one)
+            return one, truth(one)
         except Unfit:
             continue
-        validate(one.m)
-        coarse, fine = (seen(one, taken(one, n, loop)) for n in (steps, 2 * steps))
-        return Compared(one, exact, coarse, fine)
     raise AssertionError(f"{family} {seed}: twenty mechanisms that lead to a singular position")
+
+
+def stepped(one: Drawn, exact: dict[str, Array], steps: int, loop: str) -> Compared:
+    """The same by the package in a number of steps and in twice as many."""
+    validate(one.m)
+    return Compared(one, exact, *(seen(one, taken(one, n, loop)) for n in (steps, 2 * steps)))
+
+
+def compared(seed: int, family: str, steps: int, loop: str = "data-driven") -> Compared:
+    """The mechanism of a seed by both."""
+    return stepped(*fitting(seed, family), steps, loop)

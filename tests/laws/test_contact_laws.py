@@ -11,7 +11,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import vfife.laws  # registers them
-from support import CONTACT_LAWS, contact_law, go, journal_in_bearing, particle
+from support import CONTACT_LAWS, contact_law, go, journal_in_bearing, often, particle
 from vfife.kernels.geometry import normal_force
 from vfife.laws import ContactLaw, Frictionless, LankaraniNikravesh, Material, Pair, Pereira
 
@@ -123,7 +123,7 @@ def test_rises_continuously_and_stays_finite(law):
 
 
 @each_law
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=often(200))
 @given(
     depth=st.floats(1e-12, 2e-4), speed=st.floats(1e-3, 10), rate=st.floats(-100, 100), mobility=st.floats(0, 1e-3),
     which=st.sampled_from(PAIRS),

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support import EPS
+from support import EPS, often
 from vfife.laws import Ambrosio, FrictionLaw, Frictionless, Pair
 
 LAWS = sorted(FrictionLaw.registry.values(), key=lambda law: law.name)
@@ -99,7 +99,7 @@ def test_static_friction_is_no_weaker_than_kinetic(law):
 
 
 @each_law
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=often(300))
 @given(**numbers)
 def test_opposes_the_sliding_that_is_left(law, normal, free, mobility):
     """Power -F v is never negative, v the velocity that the force itself causes: it does not turn the sliding round. (Nothing remembered:
@@ -112,7 +112,7 @@ def test_opposes_the_sliding_that_is_left(law, normal, free, mobility):
 
 
 @each_law
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=often(200))
 @given(data=st.data(), **numbers)
 def test_is_bounded_by_its_coefficient(law, data, normal, free, mobility):
     """By the static one where there is one; a bristle may be bent further only if it was before."""
@@ -126,7 +126,7 @@ def test_is_bounded_by_its_coefficient(law, data, normal, free, mobility):
 
 
 @each_law
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=often(200))
 @given(data=st.data(), **numbers)
 def test_the_other_way_is_the_mirror_image(law, data, normal, free, mobility):
     """To the bit: a mirrored mechanism makes the mirrored motion."""
@@ -243,7 +243,7 @@ def ambrosio(velocity: float, normal: float, coefficient: float, v0: float, v1: 
     return -coefficient * share * normal * math.copysign(1.0, velocity)
 
 
-@settings(deadline=None, max_examples=500)
+@settings(deadline=None, max_examples=often(500))
 @given(
     coefficient=st.floats(1e-6, 1.0) | st.just(0.0), v0=st.floats(0.0, 0.1), ramp=st.floats(1e-4, 1.0),
     normal=numbers["normal"], free=numbers["free"], mobility=numbers["mobility"],

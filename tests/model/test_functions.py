@@ -63,11 +63,23 @@ def test_periodic_tables_repeat_and_others_do_not():
     assert Polynomials((0.0, 0.25), ((0.0, 1.0), (0.25, -1.0)))(0.75)[0] == -0.25
 
 
+def test_kinks_are_counted_where_value_slope_or_curvature_jumps():
+    """A saw has two a period, a table that keeps its end values two, a spline, a smooth ramp and a harmonic none."""
+    saw = Polynomials((0.0, 0.25), ((0.0, 1.0), (0.25, -1.0)), 0.5).table()
+    assert [polynomial(saw, 0, time)[3] for time in (-0.1, 0.1, 0.3, 0.6, 0.8, 5.1)] == [-1.0, 0.0, 1.0, 2.0, 3.0, 20.0]
+    held = clamped((0.0, 1.0), (2.0, 4.0)).table()
+    assert [polynomial(held, 0, x)[3] for x in (-0.5, 0.5, 1.5)] == [0.0, 1.0, 2.0]
+    fit = AngleTable(body="b", times=(0.0, 1.0, 2.0), values=(0.0, 1.0, 0.0))
+    for smooth in (Harmonic(body="b", amplitude=0.7, frequency=3.3, phase=0.1), Ramp(body="b", speed=4.0, duration=0.3), fit):
+        table = motion_function(smooth).table()
+        assert {polynomial(table, 0, time)[3] for time in np.linspace(0.01, 1.99, 100)} == {0.0}
+
+
 def test_compiled_as_interpreted():
     gathered = Gathered()
     gathered.add(polynomial)
-    asked = "@jit\ndef ask(table, start, time, out):\n    out[0], out[1], out[2] = polynomial(table, start, time)\n    return 0\n"
-    ask, out = compiled(f"{gathered.text()}\n\n{asked}", "ask", "f1 i d f1"), np.zeros(3)
+    asked = "@jit\ndef ask(table, start, time, out):\n    out[0], out[1], out[2], out[3] = polynomial(table, start, time)\n    return 0\n"
+    ask, out = compiled(f"{gathered.text()}\n\n{asked}", "ask", "f1 i d f1"), np.zeros(4)
     functions = [
         motion_function(Harmonic(body="b", amplitude=0.7, frequency=3.3, phase=0.1), 0.2),
         motion_function(Ramp(body="b", speed=4.0, duration=0.3)),

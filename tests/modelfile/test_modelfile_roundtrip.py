@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from model_texts import DEMO, FILES, FOUR_BAR, PLAYGROUND, TEMPLATES
+from support import often
 from vfife.errors import ModelError
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Material, Pereira
 from vfife.model import bodies, drivers, joints, loads, springs
@@ -231,7 +232,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
     return model
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=often(150), deadline=None)
 @given(mechanisms())
 def test_what_is_dumped_loads_back_equal(model: Mechanism) -> None:
     text = dump(model)
@@ -329,19 +330,19 @@ def broken(data: st.DataObject) -> dict[str, Any]:
     return raw
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=often(600), deadline=None)
 @given(st.data())
 def test_broken_tables_raise_nothing_but_model_errors(data: st.DataObject) -> None:
     told("\n".join(f"{toml(key)} = {toml(value)}" for key, value in broken(data).items()))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=often(200), deadline=None)
 @given(st.sampled_from([FOUR_BAR, PLAYGROUND]), st.integers(0, len(PLAYGROUND)), st.text(max_size=5), st.integers(0, 20))
 def test_broken_texts_raise_nothing_but_model_errors(whole: str, at: int, more: str, less: int) -> None:
     told(whole[:at] + more + whole[at + less :])
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=often(200), deadline=None)
 @given(
     st.lists(st.sampled_from([*KEYS, "C", "crank", "A", "0", "C-D", "crank-coupler", "steel"]), min_size=1, max_size=5),
     st.sampled_from(VALUES),
@@ -351,7 +352,7 @@ def test_broken_paths_raise_nothing_but_model_errors(path: list[str], value: Any
         read(FOUR_BAR, [(".".join(path), value), ("joint.C.kind", "ideal"), ("material.steel.density", 1)])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=often(100), deadline=None)
 @given(st.text(max_size=30), st.text(max_size=30))
 def test_any_text_can_be_set(path: str, value: str) -> None:
     for where in (path, f"joint.{path}", "joint.C.clearance", "name"):

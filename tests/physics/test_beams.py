@@ -12,6 +12,7 @@ from support import go, particle, times
 from vfife import simulate
 from vfife.analysis import ledger
 from vfife.assembly.assemble import assemble
+from vfife.codegen.straight_line import trace
 from vfife.gallery import elastic_pendulum
 from vfife.laws.law import Material
 from vfife.model.bodies import Section
@@ -100,6 +101,16 @@ def test_path_units_do_not_matter_where_stiffness_counts_on_the_reference(path_u
     one = particle(go(m, 2e-4, duration=0.2, outputs=4), "rod", 12)
     again = particle(go(elastic_pendulum(), 2e-4, duration=0.2, outputs=4), "rod", 12)
     assert one["y"] == pytest.approx(again["y"], abs=1e-10)
+
+
+def test_neither_law_costs_a_line():
+    """The kind is known when the step is traced."""
+    counts = []
+    for strain in STRAINS:
+        m = elastic_pendulum()
+        m.bodies["rod"] = dataclasses.replace(m.bodies["rod"], strain=strain)
+        counts.append(len(trace(assemble(m).topology).operations))
+    assert counts[0] == counts[1]
 
 
 # ---------------------------------------------------------------------------------------------------------------------- energy

@@ -8,6 +8,8 @@ import pytest
 
 from support import go, particle, times
 from vfife.analysis import ledger
+from vfife.assembly.assemble import assemble
+from vfife.codegen.runner import Runner
 from vfife.kinematics.initial import ideal_motion
 from vfife.model.carriers import carrier_of
 from vfife.model.drivers import Ramp, Torque
@@ -137,6 +139,25 @@ def test_loops_agree_to_the_bit_where_a_planet_strikes():
         assert np.array_equal(*(record.block(name) for record in records)), name
     turned = [particle(records[0], name)["theta"] for name in ("sun", "planet", "ring", "arm")]
     assert turned[2] - turned[3] == pytest.approx(-SUN / RING * (turned[0] - turned[3]), abs=1e-10)
+
+
+@pytest.mark.parametrize("pin", ["planet.center", "arm.planet"])
+def test_what_a_blow_meets_is_the_whole_train(pin):
+    """Velocities per unit of a force on a pin, by which damping and friction are solved, keep to Willis' formula and to the pins."""
+    m = train()
+    m.point("wall", 0.125, 0.0)
+    m.external_contact("blow", "ground.wall", pin, journal_radius=0.0205, direction=(0.0, 1.0))
+    m.bodies["arm"] = dataclasses.replace(m.bodies["arm"], angle=0.2)
+    a = assemble(m, 1e-6, duration=1e-5, force_step=True)
+    rows = np.concatenate([[a.layout.row("rn", k) + axis for axis in range(3)] for k in range(1, 5)])
+    found = Runner(a.topology, a.state[:, None], a.tables[None, :], "interpreted", rows).advance(1, 2)[-1, :, 0].reshape(4, 3)
+    met = dict(zip(m.bodies, found, strict=True))
+    sun, planet, ring, arm = (met[name][2] for name in ("sun", "planet", "ring", "arm"))
+    assert abs(arm) > 0.1
+    assert ring - arm == pytest.approx(-SUN / RING * (sun - arm), abs=1e-9)
+    assert planet - arm == pytest.approx(-SUN / PLANET * (sun - arm), abs=1e-9)
+    angle = ideal_motion(m).of("arm")[0][2]
+    assert met["planet"][:2] == pytest.approx((-ARM * arm * math.sin(angle), ARM * arm * math.cos(angle)), abs=1e-9)
 
 
 @pytest.mark.parametrize(

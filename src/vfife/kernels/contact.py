@@ -255,16 +255,20 @@ def solve_contacts(S, I, span, central):
             shove(S, j, b, k, h, more, tangential - S[j + CONTACT.friction])
         S[j + CONTACT.normal_force] = normal
         S[j + CONTACT.friction_force] = tangential
-        lost = (normal - S[j + CONTACT.elastic]) * rate - across * slip
-        rubbed = -friction * slip
-        S[j + CONTACT.damping_power] = lost
-        S[j + CONTACT.friction_power] = rubbed
-        S[j + CONTACT.damping_work] += span * lost
-        S[j + CONTACT.friction_work] += span * rubbed
-        square = normal * normal + tangential * tangential
-        at = j + CONTACT.force_squared_max
-        S[at] = larger(S[at], square)
-        S[j + CONTACT.penetration_max] = larger(S[j + CONTACT.penetration_max], S[j + CONTACT.penetration])
+        account(S, j, span, (normal - S[j + CONTACT.elastic]) * rate - across * slip, -friction * slip)
+
+
+def account(S, j, span, lost, rubbed):
+    """Powers (W) of damping and friction, their works, and the extremes of a contact."""
+    normal = S[j + CONTACT.normal_force]
+    tangential = S[j + CONTACT.friction_force]
+    S[j + CONTACT.damping_power] = lost
+    S[j + CONTACT.friction_power] = rubbed
+    S[j + CONTACT.damping_work] += span * lost
+    S[j + CONTACT.friction_work] += span * rubbed
+    at = j + CONTACT.force_squared_max
+    S[at] = larger(S[at], normal * normal + tangential * tangential)
+    S[j + CONTACT.penetration_max] = larger(S[j + CONTACT.penetration_max], S[j + CONTACT.penetration])
 
 
 def change_regime(S, I, r, free, sliding, normal):
