@@ -208,7 +208,9 @@ never:
 def _copied(rows: Iterable[int], width: int) -> Iterable[str]:
     """Rows of the copy ``last`` are copied to S."""
     w = Writer(width)
-    for row in rows:
+    for number, row in enumerate(rows, 1):
+        if number % (BLOCK // 4) == 0:
+            w.out += [f"  br i1 %going, label %copy{number}, label %never", f"copy{number}:"]
         value = w.fresh(f"load {w.number}, ptr {w.row(row, 'last')}, align {8 * width}").replace("%x", "%h")
         w.out.append(f"  store {w.number} {value}, ptr {w.row(row)}, align {8 * width}")
     return (line.replace("%x", "%h") for line in w.out)

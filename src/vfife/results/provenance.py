@@ -23,7 +23,7 @@ from ..modelfile import dump, loads
 from ..solvers.record import Record, Rows
 from ..solvers.status import Status
 from .runfile import RunFile
-from .start import assembly_of, kept_assembly, present_name, state_of
+from .start import COUNTED, assembly_of, kept_assembly, present_name, state_of
 
 
 def versions(loop: str = "generated") -> dict[str, str]:
@@ -95,6 +95,9 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, wher
     kept = rows_named(assembly, meta["kept"], where)
     if rows.shape[1] != len(kept) or len(rows) != len(steps):
         raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
+    counted = np.repeat([name in COUNTED for name, _ in meta["kept"]], [count for _, (_, count) in meta["kept"]])
+    if counted.any():
+        rows = np.where(counted, rows * choice.step, rows)
     wall, loop, message = float(meta.get("wall", 0.0)), str(meta.get("loop", "")), str(meta.get("message", ""))
     return Record(assembly, steps, rows, kept, wall, loop, status_of(meta, where), message=message)
 

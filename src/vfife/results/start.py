@@ -27,7 +27,13 @@ OF_LAWS = ("contact_laws", "friction_laws", "contact_form", "friction_form")  # 
 
 # Names of blocks in run files of version 0.1 and before.
 OLD_ENTITIES = {"clearance": "contact", "ideal": "joint", "element": "frame", "row": "constraint"}
-OLD_NAMES = {"clearance_contact": "contact_slots"}
+OLD_NAMES = {
+    "clearance_contact": "contact_slots",
+    "clearance_clearance_steps": "contact_duration",
+    "clearance_contact_steps": "contact_duration",
+    "contact_contact_steps": "contact_duration",
+}
+COUNTED = frozenset(name for name, now in OLD_NAMES.items() if now == "contact_duration")  # in steps; a duration is in seconds
 
 
 def present_name(name: str) -> str:
