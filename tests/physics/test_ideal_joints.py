@@ -38,7 +38,7 @@ def gaps(name: str, steps: int) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", FOUR_BARS)
 def test_bearing_and_journal_coincide(name):
-    """To 1e-12 m from the start on, over 20,000 steps; to ground, to a driven body and between free ones; to 1e-10 m where steps change their size."""
+    """To 1e-12 m over 20,000 steps, to ground, to a driven body and between free ones; to 1e-10 m where steps change their size."""
     found = gaps(name, 20_000)
     assert len(found) >= 3 and max(found.values()) < (1e-10 if name == "one clearance" else 1e-12), found
 
