@@ -21,6 +21,7 @@ ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "u
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 ANSWER = "{ double, double, double, double }"  # of a polynomial
 SHORT = 4000  # lines of a whole step that is worth being made fast
+COPY = int(__import__("os").environ.get("COPYB","10000"))  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
 DRIVER = Path(__file__).with_name("driver.ll")
 
@@ -165,15 +166,18 @@ def lean(step: Trace, width: int, searching: bool) -> str:
     """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
-    or for an old value to be read; in the end all is in S.
+    or for an old value to be read; in the end all is in S. Where two copies are more than the nearest cache holds, there is one, and what is
+    written waits for the test.
     """
-    w = Writer(width, step.truths, step.stores)
+    twice = 8 * width * len(step.stores) <= COPY
+    w = Writer(width, step.truths, step.stores if twice else ())
     w.begin(searching)
-    last = w.lines(apart(step, ordered(step, False)))
+    last = w.lines(apart(step, ordered(step, False)) if twice else woven(step, ordered(step)))
     body = "\n".join(w.out)
-    home = "\n".join(_copied(step.stores, width))
+    home = "\n".join(_copied(step.stores if twice else (), width))
+    there, here = ("to", "from") if twice else ("S", "S")
     rare = "rare:\n  br label %home\n" if step.rare else ""
-    phis = f"[ %to, %{last} ]" + (", [ %from, %rare ]" if step.rare else "")
+    phis = f"[ %{there}, %{last} ]" + (f", [ %{here}, %rare ]" if step.rare else "")
     counts = f"[ %next, %{last} ]" + (", [ %step, %rare ]" if step.rare else "")
     return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline {{
 entry:
