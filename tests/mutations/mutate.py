@@ -34,7 +34,7 @@ TESTS = ROOT / "tests"
 SOURCE = ROOT / "src" / "vfife"
 LONGEST = 120.0  # s of processor time that the first tests may take: a fault can make a loop endless
 QUICK = [("contact", k) for k in range(4)] + [("loop", 1), ("chain", 0), ("gears", 0), ("redundant", 0), ("chain", 2), ("loop", 5), ("gears", 3),
-         ("chain", 4), ("redundant", 1), ("redundant", 2), ("chain", 5), ("contact", 17)]  # fmt: skip
+         ("chain", 4), ("redundant", 1), ("redundant", 2), ("chain", 5), ("contact", 17), ("linked", 1)]  # fmt: skip
 # Files of tests of a kernel by itself, which need no compilation.
 OWN = {
     "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_friction_solutions.py"],
