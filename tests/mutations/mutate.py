@@ -56,7 +56,7 @@ CLOSE = {
     "contact": ["tests/kernels/test_contact_step.py", "tests/physics/test_journal_in_bearing.py", "tests/physics/test_accounts.py",
                 "tests/physics/test_sticking.py", "tests/physics/test_lubricated_journal.py"],
     "constraint": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
-    "closing": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
+    "closing": ["tests/physics/test_massless_links.py", "tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
     "factors": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
     "central_difference": ["tests/kernels/test_central_difference.py"],
     "geometry": ["tests/kernels"],
