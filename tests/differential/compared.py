@@ -62,8 +62,8 @@ def truth(one: Drawn) -> dict[str, Array]:
     acceleration, _, multipliers, now = system.solved(one.duration, q, v)
     found = {"position": q, "velocity": v, "acceleration": acceleration}
     if system.touches:
-        f = system.touches[0].force(now)[0]
-        found["force"] = np.array([[f.real, f.imag]])
+        forces = [touch.force(now)[0] for touch in system.touches]
+        found["force"] = np.array([[f.real, f.imag] for f in forces])
         return found
     if system.freedom()[1] == 0:
         for name, by in multipliers.items():
@@ -103,7 +103,7 @@ def fitting(seed: int, family: str) -> tuple[Drawn, dict[str, Array]]:
 def stepped(one: Drawn, exact: dict[str, Array], steps: int, loop: str) -> Compared:
     """The same by the package in a number of steps and in twice as many."""
     validate(one.m)
-    return Compared(one, exact, *(seen(one, taken(one, n, loop)) for n in (steps, 2 * steps)))
+    return Compared(one, exact, *(seen(one, taken(one, n * one.finer, loop)) for n in (steps, 2 * steps)))
 
 
 def compared(seed: int, family: str, steps: int, loop: str = "data-driven") -> Compared:

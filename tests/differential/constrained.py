@@ -180,6 +180,7 @@ class System:
     forces: list[Force] = field(default_factory=list)
     touches: list[Touch] = field(default_factory=list)
     breaks: list[float] = field(default_factory=list)  # times at which a law of motion is less smooth
+    longest: float = 5e-4  # s of a step where something may touch
     regular: float = 0.0  # smallest singular value of what is not redundant, at the start
 
     @property
@@ -245,6 +246,7 @@ class System:
         """Positions and velocities of the free bodies at the times, from the start with velocities ``v``."""
         n, t = len(self.mass) - 1, 0.0
         y = np.concatenate([np.array(self.q)[1:].ravel(), v.ravel()])
+        longest = self.longest if self.touches else np.inf  # a longer one could pass over a contact
         stops = sorted({*times, *(b for b in self.breaks if b < max(times))})
         found = {}
 
@@ -262,7 +264,7 @@ class System:
         for stop in stops:
             while t < stop:
                 events = [crossing(touch) for touch in self.touches]
-                done = solve_ivp(rates, (t, stop), y, method="DOP853", rtol=tight, atol=tight, events=events or None)
+                done = solve_ivp(rates, (t, stop), y, method="DOP853", rtol=tight, atol=tight, events=events or None, max_step=longest)
                 t, y = float(done.t[-1]), done.y[:, -1]
                 for touch, hits in zip(self.touches, done.t_events or (), strict=True):
                     if len(hits):

@@ -15,7 +15,7 @@ from vfife.model.drivers import ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
-FAMILIES = ("chain", "loop", "gears", "redundant", "contact")
+FAMILIES = ("chain", "loop", "gears", "redundant", "contact", "linked")
 DURATION = 0.06  # s
 SOFT = (2e4, 0.7)  # N/m^1.5 and restitution of what touches
 
@@ -30,6 +30,7 @@ class Drawn:
     system: plain.System
     velocity: np.ndarray
     duration: float = DURATION
+    finer: int = 1  # times as many steps as others
     reactions: list[str] = field(default_factory=list)
 
     @property
@@ -42,7 +43,7 @@ class Pencil:
 
     def __init__(self, seed: int, family: str, again: int = 0) -> None:
         self.rng = np.random.default_rng([seed, FAMILIES.index(family), again])
-        self.at_rest = seed % 3 == 0 and family != "contact"  # only then a centre of mass is not at its body's origin
+        self.at_rest = seed % 3 == 0 and family not in ("contact", "linked")  # only then a centre of mass is not at its body's origin
         g = complex(*self.rng.uniform(-10.0, 10.0, 2))
         self.m = Mechanism(f"{family} {seed}", gravity=(g.real, g.imag))
         self.system = plain.System()
@@ -214,7 +215,7 @@ class Pencil:
 def drawn(seed: int, family: str, again: int = 0) -> Drawn:
     """The mechanism of a seed and a family, or the next one of the same seed."""
     p = Pencil(seed, family, again)
-    found: Drawn = {"chain": chain, "loop": loop, "gears": gears, "redundant": redundant, "contact": contact}[family](p, seed)
+    found: Drawn = {"chain": chain, "loop": loop, "gears": gears, "redundant": redundant, "contact": contact, "linked": linked}[family](p, seed)
     return found
 
 
@@ -388,4 +389,25 @@ def contact(p: Pencil, seed: int) -> Drawn:
         object.__setattr__(p.m.bodies[body], "velocity", tuple(float(x) for x in given))
     found = Drawn(seed, "contact", p.m, p.system, velocity)
     found.duration = 0.03
+    return found
+
+
+def linked(p: Pencil, seed: int) -> Drawn:
+    """An arm, a rod with play on it, another hung on that without, with play in the ground: forces of one joint with play move the other."""
+    stiffness, e, friction = p.real(2e6, 6e6), 0.7, (p.real(0.05, 0.4), 0.0, p.real(0.1, 0.3))
+    arm, rod, last = p.body(), p.body(), p.body()
+    p.join("ground", arm, "revolute")
+    p.join(rod, last, "revolute")
+    for one, two in ((arm, rod), ("ground", last)):
+        name, where, play, r = p.fresh("c"), p.near(two), p.real(5e-4, 1e-3), p.real(0.03, 0.05)
+        bearing, journal = p.pin(one, where), p.pin(two, where)
+        p.m.clearance(
+            name, bearing[0], journal[0], clearance=play, bearing_radius=r + play,
+            contact=LankaraniNikravesh(restitution=e, stiffness=stiffness),
+            friction=Ambrosio(coefficient=friction[0], v0=friction[1], v1=friction[2]),
+        )  # fmt: skip
+        touch = plain.Touch(name, "bearing", bearing[1], bearing[2], journal[1], journal[2], r, r + play, stiffness, e, friction)
+        p.system.touches.append(touch)
+    found = p.done(seed, "linked")
+    found.duration, found.finer, p.system.longest = 0.008, 4, 1e-4
     return found
