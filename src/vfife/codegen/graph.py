@@ -248,10 +248,12 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = made.low, made.graph.size, inverse, y, gn, gt
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
-    flags = (made.layout.plain, t.path_unit, t.damped, worked, made.graph.close_again, any(made.graph.closing), t.redundant)
-    fields = (HEADER.plain, HEADER.path_unit, HEADER.damped, HEADER.worked, HEADER.close_again, HEADER.closing, HEADER.redundant)
+    flags = (made.layout.plain, t.path_unit, t.damped, worked, made.graph.close_again, any(made.graph.closing), t.redundant, t.coarse)
+    fields = (HEADER.plain, HEADER.path_unit, HEADER.damped, HEADER.worked, HEADER.close_again, HEADER.closing, HEADER.redundant, HEADER.coarse)
     integers[list(fields)] = flags
-    return integers, made.layout, gt + made.count
+    turned = gt + made.count
+    integers[HEADER.turned] = turned
+    return integers, made.layout, turned + 2 * made.graph.size + made.count
 
 
 def _argument(topology: Topology, k: int, body: NDArray[np.intp]) -> tuple[int, int, int]:

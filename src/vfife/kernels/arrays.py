@@ -142,7 +142,9 @@ BLOCKS: tuple[Block, ...] = (
         unbalanced | 1 | unbalanced force that is left there, over the largest force"""),
     *_blocks("memory", "system", """
         pivots | 1 | product of the pivots of constraints that close loops, over their diagonals, at step n
-        pivots_before | 1 | the same at step n - 1"""),
+        pivots_before | 1 | the same at step n - 1
+        passing | 1 | 1 where these tell that the mechanism passes a singular position, else 0
+        left | m^2 | square of what the first correction of the reactions left open in the last step"""),
     *_blocks("extreme", "contact", """
         contact_force_squared_max | N^2 | largest squared joint force since the last output
         contact_penetration_max | m | largest signed penetration since the last output"""),
@@ -225,7 +227,10 @@ BLOCKS: tuple[Block, ...] = (
         load_m | 1 | moment per unit of its function"""),
     *_blocks("parameter", "system", """
         step | s | time step
-        damping | 1/s | coefficient of mass-proportional damping"""),
+        damping | 1/s | coefficient of mass-proportional damping
+        size | m | longest arm of an ideal joint"""),
+    *_blocks("scratch", "system", """
+        share | 1 | share of the pivots that is added near a singular position"""),
     *_blocks("scratch", "particle", """
         fx | N | force so far at step n
         fy | N | force so far at step n
@@ -323,7 +328,23 @@ HEADER = Fields(
     for name in (
         *LISTS,
         *(f"{name}_count" for name in LISTS),
-        *("plain", "profile", "profile_count", "inverse", "y", "gn", "gt", "path_unit", "damped", "worked", "close_again", "closing", "redundant"),
+        *(
+            "plain",
+            "profile",
+            "profile_count",
+            "inverse",
+            "y",
+            "gn",
+            "gt",
+            "path_unit",
+            "damped",
+            "worked",
+            "close_again",
+            "closing",
+            "redundant",
+            "coarse",
+            "turned",
+        ),
     )
 )
 
