@@ -157,8 +157,8 @@ def test_three_links_on_one_pin(joints):
     record = go(star(joints), 1e-4, duration=0.5, outputs=100)
     pull = 2.0 * 30.0**2 * 0.3
     for name in "abc":
-        assert np.abs(pin(record, name, "start") - pin(record, "a", "start")[0]).max() < 1e-11
-        assert np.ptp(particle(record, name)["w"]) < 1e-9
+        assert np.abs(pin(record, name, "start") - pin(record, "a", "start")[0]).max() < 1e-9
+        assert np.ptp(particle(record, name)["w"]) < 3e-9
     force = {name: np.zeros((len(record.steps), 2)) for name in "abc"}
     for index, (bearing, journal) in enumerate(joints):
         reaction = np.stack([record.block("joint_fx")[:, index], record.block("joint_fy")[:, index]], axis=1)
@@ -222,7 +222,7 @@ def test_a_rough_start_rings():
     assert ringing(dataclasses.replace(m, start=StartSettings(mode="rough")), 1e-6) > 0.2
 
 
-@pytest.mark.parametrize("inertia", [2e-6, 1e-7])
+@pytest.mark.parametrize("inertia", [2e-7, 1e-8])
 def test_a_small_inertia_on_a_long_arm_sets_the_step(inertia):
     """A body whose pin lies far outside its radius of gyration needs small turns; the automatic step knows, and energy is kept."""
     m = Mechanism("arm", gravity=(0.0, -9.81))

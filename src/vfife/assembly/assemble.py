@@ -26,7 +26,7 @@ from .fill import Filler, touch_rows
 from .numbering import Numbering
 from .prestress import prestress, wanted
 from .redundancy import redundant
-from .timestep import choose_step
+from .timestep import choose_step, coarse
 
 
 def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
@@ -100,6 +100,8 @@ def assemble(
         free=motion.mobility.after_drives,
         **run,
     )
+    if parts.ideals and coarse(choice, filler.layout, filler.state):
+        topology = dataclasses.replace(topology, coarse=True)
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     pivots = tuple(joint.name for joint in numbering.pivots.values())

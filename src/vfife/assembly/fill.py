@@ -127,6 +127,8 @@ class Filler:
                 self.put(f"joint_direction_{axis}", value, index)
             self.put("joint_ratio", joint.ratio, index)
             self.put("joint_offset", self._offset(joint, tables), index)
+        arms = [math.hypot(*end[1]) for joint in ideals for end in (joint.bearing, joint.journal) if end[0] > 0]
+        self.put("size", max(arms, default=0.0) or 1.0)
 
     def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> float:
         if joint.turn == FREE and joint.place != ALONG:

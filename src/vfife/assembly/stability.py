@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Limits = list[tuple[str, float]]
 
-CLOSED = 0.225  # root of the growth of a joint's error in a step at which it is lost, measured: 0.228 to 0.263 in chains of one to three bodies
+CLOSED = 0.8  # root of the growth of a joint's error in a step that Newton's method still closes: rows of one to three bodies hold at 0.9
 STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count as in line
 
 
@@ -232,9 +232,9 @@ def spring_limits(layout: Layout, state: Array, topology: Topology, names: Seque
 
 
 def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str]) -> Limits:
-    """Steps (s) beyond which ideal joints far outside a light body's radius of gyration k are no longer closed by one correction.
+    """Steps (s) beyond which ideal joints far outside a light body's radius of gyration k may not be closed any more.
 
-    The correction turns an arm r by what it would be worth at the present angle. In a step the body turns by w dt; an error across the arm leaves
+    A correction turns an arm r by what it would be worth at the present angle. In a step the body turns by w dt; an error across the arm leaves
     one along it, (r/k)^2 w dt as large, and that is one across it a step later, w dt as large: in all (w dt r/k)^2. In a chain one joint's error
     is also the next one's, and in the place of (r/k)^2 stands what ``turning_error`` has of the start. Both at the fastest turning of the start:
     what a run comes to later is not known here.

@@ -268,11 +268,25 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
     watched = bool(t.contact_bearing or t.function_start or STOP in t.spring_kind)
     plain = (made.layout.plain, t.particles - len(t.bound))
-    closes = (any(made.graph.closing), t.redundant)
-    flags = (*plain, t.path_unit, t.damped, worked, made.graph.close_again, watched, *closes, any(made.graph.together))
-    names = ("plain", "plain_count", "path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "together")
+    closes = (any(made.graph.closing), t.redundant, t.coarse)
+    turned = gt + made.count
+    flags = (*plain, t.path_unit, t.damped, worked, made.graph.close_again, watched, *closes, any(made.graph.together), turned)
+    names = (
+        "plain",
+        "plain_count",
+        "path_unit",
+        "damped",
+        "worked",
+        "close_again",
+        "watched",
+        "closing",
+        "redundant",
+        "coarse",
+        "together",
+        "turned",
+    )
     integers[[getattr(HEADER, name) for name in names]] = flags
-    return integers, made.layout, gt + made.count
+    return integers, made.layout, turned + 2 * made.graph.size + made.count
 
 
 def _argument(topology: Topology, k: int, body: NDArray[np.intp]) -> tuple[int, int, int]:

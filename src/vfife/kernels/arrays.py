@@ -150,7 +150,9 @@ BLOCKS: tuple[Block, ...] = (
     *_blocks("memory", "system", """
         event | 1 | whether something begins, ends or changes its regime in step n
         pivots | 1 | product of the pivots of constraints that close loops, over their diagonals, at step n
-        pivots_before | 1 | the same at step n - 1"""),
+        pivots_before | 1 | the same at step n - 1
+        passing | 1 | 1 where these tell that the mechanism passes a singular position, else 0
+        left | m^2 | square of what the first correction of the reactions left open in the last step"""),
     *_blocks("extreme", "contact", """
         contact_force_squared_max | N^2 | largest squared joint force since the last output
         contact_penetration_max | m | largest signed penetration since the last output"""),
@@ -234,7 +236,10 @@ BLOCKS: tuple[Block, ...] = (
     *_blocks("parameter", "system", """
         step | s | time step
         shift | 1 | steps, or a part of one, by which the run is ahead of its number of steps
-        damping | 1/s | coefficient of mass-proportional damping"""),
+        damping | 1/s | coefficient of mass-proportional damping
+        size | m | longest arm of an ideal joint"""),
+    *_blocks("scratch", "system", """
+        share | 1 | share of the pivots that is added near a singular position"""),
     *_blocks("scratch", "particle", """
         fx | N | force so far at step n
         fy | N | force so far at step n
@@ -277,11 +282,12 @@ BLOCKS: tuple[Block, ...] = (
         constraint_ny | 1 | direction of the constraint, 0 for an angle
         constraint_jb | m | lever on the bearing's body
         constraint_jk | m | lever on the journal's body
+        constraint_jc | 1 | lever on the carrier of gears, the other way
         constraint_turn_x | 1 | change of the direction from step n to n + 1
         constraint_turn_y | 1 | change of the direction from step n to n + 1
         constraint_turn_b | m | change of the lever on the bearing's body
         constraint_turn_k | m | change of the lever on the journal's body
-        constraint_jc | 1 | lever on the carrier of gears, the other way"""),
+        constraint_turn_c | 1 | change of the lever on the carrier, which has none"""),
 )  # fmt: skip
 
 BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
@@ -342,7 +348,7 @@ HEADER = Fields(
         *LISTS,
         *(f"{name}_count" for name in LISTS),
         *("plain", "plain_count", "profile", "profile_count", "inverse", "y", "gn", "gt"),
-        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "together"),
+        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "coarse", "turned", "together"),
     )
 )
 

@@ -4,20 +4,24 @@ What is solved are the increments of a step, not the positions at its end: u dt 
 instead of eps x. Closing positions makes of that a noise of eps x/dt^2 in the accelerations, which drowns the reactions of a short step. What is
 open at t_n is fed back by a ``GAIN``, a sixteenth a step, in which rounding is lost.
 
-Two corrections. The first uses the directions of t_n. But forces in these directions close constraints that have turned by t_(n+1): per unit of the
-angle of a step an error stays, which on a body of radius of gyration k on an arm r counts (r/k)^2 times, and which the next step has to make up
-for: it grows. How the rows turn is known after the first correction, so the second one takes it in, with the same factors.
+The first correction uses the directions of t_n. But forces in these directions close constraints that have turned by t_(n+1): per unit of the angle
+of a step an error stays, which on a body of radius of gyration k on an arm r counts (r/k)^2 times, and which the next step has to make up for: it
+grows. How the rows turn is known after the first correction, and with it what is left. Where that is not next to nothing (a large step, a fast
+light body on a long arm) two steps of Newton's method with the turned rows follow; a run in coarse steps takes them always.
 """
 
-from .arrays import CONSTRAINT, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE
+from .arrays import CONSTRAINT, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE, SYSTEM
 from .constraint import carry, lever, levers, placed, pull, relative_turn
 from .elementary import turned
 from .factors import equations, idle, solve
 from .frame import chord
 from .geometry import arm, seldom
 from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
+from .turned import REDUNDANT, fill_turned, halves, solve_turned
 
 GAIN = 0.0625  # of what is open at t_n
+LEFT = 5e-11  # sizes of a mechanism that the first correction may leave open in a step
+MUCH = 1e-6  # sizes that a second step of Newton's method may have to close; what it leaves is of the order of the square
 
 
 def ahead(S, I, dt):
@@ -94,6 +98,7 @@ def turning(S, q, nx, ny, jb, jk):
     S[q + CONSTRAINT.turn_y] = ny
     S[q + CONSTRAINT.turn_b] = jb
     S[q + CONSTRAINT.turn_k] = jk
+    S[q + CONSTRAINT.turn_c] = 0.0
 
 
 def residual(S, I):
@@ -167,10 +172,12 @@ def guided(S, I, r, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
         dny = my - ny
         S[y] = ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length) - move + GAIN * (length - aim)
     else:
-        measured = ex * nx + ey * ny
-        S[y] = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny) + GAIN * measured
+        apart = ex * nx + ey * ny
+        opens = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny)
         if place == ALONG:
-            S[y] = S[y] - move - GAIN * aim
+            apart = apart - aim
+            opens = opens - move
+        S[y] = opens + GAIN * apart
     rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
     ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
     mx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + dkx
@@ -181,17 +188,21 @@ def guided(S, I, r, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
 
 
 def lost(S, I, dt, k):
-    """What the first correction leaves in each constraint, because the rows turn from t_n to t_(n+1) while its forces do not."""
+    """Square (m^2) of what the first correction leaves open, because the rows turn from t_n to t_(n+1) while its forces do not."""
+    total = 0.0
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         p = I[r + JOINT_INDEX.bearing]
         j = I[r + JOINT_INDEX.journal]
-        px, py, pw = gone(S, p, dt, k)
-        jx, jy, jw = gone(S, j, dt, k)
-        for c in range(I[r + JOINT_INDEX.rows]):
-            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            along = S[q + CONSTRAINT.turn_x] * (jx - px) + S[q + CONSTRAINT.turn_y] * (jy - py)
-            S[I[r + JOINT_INDEX.y] + c] = along + (S[q + CONSTRAINT.turn_k] * jw - S[q + CONSTRAINT.turn_b] * pw)
+        if I[r + JOINT_INDEX.place] != NOWHERE:
+            px, py, pw = gone(S, p, dt, k)
+            jx, jy, jw = gone(S, j, dt, k)
+            for c in range(2 if I[r + JOINT_INDEX.place] == PINNED else 1):
+                q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
+                along = S[q + CONSTRAINT.turn_x] * (jx - px) + S[q + CONSTRAINT.turn_y] * (jy - py)
+                left = along + (S[q + CONSTRAINT.turn_k] * jw - S[q + CONSTRAINT.turn_b] * pw)
+                total += left * left
+    return total
 
 
 def gone(S, i, dt, k):
@@ -202,8 +213,7 @@ def gone(S, i, dt, k):
 
 
 def correct(S, I, dt, k):
-    """Solves for corrections of the reactions and adds them, to the bodies' forces too."""
-    solve(S, I, I[HEADER.y])
+    """Adds corrections to the reactions, and to the bodies' forces, that are solved for."""
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for i in (I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal]):
@@ -249,13 +259,41 @@ def take_in(S, i):
     S[i + PARTICLE.mz] += S[i + PARTICLE.change_m]
 
 
-def close(S, I, dt, b, k):
-    """Corrects the reactions so that the joints are closed at t_(n+1)."""
+def newton(S, I, dt, b, k):
+    """Corrects the reactions with the rows turned to t_(n+1); returned: the square (m^2 and rad^2) of what was to be closed."""
     predict(S, I, dt, b, k)
     residual(S, I)
+    total = 0.0
+    for q in range(I[HEADER.constraint_count]):
+        total += S[I[HEADER.y] + q] * S[I[HEADER.y] + q]
+    fill_turned(S, I)
+    halves(S, I, S[SYSTEM.share] + (REDUNDANT if I[HEADER.redundant] != 0 else 0.0))
+    solve_turned(S, I, I[HEADER.y])
     correct(S, I, dt, k)
-    lost(S, I, dt, k)
+    return total
+
+
+def close(S, I, dt, b, k):
+    """Corrects the reactions so that the joints are closed at t_(n+1).
+
+    Whether Newton's method is needed is told by what the first correction of the step before has left: a test that waits for nothing.
+    """
+    predict(S, I, dt, b, k)
+    residual(S, I)
+    solve(S, I, I[HEADER.y])
     correct(S, I, dt, k)
+    if I[HEADER.coarse] != 0:
+        newton(S, I, dt, b, k)
+        much = MUCH * S[SYSTEM.size]
+        if seldom(newton(S, I, dt, b, k) > much * much):
+            newton(S, I, dt, b, k)
+    else:
+        before = S[SYSTEM.left]
+        S[SYSTEM.left] = lost(S, I, dt, k)
+        most = LEFT * S[SYSTEM.size]
+        if seldom(before > most * most):
+            newton(S, I, dt, b, k)
+            newton(S, I, dt, b, k)
     if I[HEADER.redundant] != 0:
         share_out(S, I)
 
@@ -268,4 +306,6 @@ def hold(S, I, dt, b, k, start):
     warm_start(S, I)
     close(S, I, dt, b, k)
     if seldom(start):
-        close(S, I, dt, b, k)
+        newton(S, I, dt, b, k)
+        newton(S, I, dt, b, k)
+        newton(S, I, dt, b, k)

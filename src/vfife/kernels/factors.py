@@ -3,8 +3,8 @@
 **Singular positions.** Where the directions of two constraints become one, a pivot goes as the square of the angle that is left, and within some
 steps of there it changes by as much as itself in a step: what a whole correction does is unbounded. There all pivots get a share more (Levenberg
 1944), and inertia carries the mechanism through. A pivot may also be small and stay so, in a flat arch or a light body far off its pin; that is
-no passage. What becomes small is told from what is small by the second difference of the product of the pivots that close loops, which is
-2 (turn of a step)^2 of itself over the angle squared, whatever else is in the product. A tree of bodies has no such pivots.
+no passage. What becomes small is told from what is small by the product of the pivots that close loops: the parabola through its last three
+values has its least value near zero, and soon. A tree of bodies has no such pivots.
 
 **Redundant joints.** With rows that depend on one another all pivots have a floor, so that the order of the rows does not matter, and the part of
 the reactions that moves nothing is taken off again: what is left is their solution of least norm, each row weighed by its own diagonal.
@@ -15,8 +15,9 @@ from .central_difference import larger
 from .geometry import seldom
 
 NEAR = 32.0  # second differences of the product of pivots, over itself, that count as a passage: eight steps away from it
+AT_ALL = 2.0  # second differences, of the least that the parabola through the last three products comes to: it passes two steps away, or nearer
 SINGULAR = 16.0  # share of the pivots there, in squared turns of a step: that of four steps away
-COARSE = 1e-3  # the largest such share
+COARSE = 1e-2  # the largest such share
 FLOOR = 1e-8  # share of the pivots where joints are redundant
 LOST = 1e-12  # pivot, of what it was before elimination, that is nothing but rounding
 
@@ -93,20 +94,27 @@ def passage(S, I, dt):
 
 
 def equations(S, I, dt, start):
-    """The matrix of t_n and its factors, damped where the mechanism passes a singular position."""
+    """The matrix of t_n and its factors, damped where the step before saw the mechanism pass a singular position: a test that waits for nothing."""
     fill(S, I)
     floor = FLOOR if I[HEADER.redundant] != 0 else 0.0
     pivots = factor(S, I, floor)
+    S[SYSTEM.share] = 0.0
     if I[HEADER.closing] != 0:
         if seldom(start):
             S[SYSTEM.pivots] = pivots
             S[SYSTEM.pivots_before] = pivots
-        bent = (pivots - S[SYSTEM.pivots]) - (S[SYSTEM.pivots] - S[SYSTEM.pivots_before])
-        S[SYSTEM.pivots_before] = S[SYSTEM.pivots]
+        last = S[SYSTEM.pivots]
+        slope = 0.5 * (pivots - S[SYSTEM.pivots_before])
+        bent = (pivots - last) - (last - S[SYSTEM.pivots_before])
+        S[SYSTEM.pivots_before] = last
         S[SYSTEM.pivots] = pivots
-        if seldom(NEAR * abs(bent) > pivots):
+        before = S[SYSTEM.passing]
+        S[SYSTEM.passing] = 1.0 if NEAR * bent > pivots and 2.0 * bent * (last - AT_ALL * bent) < slope * slope else 0.0
+        if seldom(before > 0.5):
             fill(S, I)
-            factor(S, I, floor + passage(S, I, dt))
+            share = passage(S, I, dt)
+            S[SYSTEM.share] = share
+            factor(S, I, floor + share)
 
 
 def forward(S, I, y):

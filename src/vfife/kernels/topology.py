@@ -62,6 +62,7 @@ class Topology:
     damped: bool = False
     weightless: bool = False
     redundant: bool = False
+    coarse: bool = False
     contact_laws: tuple[type, ...] = ()
     friction_laws: tuple[type, ...] = ()
 
