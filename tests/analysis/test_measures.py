@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from support import TURN, four_bar, go, journal_in_bearing, largest_alpha, largest_force, onsets, within
+from support import TURN, four_bar, go, journal_in_bearing, largest_alpha, largest_force, onsets, with_settings, within
 from vfife.analysis import influence, last_turn, lip, measures
 
 STEP = 2e-6
@@ -57,7 +57,7 @@ def test_counts_and_shares_are_those_of_the_whole_run(record) -> None:
 
 def test_shares_count_every_step() -> None:
     """With an output at every step, the samples tell the same."""
-    every = go(journal_in_bearing(), 1e-6, duration=1e-3, outputs=1000)
+    every = go(with_settings(journal_in_bearing(), parts=1), 1e-6, duration=1e-3, outputs=1000)
     touching = int((every.block("contact_penetration")[:, 0] > 0.0).sum())
     found = measures(every)
     count = len(every.steps)

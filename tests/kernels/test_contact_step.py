@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from support import go, onsets, particle, pin
+from support import go, onsets, particle, pin, with_settings
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 from vfife.model.mechanism import Mechanism
 
@@ -28,7 +28,7 @@ class Contact:
     """Every step of the first contacts: depth, rate, slip and the two forces, kinematics anew from recorded places and half-step velocities."""
 
     def __init__(self, arms: bool, friction) -> None:
-        record = go(two_bodies(arms, friction), STEP, duration=1.5e-3, outputs=3750)
+        record = go(with_settings(two_bodies(arms, friction), parts=1), STEP, duration=1.5e-3, outputs=3750)
         eyes = [pin(record, name, "eye") for name in "ab"]
         e = eyes[1] - eyes[0]
         size = np.hypot(*e.T)

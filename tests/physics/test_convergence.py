@@ -48,12 +48,13 @@ def test_period_of_the_pendulum():
     assert at == pytest.approx(PERIOD, abs=1e-6)
 
 
-def spring(stretch_stiffness: float, *, path_unit: int = 1, gravity: float = 9.81, angle: float = 0.3) -> Mechanism:
+def spring(stretch_stiffness: float, *, path_unit: int = 1, gravity: float = 9.81, angle: float = 0.3, strain: str = "reference") -> Mechanism:
     """A bar as a spring, 1 m long, 1 kg at its free end, hung at its other end, unstressed at rest."""
     m = Mechanism("spring", gravity=(0.0, -gravity), start=StartSettings(mode="rough"))
     m.point("O", 0.0, 0.0)
     rubber = Material("rubber", stretch_stiffness / 1e-4, 0.3, 1000.0)
-    m.link("bar", length=1.0, mass=2.0, angle=angle, model="two-particle", section=Section.square(1e-4), material=rubber, release="both")
+    kind = {"model": "two-particle", "release": "both", "strain": strain}
+    m.link("bar", length=1.0, mass=2.0, angle=angle, section=Section.square(1e-4), material=rubber, **kind)
     m.revolute("A", "ground.O", "bar.start")
     return with_settings(m, path_unit=path_unit)
 
@@ -95,7 +96,7 @@ def test_what_a_path_unit_of_one_step_costs():
     """Honestly: increments EA dl/l_a add EA/2 (dl/l_a)^2 each step to the logarithmic strain, a tension that grows as
     EA dt/2 times the integral of (l'/l)^2. Where a spring stretches by much, the order falls to one."""
     step, ea = 1e-3, 500.0
-    record = go(spring(ea), step, duration=1.0, outputs=1000)
+    record = go(spring(ea, strain="current"), step, duration=1.0, outputs=1000)
     x, y = particle(record, "bar", 1)["x"], particle(record, "bar", 1)["y"]
     length = np.hypot(x, y)
     excess = record.block("frame_axial_force")[-1, 0] - ea * math.log(length[-1])
@@ -104,10 +105,13 @@ def test_what_a_path_unit_of_one_step_costs():
     assert 5e-3 < expected < 1e-3 * np.abs(record.block("frame_axial_force")).max()
 
 
-@pytest.mark.parametrize(("clear", "fewest"), [("C", 1.6), ("BCD", 1.3)], ids=["case b", "case c"])
-def test_order_with_contact(clear, fewest):
-    """Case b and case c after one turn, steps from 2 us to 1/16 us, against 1/32 us. The order is 2.1 and 1.9 on average, and uneven:
-    where in its step an onset falls is chance."""
+@pytest.mark.parametrize(("clear", "most"), [("C", 2e-8), ("BCD", 1e-5)], ids=["case b", "case c"])
+def test_errors_fall_with_contact(clear, most):
+    """Places (m, rad) of cases b and c after one turn, steps from 2 us to 1/16 us, against 1/32 us.
+
+    They fall by two powers of the step in the mean, unevenly, for where in its step an event falls is chance; ``test_steps_with_events`` has the
+    slope over many steps.
+    """
 
     def places(step: float) -> np.ndarray:
         record = go(four_bar(clear), step, duration=0.04, outputs=1)
@@ -115,9 +119,9 @@ def test_order_with_contact(clear, fewest):
 
     finest = places(2e-6 / 64)
     errors = [np.abs(places(2e-6 / 2**k) - finest).max() for k in (0, 1, 2, 3, 4, 5)]
-    assert errors[0] < 5e-5
-    assert math.log2(errors[0] / errors[-1]) / 5 > fewest
-    assert max(errors[3:]) < min(errors[:3])
+    assert errors[0] < most
+    assert math.log2(errors[0] / errors[-1]) / 5 > 1.1
+    assert max(errors[3:]) < max(errors[:3])
 
 
 def test_elastic_links_converge():

@@ -77,9 +77,9 @@ def test_an_independent_integration(which):
 
 
 def test_the_impact_speed_is_located_inside_the_step():
-    """1 m/s whatever part of a step the contact begins at."""
+    """1 m/s whatever part of a step the contact begins at, without smaller steps."""
     for step in (1.03e-7, 3.3e-7, 1.7e-6):
-        record = run(step)
+        record = run(step, parts=1)
         slowness = record.block("contact_slowness")[:, 0]
         assert slowness[slowness > 0] == pytest.approx(1.0, rel=1e-12)
 
@@ -99,14 +99,14 @@ def test_an_onset_slower_than_the_floor_is_counted_and_held_at_it():
 
 @pytest.mark.parametrize(("landing", "counted"), [(6e-6, 1.0), (2e-5, 0.0)])
 def test_a_first_landing_deeper_than_allowed_is_counted(landing, counted):
-    """1 m/s in steps of 13 us: the first step in contact lies 7 um deep, whatever the depth allowed."""
+    """1 m/s in steps of 13 us, taken as they are: the first step in contact lies 7 um deep, whatever the depth allowed."""
     m = journal_in_bearing(
         contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS),
         friction=Frictionless(),
         clearance=CLEARANCE,
         landing_depth=landing,
     )
-    record = go(m, 1.3e-5, duration=39 * 1.3e-5, outputs=39)
+    record = go(with_settings(m, parts=1), 1.3e-5, duration=39 * 1.3e-5, outputs=39)
     assert onsets(record) == [1]
     assert record.block("contact_deep")[-1, 0] == counted
     assert record.block("contact_deepest")[-1, 0] == pytest.approx(39 * 1.3e-5 - CLEARANCE, rel=1e-9)
@@ -134,7 +134,7 @@ def test_energy_is_lost_in_damping_alone():
     """What the ledger of the joint says is lost is what the journal has lost."""
     record = run(1e-7)
     lost = 0.5 * (1 - particle(record, "journal")["u"][-1] ** 2)
-    assert record.block("contact_damping_work")[-1, 0] == pytest.approx(lost, rel=1e-6)
+    assert record.block("contact_damping_work")[-1, 0] == pytest.approx(lost, rel=3e-6)
     assert record.block("contact_friction_work")[-1, 0] == 0.0
 
 

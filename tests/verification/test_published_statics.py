@@ -188,6 +188,7 @@ def test_two_bar_truss_against_its_closed_form():
         "mass": 1.0,
         "model": "two-particle",
         "release": "both",
+        "strain": "current",
         "section": Section(1e-3, 1e-9),
         "material": Material(youngs_modulus=ea / 1e-3),
     }

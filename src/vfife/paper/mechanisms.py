@@ -11,7 +11,7 @@ from ..laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, Pereira
 from ..model.bodies import Section
 from ..model.joints import FrictionMoment
 from ..model.lumping import rigidified
-from ..model.mechanism import Mechanism
+from ..model.mechanism import Mechanism, Settings
 
 GROUND, CRANK, COUPLER, FOLLOWER = 0.150, 0.400, 0.260, 0.460  # m, Table 1
 MASSES = {"crank": 3.120, "coupler": 2.028, "follower": 3.588}  # kg, Table 1
@@ -84,8 +84,11 @@ def directions(crank_angle: float, below: bool) -> tuple[float, float]:
 
 
 def four_bar(p: Parameters, clearance: float, speed: float = FASTEST, loose: str = "BCD") -> Mechanism:
-    """The four-bar of Table 1 with clearance (m) in the joints that ``loose`` names, its crank turning at ``speed`` (rad/s)."""
-    m = Mechanism("four-bar of the paper")
+    """The four-bar of Table 1 with clearance (m) in the joints that ``loose`` names, its crank turning at ``speed`` (rad/s).
+
+    Every step is taken as it is, as in the paper.
+    """
+    m = Mechanism("four-bar of the paper", settings=Settings(parts=1))
     m.point("A", 0.0, 0.0)
     m.point("D", GROUND, 0.0)
     coupler, follower = directions(p.crank_angle, p.below)
