@@ -54,7 +54,7 @@ def known() -> dict[str, Callable[[], Mechanism]]:
     for name, one in INFERRED.items():
         for clearance in (1e-4, 2e-4, 5e-4):
             made = dataclasses.replace(one)
-            found[f"{name} set, {1e3 * clearance:g} mm"] = lambda p=made, c=clearance: with_settings(paper_four_bar(p, c), turns=3.0)
+            found[f"{name} set, {1e3 * clearance:g} mm"] = lambda p=made, c=clearance: with_settings(paper_four_bar(p, c), turns=3.0, parts=8)
     return found
 
 
