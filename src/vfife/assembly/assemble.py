@@ -87,19 +87,9 @@ def assemble(
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     if redundant(filler.layout, filler.state, topology):
         topology = dataclasses.replace(topology, redundant=True)
-    choice = choose_step(
-        mechanism,
-        filler.layout,
-        filler.state,
-        topology,
-        parts.touches,
-        step,
-        expected,
-        owners,
-        [j.name for j in parts.ideals],
-        free=motion.mobility.after_drives,
-        **run,
-    )
+    ideals = [joint.name for joint in parts.ideals]
+    names = (parts.touches, step, expected, owners, ideals)
+    choice = choose_step(mechanism, filler.layout, filler.state, topology, *names, free=motion.mobility.after_drives, **run)
     if parts.ideals and coarse(choice, filler.layout, filler.state):
         topology = dataclasses.replace(topology, coarse=True)
     filler.put("step", choice.step)
@@ -107,8 +97,7 @@ def assemble(
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
-        tuple(j.name for j in parts.ideals),
-        pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
+        tuple(ideals), pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
         tuple(t.touching.path for t in parts.touches), motion.mobility, cautions(mechanism),
     )  # fmt: skip
 

@@ -21,7 +21,7 @@ ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "u
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 ANSWER = "{ double, double, double, double }"  # of a polynomial
 SHORT = 4000  # lines of a whole step that is worth being made fast
-COPY = int(__import__("os").environ.get("COPYB", "10000"))  # bytes of a copy of the state of which there may be two
+COPY = 6_000  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
 DRIVER = Path(__file__).with_name("driver.ll")
 

@@ -96,9 +96,9 @@ def contact_geometry(S, I, start, p, h):
             onset(S, j, b, k, depth, start, p, h)
         if seldom(depth <= 0.0 and S[j + CONTACT.slowness] > 0.0):
             S[SYSTEM.event] = 1.0
-        slowness = S[j + CONTACT.slowness] if touching else 0.0
+            S[j + CONTACT.slowness] = 0.0
+        slowness = S[j + CONTACT.slowness]
         S[j + CONTACT.penetration] = depth
-        S[j + CONTACT.slowness] = slowness
         S[j + CONTACT.duration] += S[SYSTEM.step] if touching else 0.0
         S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = contact_law(
             I[r + CONTACT_INDEX.contact], depth if touching else 0.0, slowness, S, j + CONTACT.slots
@@ -277,7 +277,6 @@ def change_regime(S, I, r, free, sliding, normal):
     if I[r + CONTACT_INDEX.ahead] != 0:
         sliding = sliding if abs(sliding) > STICKS * abs(free) else 0.0
     regime = friction_regime(I[r + CONTACT_INDEX.friction], sliding, S, j + CONTACT.friction_slots)
-    regime = regime if normal > 0.0 else S[j + CONTACT.regime]
-    if seldom(regime != S[j + CONTACT.regime]):
+    if seldom(normal > 0.0 and regime != S[j + CONTACT.regime]):
         S[SYSTEM.event] = 1.0
-    S[j + CONTACT.regime] = regime
+        S[j + CONTACT.regime] = regime

@@ -115,7 +115,7 @@ def engage(S, g, angle):
     regime = -1.0 if low else 1.0 if high else 0.0
     if seldom(regime != S[g + SPRING.regime]):
         S[SYSTEM.event] = 1.0
-    S[g + SPRING.regime] = regime
+        S[g + SPRING.regime] = regime
 
 
 def bush(S, g, b, k, arm_k, arm_b, ex, ey, angle, p, h):

@@ -76,7 +76,7 @@ def pass_kinks(S, I):
         f = I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.row]
         if seldom(S[f + FUNCTION.kinks] != S[f + FUNCTION.passed]):
             S[SYSTEM.event] = 1.0
-        S[f + FUNCTION.passed] = S[f + FUNCTION.kinks]
+            S[f + FUNCTION.passed] = S[f + FUNCTION.kinks]
 
 
 def drift(S, i, d):
