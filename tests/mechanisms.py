@@ -8,6 +8,7 @@ from support import CONTACT_LAWS, contact_law, with_settings
 from vfife.laws import Ambrosio, ContactLaw, FrictionLaw
 from vfife.model.bodies import Section
 from vfife.model.drivers import Harmonic, Ramp, Torque
+from vfife.model.joints import ClearanceCurvedSlot, CurvedSlot
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
@@ -94,3 +95,30 @@ def swing(contact: ContactLaw, lane: int = 0) -> Mechanism:
     m.drivers["lower"] = Torque(body="lower", value=(0.0, 5.0, -3.0, 1.0), times=(0.0, 0.002, 0.005, 0.01))
     m.loads["pull"] = PointForce(name="pull", at="lower.tip", force=(20.0, 5.0), moment=0.3, times=(0.0, 0.003, 0.006), factors=(1.0, -1.0, 0.5))
     return with_settings(m, damping=2.0)
+
+
+def geared_ring() -> Mechanism:
+    """Three wheels on ground pins, geared in a ring: any two gears make the third superfluous."""
+    m = Mechanism("ring")
+    for k, name in enumerate("abc"):
+        m.point(f"O{name}", 0.3 * k, 0.0)
+        m.rigid_body(name, mass=1.0, inertia=0.01, pins={"axis": (0.0, 0.0)}, position=(0.3 * k, 0.0))
+        m.revolute(f"J{name}", f"ground.O{name}", f"{name}.axis")
+    for first, second, ratio in (("a", "b", -0.5), ("b", "c", -0.4), ("a", "c", 0.2)):
+        m.gear(f"{first}{second}", first, second, ratio=ratio)
+    m.drive("a", speed=100.0)
+    return m
+
+
+def beads() -> Mechanism:
+    """One bead on a circle and one in a slot with play, which its wall stops within a few microseconds; a massless link between two more."""
+    m = Mechanism("beads", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.point("P", 2.0, 0.0)
+    m.rigid_body("bead", mass=1.0, inertia=0.01, position=(0.5, 0.0), velocity=(0.0, 1.0, 3.0))
+    m.joints["slot"] = CurvedSlot(name="slot", bearing="ground.O", journal="bead.center", radius=0.5)
+    m.rigid_body("loose", mass=1.0, inertia=0.01, position=(2.5, 0.0), velocity=(0.5, 0.2, -2.0))
+    m.joints["play"] = ClearanceCurvedSlot(name="play", bearing="ground.P", journal="loose.center", radius=0.5, clearance=2e-6, journal_radius=0.01)
+    m.rigid_body("bob", mass=1.0, inertia=0.01, position=(0.0, -1.0), velocity=(1.0, 0.0, 1.0))
+    m.distance("rope", "ground.O", "bob.center", length=1.0)
+    return m

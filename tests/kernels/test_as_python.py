@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import vfife
-from mechanisms import every_drive, every_law, everything
-from support import bits
+from mechanisms import beads, every_drive, every_law, everything, geared_ring
+from support import bits, journal_in_bearing, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.codegen.graph import tables
 from vfife.codegen.runner import Runner
@@ -25,6 +25,8 @@ AHEAD, COMPARED = 200, 20
 
 EXAMPLES = ("elastic_pendulum", "four_bar_case_c", "gear_train", "scissor_lift", "slider_crank_loose_guide", "squeezer")
 CASES = {name: vfife.load_model(FOLDER / f"{name}.toml") for name in EXAMPLES}
+CASES |= {"ring": geared_ring(), "beads": beads(), "touching soon": journal_in_bearing(clearance=2e-6)}
+CASES["coarse"] = with_settings(vfife.load_model(FOLDER / "four_bar_ideal.toml"), step=2.5e-4)
 CASES |= {"every kind": everything(), "every law": every_law(), "every drive": every_drive()}
 
 
@@ -52,16 +54,19 @@ def laws(monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.parametrize("name", CASES)
 def test_functions_give_the_bits_of_the_gathered_text(name, laws):
     mechanism = CASES[name]
-    assembly = assemble(mechanism, duration=1e-3 if mechanism.settings.duration is None and mechanism.settings.turns is None else None)
+    long = mechanism.settings.duration or mechanism.settings.turns
+    assembly = assemble(mechanism, duration=None if long else 1e-3)
     laws(assembly.topology)
     kept = recorded_rows(assembly)
-    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None], "interpreted", kept)
+    out_of_phase = np.array([0.5])
+    state = assembly.state[:, None].copy()
+    runner = Runner(assembly.topology, state, assembly.tables[None], "interpreted", kept, shares=out_of_phase)
     integers, layout, size = tables(assembly.topology)
     functions, extremes = np.asarray(assembly.tables).reshape(-1), np.array(layout.of("extreme"))
     for n0 in (0, COMPARED + AHEAD):
         ours, out = runner.states.copy(), np.zeros((COMPARED, len(kept), 1))
         scratch = (np.zeros(size), np.zeros(layout.rows))
-        advance.advance(*scratch, functions, integers.tolist(), ours.reshape(-1), layout.rows, 1, n0, 1, 8, np.zeros(1), out, kept, extremes)
+        advance.advance(*scratch, functions, integers.tolist(), ours.reshape(-1), layout.rows, 1, n0, 1, 8, out_of_phase, out, kept, extremes)
         assert (bits(runner.advance(1, COMPARED)) == bits(out)).all(), n0
         assert (bits(runner.states) == bits(ours)).all(), n0
         runner.advance(AHEAD, 1)

@@ -5,26 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from mechanisms import geared_ring
 from support import go, joint_gap
 from vfife.model.mechanism import Mechanism
 
 
-def wheels() -> Mechanism:
-    """Three wheels on ground pins, geared in a ring: any two gears make the third superfluous."""
-    m = Mechanism("ring")
-    for k, name in enumerate("abc"):
-        m.point(f"O{name}", 0.3 * k, 0.0)
-        m.rigid_body(name, mass=1.0, inertia=0.01, pins={"axis": (0.0, 0.0)}, position=(0.3 * k, 0.0))
-        m.revolute(f"J{name}", f"ground.O{name}", f"{name}.axis")
-    for first, second, ratio in (("a", "b", -0.5), ("b", "c", -0.4), ("a", "c", 0.2)):
-        m.gear(f"{first}{second}", first, second, ratio=ratio)
-    m.drive("a", speed=100.0)
-    return m
-
-
 def test_moments_of_gears_in_a_ring_do_not_drift():
     """Nothing is accelerated, so no moment is right; extrapolated reactions came to 587 and 1467 N m within 20 s."""
-    record = go(wheels(), "auto", duration=20.0, outputs=200)
+    record = go(geared_ring(), "auto", duration=20.0, outputs=200)
     assert np.abs(record.block("joint_moment")).max() < 1e-5
 
 
