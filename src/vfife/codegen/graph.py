@@ -267,25 +267,14 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = made.low, made.graph.size, inverse, y, gn, gt
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
     watched = bool(t.contact_bearing or t.function_start or STOP in t.spring_kind)
-    plain = (made.layout.plain, t.particles - len(t.bound))
-    closes = (any(made.graph.closing), t.redundant, t.coarse)
     turned = gt + made.count
-    flags = (*plain, t.path_unit, t.damped, worked, made.graph.close_again, watched, *closes, any(made.graph.together), turned)
-    names = (
-        "plain",
-        "plain_count",
-        "path_unit",
-        "damped",
-        "worked",
-        "close_again",
-        "watched",
-        "closing",
-        "redundant",
-        "coarse",
-        "together",
-        "turned",
-    )
-    integers[[getattr(HEADER, name) for name in names]] = flags
+    flags = {
+        "plain": made.layout.plain, "plain_count": t.particles - len(t.bound), "path_unit": t.path_unit, "damped": t.damped, "worked": worked,
+        "close_again": made.graph.close_again, "watched": watched, "closing": any(made.graph.closing), "redundant": t.redundant,
+        "coarse": t.coarse, "together": any(made.graph.together), "turned": turned,
+    }  # fmt: skip
+    for name, value in flags.items():
+        integers[getattr(HEADER, name)] = value
     return integers, made.layout, turned + 2 * made.graph.size + made.count
 
 

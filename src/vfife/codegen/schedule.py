@@ -151,6 +151,20 @@ def _ahead(operations: Sequence[Operation], place: dict[str, int], rare: Operand
     return found
 
 
+class Lines(list[Line]):
+    """Lines in the order in which they are written."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.there: set[str] = set()
+
+    def read(self, name: Operand) -> None:
+        """A row is read where it is first asked for."""
+        if isinstance(name, str) and is_row(name) and name not in self.there:
+            self.there.add(name)
+            self.append(Load(int(name[1:])))
+
+
 def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
     """Operations with each row read where it is first used; what is written goes to another copy of the state as soon as it is known.
 
@@ -159,21 +173,15 @@ def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
     rows: dict[Operand, list[int]] = {}
     for row, value in trace.stores.items():
         rows.setdefault(value, []).append(row)
-    out: list[Line] = []
-    there: set[str] = set()
-
-    def read(name: Operand) -> None:
-        if isinstance(name, str) and is_row(name) and name not in there:
-            there.add(name)
-            out.append(Load(int(name[1:])))
+    out = Lines()
 
     for operation in operations:
         for name in operation.uses:
-            read(name)
+            out.read(name)
         out.append(operation)
         out += [Store(row, operation.name) for row in rows.pop(operation.name, ())]
     for value, left in rows.items():  # numbers, and rows that take the place of others
-        read(value)
+        out.read(value)
         out += [Store(row, value) for row in left]
     return [*out, Test(trace.rare)] if isinstance(trace.rare, str) else out
 
@@ -191,21 +199,15 @@ def woven(trace: Trace, operations: list[Operation]) -> list[Line]:
             at_end.append(row)
         else:
             due.setdefault(max(test, last.get(f"v{row}", -1), place[value]), []).append(row)
-    out: list[Line] = []
-    there: set[str] = set()
-
-    def read(name: Operand) -> None:
-        if isinstance(name, str) and is_row(name) and name not in there:
-            there.add(name)
-            out.append(Load(int(name[1:])))
+    out = Lines()
 
     for k, operation in enumerate(operations):
         for name in operation.uses:
-            read(name)
+            out.read(name)
         out.append(operation)
         if k == test:
             out.append(Test(trace.rare))
         out += [Store(row, trace.stores[row]) for row in due.get(k, ())]
     for row in at_end:
-        read(trace.stores[row])
+        out.read(trace.stores[row])
     return out + [Store(row, trace.stores[row]) for row in at_end]

@@ -57,14 +57,6 @@ def sincos(angle):
     return sine, cosine
 
 
-def small_turn(c, s, angle):
-    """Direction (c, s) turned by a small angle (rad); error below 1e-16 for |angle| < 0.05."""
-    z = angle * angle
-    sa = angle * (1.0 - z * (1.0 / 6.0) * (1.0 - z * 0.05 * (1.0 - z * (1.0 / 42.0))))
-    ca = 1.0 - 0.5 * z * (1.0 - z * (1.0 / 12.0) * (1.0 - z * (1.0 / 30.0) * (1.0 - z * (1.0 / 56.0))))
-    return c * ca - s * sa, s * ca + c * sa
-
-
 def turned(angle):
     """Sine and versine (1 - cosine) of a small angle (rad), relative error below 1e-16 for |angle| < 0.1, below 1e-9 for |angle| < 1."""
     z = angle * angle
