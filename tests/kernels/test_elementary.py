@@ -73,6 +73,13 @@ def test_small_turn(angle):
     assert abs(float(Decimal(s) - sine)) < 2e-17 and abs(float(Decimal(c) - cosine)) < 1.2e-16
 
 
+@pytest.mark.parametrize(("angle", "most"), [(-0.99, 3e-8), (0.8, 4e-9), (-0.5, 3e-11), (0.1, 1e-15)])
+def test_large_turns_of_a_step_lose_some_digits(angle, most):
+    """The series ends with the ninth power."""
+    sine, versine = elementary.turned(angle)
+    assert (sine, versine) == pytest.approx((math.sin(angle), 2.0 * math.sin(0.5 * angle) ** 2), rel=most)
+
+
 def test_small_turn_adds_to_a_direction():
     c, s = small_turn(math.cos(1.0), math.sin(1.0), 0.04)
     assert (c, s) == pytest.approx((math.cos(1.04), math.sin(1.04)), rel=0, abs=2.5e-16)
