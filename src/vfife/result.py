@@ -80,16 +80,23 @@ class Result(View):
         Raises RunFileError where there is no such file, or it is damaged or of another kind.
         """
         with RunFile.open(path) as file:
-            where = str(file.path)
-            meta, last = file.meta, file.last_checkpoint()
-            result = cls(restored(meta, file.steps, file.rows, where))
-            result.record.estimate = Estimate(**meta["estimate"]) if "estimate" in meta else None
-            result.record.companions = restored_companions(file, result.record)
-            if last is not None and last[0] == result.record.steps[-1]:
-                result.record.final = final_state(meta, result.record.assembly, last[1], where)
-            kept = file.reference()
-            if kept is not None:
-                result.reference = cls(restored(*kept, where=where))
+            return cls.of(file)
+
+    @classmethod
+    def of(cls, file: RunFile) -> Result:
+        """The result that an open run file holds."""
+        where, meta, last = str(file.path), file.meta, file.last_checkpoint()
+        result = cls(restored(meta, *file.outputs(), where))
+        record = result.record
+        record.estimate = Estimate(**meta["estimate"]) if "estimate" in meta else None
+        record.companions = restored_companions(file, record)
+        record.reached = int(record.steps[-1]) if last is None else max(last[0], int(record.steps[-1]))
+        if last is not None and last[0] == record.steps[-1]:
+            record.final = final_state(meta, record.assembly, last[1], where)
+        kept = file.reference()
+        if kept is not None:
+            result.reference = cls(restored(*kept, where=where))
+        record.lost = file.lost
         return result
 
     # ------------------------------------------------------------------------------------------------------- pictures

@@ -127,11 +127,11 @@ def interrupt_at(monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     """Ctrl-C as it arrives: when a call of the compiled loop is over, or while it is compiled."""
     advance, calls = Runner.advance, []
 
-    def interrupted(self, count, outputs):
+    def interrupted(self, count, outputs, **how):
         calls.append(count)
         if len(calls) == call:
             raise KeyboardInterrupt
-        return advance(self, count, outputs)
+        return advance(self, count, outputs, **how)
 
     monkeypatch.setattr(Runner, "advance", interrupted)
 

@@ -22,6 +22,7 @@ from .source import data_driven
 PARTS = 8  # steps that a step with an event is taken again in
 Rows = NDArray[np.float64]
 Integers = NDArray[np.uint32]
+NONE: Integers = np.zeros(0, dtype=np.uint32)
 ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1"  # of the data-driven loop
 
 
@@ -112,10 +113,15 @@ class Runner:
         """Present state, shape (rows, lanes)."""
         return self.S.reshape(-1, self.lanes)
 
-    def advance(self, count: int, outputs: int) -> Rows:
-        """``outputs`` times ``count`` steps from where the state is."""
-        out = np.zeros((outputs, len(self.kept), self.lanes))
+    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Rows:
+        """``outputs`` times ``count`` steps from where the state is.
+
+        An interval between two outputs may be taken in several calls: the extremes begin ``anew`` in the first of them only, and the last alone
+        has to ``record``.
+        """
+        kept, extremes = self.kept if record else NONE, self.extremes if anew else NONE
+        out = np.zeros((outputs, len(kept), self.lanes))
         state = (self.S, self.spare, self.functions)
-        self.take(Advance(*state, self.done, count, self.parts, self.shares, out, self.kept, self.extremes))
+        self.take(Advance(*state, self.done, count, self.parts, self.shares, out, kept, extremes))
         self.done += count * outputs
         return out

@@ -150,9 +150,16 @@ def _named(*laws: tuple[str, Law]) -> tuple[tuple[str, Law], ...]:
     return laws
 
 
+def missing(result: View) -> Iterable[str]:
+    """A sentence about what was damaged in the file of a run."""
+    if lost := result.record.lost:
+        yield f"The run file is damaged: {', '.join(lost)} could not be read and count nowhere in what is told here; run the model again."
+
+
 def warnings(result: View) -> Iterable[str]:
     """Sentences about what makes a run doubtful, each with what to do."""
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
+    yield from missing(result)
     if record.status != Status.COMPLETE:
         yield STATUS.get(record.status, f"The run is {record.status}.").format(time=float(result.time[-1]))
     if choice.step > choice.stable:
