@@ -94,8 +94,11 @@ def run(
 
         prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), reference, start)
     refuse_no_room(prepared, place)
-    result = carried(lambda: begun_in(place, prepared), place, quiet)
-    concluded(result, place, figures, as_json, quiet)
+    try:
+        result = carried(lambda: begun_in(place, prepared), place, quiet)
+        concluded(result, place, figures, as_json, quiet)
+    finally:
+        place.leave()
 
 
 def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, Checkpoint | None]:
