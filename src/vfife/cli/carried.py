@@ -78,9 +78,13 @@ def kept_in(place: RunFolder) -> str:
 
 def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, quiet: bool) -> None:
     """Summary, figures, the one object or the tables, and the exit code."""
+    from ..codegen.cache import trouble
     from ..results.folder import SUMMARY, written
 
-    notes = [*place.notes, *result.summary["run"]["notes"], *result.summary["warnings"]]
+    cached = trouble()
+    notes = [*place.notes, *([cached] if cached else []), *result.summary["run"]["notes"], *result.summary["warnings"]]
+    if cached and not quiet:
+        tell("note", f"{cached}.")
     with writing(str(place.path), f"The run itself is whole, in {place.path}."):
         written(place.path / SUMMARY, json_text(result.summary) + "\n")
         if figures and result.record.status != Status.INTERRUPTED:

@@ -24,7 +24,10 @@ def diverged(record: Record) -> str:
 
 
 def first_infinite(record: Record) -> tuple[int, str]:
-    """Step of the first number beyond all bounds, and what it is, found by going on from the last sound output step by step."""
+    """Step of the first number beyond all bounds, and what it is: as the run found it, else by going on from the last sound output step by step."""
+    if record.burst is not None:
+        gone = "left all bounds" if record.burst.finite else "became infinite"
+        return record.burst.step, f"{named(record.assembly, record.burst.rows)} {gone}"
     from ..assembly.bounds import unsound
     from ..codegen.runner import Runner
 
