@@ -6,9 +6,11 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
+from .analysis.energy import drifting, too_open
 from .analysis.ranges import estimate, own_ranges
 from .analysis.trust import finer
 from .assembly.assemble import assemble
@@ -198,7 +200,9 @@ def carry_out(
         keep_reference(file, prepared.reference.record)
     if prepared.static:
         return Result(equilibrium(assembly, loop=loop, progress=progress, file=file, resume=resume))
-    record = looked_at(prepared, run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, resume=resume))
+    judge = partial(drifting, assembly, recorded_rows(assembly))
+    record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, resume=resume, judge=judge)
+    record = looked_at(prepared, record)
     if record.companions is not None:
         record.companions.earlier = prepared.earlier
     while prepared.searches and (tried := finer(record)) is not None:
@@ -207,10 +211,15 @@ def carry_out(
         assembly = halved(prepared, assembly, tried)
         if file is not None:
             file.begin(prepared.meta(assembly, file.meta["model"], earlier))
-        record = looked_at(prepared, run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions))
+        judge = partial(drifting, assembly, recorded_rows(assembly))
+        record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, judge=judge)
+        record = looked_at(prepared, record)
         if record.companions is not None:
             record.companions.earlier = earlier
-    return Result(record, prepared.reference)
+    result = Result(record, prepared.reference)
+    if record.status == Status.COMPLETE and too_open(record, result.ledger):
+        record.status = Status.ENERGY
+    return result
 
 
 def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Checkpoint | None]:

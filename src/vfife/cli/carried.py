@@ -10,7 +10,7 @@ import typer
 
 from ..solvers.status import Status
 from .signals import NOW
-from .terminal import BAD_INPUT, DIVERGED, STORAGE, fail, json_text, output, print_json, tell, writing
+from .terminal import BAD_INPUT, DIVERGED, ENERGY, STORAGE, fail, json_text, output, print_json, tell, writing
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -140,6 +140,10 @@ def ending(result: Result, place: RunFolder) -> tuple[str, str, int]:
     if status == Status.INTERRUPTED:
         made = f"{NOW.by}: {record.reached:,} of {choice.steps:,} steps were made"
         return status, f"{made}; they are kept in {place.path}, and the run goes on with: {go_on}", NOW.code
+    if status == Status.ENERGY:
+        from ..report.diverged import energy_cause
+
+        return status, f"{energy_cause(result)} All of it is kept in {place.path}.", ENERGY
     if status == Status.DIVERGED:
         from ..report.diverged import diverged
 

@@ -151,5 +151,5 @@ def loaded(run: Path) -> tuple[Result, Path]:
         file = find_run(run)
         result = Result.load(file)
     if result.record.status != Status.COMPLETE:
-        errors().print(f"note: this run is {result.record.status}; what it wrote until then is used", markup=False)
+        errors().print(f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False)
     return result, file

@@ -34,7 +34,7 @@ def cache_folder() -> Path:
 
 
 def private(folder: Path) -> bool:
-    """Makes the folder, where it is missing, and says whether it is its owner's alone; False where it cannot be used: then :func:`trouble` says why."""
+    """Makes the folder, where it is missing, and says whether it is its owner's alone; where it cannot be used, :func:`trouble` says why."""
     try:
         fault = _fault(folder)
     except OSError as error:

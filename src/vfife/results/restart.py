@@ -28,8 +28,10 @@ def refuse_ended(record: Record, until: float | None, where: str) -> None:
     """Raises ResumeError for a run that cannot go on, with what can be done instead."""
     if any(what.startswith("output") for what in record.lost):
         raise ResumeError(f"{where}: this run file is damaged ({', '.join(record.lost)}), and would go on with a gap; run the model again")
-    if record.status in (Status.DIVERGED, Status.NOT_CONVERGED):
-        raise ResumeError(f"{where}: this run is {record.status}, and would be so again; change the model or its step, and start a new run")
+    if record.status in (Status.DIVERGED, Status.NOT_CONVERGED, Status.ENERGY):
+        raise ResumeError(
+            f"{where}: this run ended for good ({record.status}), and would do so again; change the model or its step, and start a new run"
+        )
     if record.status == Status.COMPLETE and until is None:
         raise ResumeError(f"{where}: this run is complete; say how far it is to go on (--until), or start a new one from its end (--start-from)")
 

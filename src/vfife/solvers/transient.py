@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,12 @@ from .status import Status
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are
 CHECKPOINT_SHARE = 20.0  # times as long as writing one takes: no sooner comes the next
+JUDGE_SECONDS, JUDGED = 5.0, 200  # between two looks at the energy of a run, and outputs in one
 REPLAY = 1000  # steps of a piece in which a blow-up is looked for
 LONGEST_STRAIGHT_LINE = 25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
+
+
+Judge: TypeAlias = Callable[[NDArray[np.int64], Rows], bool]
 
 
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
@@ -45,16 +50,18 @@ def run(
     file: Writer | None = None,
     companions: int = 0,
     resume: Checkpoint | None = None,
+    judge: Judge | None = None,
 ) -> Record:
     """Steps a mechanism from its start to the end of its choice of steps, with so many companions beside it.
 
     Ctrl-C (and whatever signal raises KeyboardInterrupt) ends it within a quarter of a second with status "interrupted" and a checkpoint, numbers
     beyond all bounds with "diverged"; what was computed before is kept. Whatever runs beside it, and wherever it was interrupted and went on
-    from a checkpoint of its ``file``, ``resume``, the run has the same bits.
+    from a checkpoint of its ``file``, ``resume``, the run has the same bits. ``judge`` looks at steps and rows of outputs every few
+    seconds, those of output 0 before them, and ends the run with status "energy" by saying True.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     with Halt() as halt:
-        stepping = Stepping(assembly, choose_loop(assembly, loop), companions, file, halt)
+        stepping = Stepping(assembly, choose_loop(assembly, loop), companions, file, halt, judge)
         try:
             stepping.begin(resume)
             status = stepping.to_the_end(progress)
@@ -69,8 +76,8 @@ def run(
 class Stepping:
     """A run under way: its lanes, what is kept of them, and where it stands."""
 
-    def __init__(self, assembly: Assembly, loop: str, companions: int, file: Writer | None, halt: Halt) -> None:
-        self.assembly, self.loop, self.file, self.halt = assembly, loop, file, halt
+    def __init__(self, assembly: Assembly, loop: str, companions: int, file: Writer | None, halt: Halt, judge: Judge | None) -> None:
+        self.assembly, self.loop, self.file, self.halt, self.judge = assembly, loop, file, halt, judge
         self.kept, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
         first = lanes(companions, loop)
         states, tables = np.repeat(assembly.state[:, None], len(first), axis=1), np.repeat(assembly.tables[None, :], len(first), axis=0)
@@ -83,6 +90,8 @@ class Stepping:
         self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
         self.burst: Burst | None = None
         self.kept_at, self.last, self.cost = -1, time.monotonic(), 0.0
+        self.first: Rows | None = None
+        self.judged, self.open = time.monotonic(), False
 
     # ---------------------------------------------------------------------------------------------------------- begin
 
@@ -103,6 +112,8 @@ class Stepping:
         states[self.lasting] = values[:, [lane if lane < self.own else 0 for lane in range(states.shape[1])]]
         self.runner.done, self.done, self.kept_at = resume.step + 1, resume.step, resume.step
         self.earlier = float(resume.more.get("wall", 0.0))
+        if self.file is not None and self.judge is not None:
+            self.first = self.file.later()()[:1]
         if self.gathering is not None and self.file is not None:
             self.gathering.restore(resume.more["companions"], self.file.companions())
 
@@ -119,6 +130,8 @@ class Stepping:
             if not sound:
                 self.burst = self._replayed(before, state)
                 return Status.DIVERGED
+            if self.open:
+                return Status.ENERGY
             if progress is not None:
                 progress(Progress(self.done, choice.steps, self.wall))
             self.halt.look()
@@ -157,6 +170,7 @@ class Stepping:
         beside = self.gathering.take(steps, every[:sound]) if self.gathering is not None and sound else None
         if sound:
             self.done = int(steps[-1])
+        self._look(steps, rows[:sound])
         if self.file is None:
             self.parts.append(rows[:sound])
         else:
@@ -166,6 +180,16 @@ class Stepping:
             if due and sound == len(rows):
                 self._kept(began)
         return sound == len(rows)
+
+    def _look(self, steps: NDArray[np.int64], rows: Rows) -> None:
+        """Has outputs judged, together with output 0, from which energies count."""
+        if self.first is None and len(steps) and steps[0] == 0:
+            self.first = rows[:1]
+        if self.judge is None or self.first is None or len(steps) < 2 or time.monotonic() - self.judged < JUDGE_SECONDS:
+            return
+        some = slice(-JUDGED, None)
+        self.open = self.judge(np.concatenate([[0], steps[some]]), np.concatenate([self.first, rows[some]]))
+        self.judged = time.monotonic()
 
     # ------------------------------------------------------------------------------------------------------ checkpoints
 
