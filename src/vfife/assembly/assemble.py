@@ -25,7 +25,7 @@ from .entities import Parts, parts_of, touches_of, turning
 from .fill import Filler, touch_rows
 from .numbering import Numbering
 from .prestress import prestress, wanted
-from .redundancy import redundant
+from .redundancy import redundant, shared
 from .timestep import choose_step, coarse, missed
 
 
@@ -100,6 +100,7 @@ def assemble(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
         tuple(ideals), pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
         tuple(t.touching.path for t in parts.touches), motion.mobility, notes,
+        shared(filler.layout, filler.state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
 
 
