@@ -189,5 +189,7 @@ def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
 
 def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> bool:
     """Whether a turn has so few steps that ideal joints are closed by Newton's method: a turn of the driver, else the fastest that is known."""
+    if mechanism.settings.analysis == "static":
+        return True  # an iteration is a large step: what a flat structure is moved by in one may be more than its rise
     spin = 2.0 * math.pi / choice.turn if choice.turn else _spin(mechanism, layout, state)
     return choice.step * spin * COARSE_STEPS > 2.0 * math.pi
