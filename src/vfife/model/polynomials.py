@@ -67,11 +67,10 @@ class Polynomials:
 
         if self.period is not None:
             times = times - np.floor(times / self.period) * self.period
-        piece = np.maximum(np.searchsorted(self.starts, times, side="right") - 1, 0)
-        x = times - np.array(self.starts)[piece]
-        c = np.zeros((len(self.starts), 7))
-        for row, given in zip(c, self.coefficients, strict=True):
-            row[: len(given)] = given
+        count = len(self.starts)
+        starts, c = self._table[-9 * count : -8 * count], self._table[-8 * count : -count].reshape(count, 7)
+        piece = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        x = times - starts[piece]
         value, rate, half = (np.zeros(len(times)) for _ in range(3))
         for k in range(6, -1, -1):
             half, rate, value = half * x + rate, rate * x + value, value * x + c[piece, k]
