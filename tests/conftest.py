@@ -1,5 +1,6 @@
 """No test is judged by time; laws that a test registers do not stay; files that take long begin first."""
 
+import gc
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -35,6 +36,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Puts the files of ``FIRST`` first, in its order."""
     rank = {name: k for k, name in enumerate(FIRST)}
     items.sort(key=lambda item: rank.get("/".join(Path(item.path).parts[-2:]), len(rank)))
+
+
+def pytest_collection_finish() -> None:
+    """What four thousand tests are made of stays: the collector need not look at it again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture
