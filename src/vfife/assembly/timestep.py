@@ -26,7 +26,7 @@ SAFETY = 0.9
 CONTACT_STEPS = 80  # steps in half a period of the stiffest contact, where nobody looks whether they are enough
 FIRST_CONTACT_STEPS = 20  # where companions do: with them a search for the step begins
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
-COARSE_STEPS = 1500  # steps a turn below which they count as coarse
+COARSE_STEPS = (1500, 500, 250)  # steps a turn below which ideal joints are corrected once more
 MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
 
 
@@ -155,7 +155,7 @@ def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: floa
     return min([*scales, length])
 
 
-def coarse(choice: StepChoice, layout: Layout, state: Array) -> bool:
-    """Whether a turn has so few steps that ideal joints are closed by Newton's method: a turn of the driver, else the fastest of the start."""
+def coarse(choice: StepChoice, layout: Layout, state: Array) -> int:
+    """How many corrections more ideal joints get because a turn has few steps: a turn of the driver, else the fastest of the start."""
     spin = 2.0 * math.pi / choice.turn if choice.turn else float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
-    return choice.step * spin * COARSE_STEPS > 2.0 * math.pi
+    return sum(choice.step * spin * steps > 2.0 * math.pi for steps in COARSE_STEPS)
