@@ -90,8 +90,8 @@ def assemble(
     ideals = [joint.name for joint in parts.ideals]
     names = (parts.touches, step, expected, owners, ideals)
     choice = choose_step(mechanism, filler.layout, filler.state, topology, *names, free=motion.mobility.after_drives, **run)
-    if parts.ideals and coarse(mechanism, choice, filler.layout, filler.state):
-        topology = dataclasses.replace(topology, coarse=True)
+    if parts.ideals:
+        topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, filler.layout, filler.state))
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     notes = cautions(mechanism) + missed(mechanism, choice, filler.layout, filler.state)

@@ -27,7 +27,7 @@ SAFETY = 0.9
 CONTACT_STEPS = 80  # steps in half a period of the stiffest contact, where nobody looks whether they are enough
 FIRST_CONTACT_STEPS = 20  # where companions do: with them a search for the step begins
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
-COARSE_STEPS = 1500  # steps a turn below which they count as coarse
+COARSE_STEPS = (1500, 500, 250)  # steps a turn below which ideal joints are corrected once more
 COARSEST_STEPS = 60  # steps a turn down to which ideal mechanisms hold
 MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
 
@@ -187,9 +187,9 @@ def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
     )
 
 
-def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> bool:
-    """Whether a turn has so few steps that ideal joints are closed by Newton's method: a turn of the driver, else the fastest that is known."""
+def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> int:
+    """How many corrections more ideal joints get because a turn has few steps: a turn of the driver, else the fastest that is known."""
     if mechanism.settings.analysis == "static":
-        return True  # an iteration is a large step: what a flat structure is moved by in one may be more than its rise
+        return len(COARSE_STEPS)  # an iteration is a large step: what a flat structure is moved by in one may be more than its rise
     spin = 2.0 * math.pi / choice.turn if choice.turn else _spin(mechanism, layout, state)
-    return choice.step * spin * COARSE_STEPS > 2.0 * math.pi
+    return sum(choice.step * spin * steps > 2.0 * math.pi for steps in COARSE_STEPS)

@@ -278,7 +278,7 @@ done:
 
 def resize(change: Trace, width: int) -> str:
     """``resize(S, size, shift, repeated)``: the state as steps of another size have it."""
-    w = Writer(width)
+    w = Writer(width, change.truths)
     w.lines(woven(change, streamed(change)))
     arguments = ", ".join(f"{w.number} %{name}" for name in ("size", "shift", "repeated"))
     body = "\n".join(w.out)
