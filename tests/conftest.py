@@ -1,11 +1,14 @@
 """No test is judged by time; laws that a test registers do not stay; files that take long begin first."""
 
+import gc
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from one_loop import ForAllLaws
+from vfife.codegen import runner
 from vfife.laws import ContactLaw, FrictionLaw
 
 # The first two compile the data-driven loop, each for another set of laws, and those after them find it compiled; then what takes long, so
@@ -25,12 +28,20 @@ def pytest_configure(config: pytest.Config) -> None:
     """Files keep their order among processes; by itself xdist begins with those of most tests."""
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
+    if "not verify" in config.option.markexpr:
+        runner.DataDriven = ForAllLaws
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Puts the files of ``FIRST`` first, in its order."""
     rank = {name: k for k, name in enumerate(FIRST)}
     items.sort(key=lambda item: rank.get("/".join(Path(item.path).parts[-2:]), len(rank)))
+
+
+def pytest_collection_finish() -> None:
+    """What four thousand tests are made of stays: the collector need not look at it again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture

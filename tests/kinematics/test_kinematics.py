@@ -102,7 +102,7 @@ def left_over(system, position, acceleration, force, reactions, torque):
 @pytest.fixture(scope="module")
 def full_turn():
     position, path = rough_guess(), []
-    for angle in np.linspace(0.0, 2.0 * np.pi, 1441):
+    for angle in np.linspace(0.0, 2.0 * np.pi, 721):
         position = close(driven(four_bar(), angle), position).position
         path.append((angle, position))
     return path

@@ -350,7 +350,7 @@ def test_lugre_stick_slip_is_that_of_scipy():
         return [v, 2.0 * (0.1 * t - x) - 1e5 * z - math.sqrt(1e5) * dz - 0.4 * v, dz]
 
     times = np.linspace(0.0, end, 401)
-    exact = solve_ivp(rate, (0, end), [0.0, 0.0, 0.0], method="Radau", rtol=1e-9, atol=1e-13, t_eval=times).y[0]
+    exact = solve_ivp(rate, (0, end), [0.0, 0.0, 0.0], method="Radau", rtol=1e-6, atol=1e-11, t_eval=times).y[0]
     place = pulled(law, 2e-4, end)[::500]
     slips = (np.diff(exact) > 0.01) & ~np.concatenate([[False], np.diff(exact)[:-1] > 0.01])
     assert slips.sum() >= 3

@@ -6,6 +6,7 @@ length, (x, y, l theta) with l the body's own reach, so that one tolerance judge
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,22 +102,28 @@ def _descend(system: RigidSystem, position: Array) -> Closure:
     pace = [LARGEST_TURN * (system.reach[d.body_b] if d.turns else scale) for d in system.drives]
     limit = np.concatenate([np.full(joints, np.inf), pace])
     (phi, jacobian), damping, taken = _open(system, position), 0.1, 0
+    least, refused = None, None
     while taken < STEPS:
         error = np.clip(phi, -limit, limit)  # the drives advance no faster than the joints can follow
         if np.abs(error).max(initial=0.0) <= finest:
             break
         floor = damping * (error @ error) / scale**2
-        step = _step(weighted(weight, jacobian), weight * error, lengths, floor)
+        least = least or damped_step(weighted(weight, jacobian), weight * error)
+        step = _step(least, lengths, floor)
         if np.abs(step * lengths).max() <= finest:
             break
         taken += 1
         trial = position.copy()
         trial[1:] += step.reshape(-1, 3)
+        if refused is not None and (trial == refused).all():  # near round-off the damping grows for long before a position feels it
+            damping *= 8.0
+            continue
         tried = _open(system, trial)
         if np.linalg.norm(weight * (tried[0] - phi + error)) < np.linalg.norm(weight * error):
             position, (phi, jacobian), damping = trial, tried, max(damping / 4.0, 1e-6)
+            least, refused = None, None
         else:
-            damping *= 8.0
+            damping, refused = 8.0 * damping, trial
     return Closure(position, float(np.abs(phi).max(initial=0.0)), taken)
 
 
@@ -125,13 +132,12 @@ def _open(system: RigidSystem, position: Array) -> tuple[Array, Matrix]:
     return rows.phi, rows.jacobian
 
 
-def _step(jacobian: Matrix, error: Array, lengths: Array, damping: float) -> Array:
-    """Return -(G^T G + damping)^-1 G^T error as a step in (x, y, theta), its turns limited.
+def _step(least: Callable[[float], Array], lengths: Array, damping: float) -> Array:
+    """Return -(G^T G + damping)^-1 G^T error, of which ``least`` is the negative, as a step in (x, y, theta), its turns limited.
 
     A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from a dead
     centre nearby, and is damped until the other directions get their part.
     """
-    least = damped_step(jacobian, error)
     while True:
         step: Array = -least(damping) / lengths
         excess = np.abs(step[2::3]).max() / LARGEST_TURN
