@@ -17,7 +17,7 @@ from vfife.codegen.runner import Runner
 from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
 
-KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures", "ranges", "trust"}
+KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures", "ranges", "not_unique", "trust"}
 STABLE_NOT = ["joint.B.kind=ideal", "joint.C.kind=ideal", "joint.D.kind=ideal", "body.follower.model=elastic"]
 UNSTABLE = [word for text in [*STABLE_NOT, "body.follower.section={ square = 1e-3 }"] for word in ("--set", text)]
 

@@ -20,7 +20,7 @@ from vfife.model.mechanism import Mechanism
 from vfife.solvers.record import Record
 
 STEPS = 60
-EACH = {**dict.fromkeys(FAMILIES, 19), "linked": 5}  # a hundred
+EACH = {**dict.fromkeys(FAMILIES, 19), "linked": 5, "between": 12}  # a hundred and more
 MANY = int(os.environ.get("VFIFE_MECHANISMS", "2000"))  # in a long run
 FLOOR = {"position": 1e-9, "velocity": 1e-8, "acceleration": 3e-8, "force": 3e-8, "moment": 3e-8}  # of the largest value, and at least of 1
 NEAR = 0.3  # of what halving the step changes: how far the extrapolation may be from the truth

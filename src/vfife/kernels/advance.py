@@ -79,6 +79,7 @@ def again(S, K, T, I, tables, n, parts, rows):
         S[q] = K[q]
     dt = S[SYSTEM.step]
     shift = S[SYSTEM.shift]
+    functions(S, T, I, tables, n - 1)
     resize(S, I, dt / parts, shift * parts, 1.0)
     for i in range((n - 1) * parts + 1, n * parts + 1):
         functions(S, T, I, tables, i)

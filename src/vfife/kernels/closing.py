@@ -151,7 +151,7 @@ def residual(S, I):
 
 
 def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
-    """The same for a guide, a path or a massless link: the journal's pin is at (ex, ey) from the bearing's and goes (dx, dy) further, a share ``gain`` is closed."""
+    """The same for a guide, a path or a massless link: the journal's pin is (ex, ey) from the bearing's, goes (dx, dy), and a share is closed."""
     i = I[r + JOINT_INDEX.row]
     b = I[r + JOINT_INDEX.bearing]
     k = I[r + JOINT_INDEX.journal]

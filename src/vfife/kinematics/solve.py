@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from .linalg import RANK_TOLERANCE, Matrix, constrained, damped_step, weighted
+from .linalg import RANK_TOLERANCE, Matrix, constrained, damped_step, shared_out, weighted
 from .system import RigidSystem, checked, equations, metric
 
 Array = NDArray[np.float64]
@@ -73,7 +73,8 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
 
     M a = F + G^T lambda with G a = gamma; force [n,3] is (N, N, N m) at the centres of mass.  A reaction (fx, fy, m)
     is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of both at the same
-    place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda is the solution of minimum norm.
+    place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda is the solution of least norm, each row weighed
+    by its own diagonal of G M^-1 G^T, without the bodies that drives turn against the ground: as a step shares reactions.
     Raises AssemblyError when no acceleration exists (a dead centre, or a velocity that parts the joints), ValueError
     on bad shapes.
     """
@@ -83,6 +84,9 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
     load = checked(system, force, "force")[1:].ravel() / lengths
     motion, multiplier = constrained(rows.jacobian, rows.gamma, mass, load / mass)
     _demand(system, rows.jacobian @ motion - rows.gamma, motion, "acceleration")
+    driven = [one.body_b for one in system.drives if one.turns and one.body_a == 0]
+    free = np.repeat(~np.isin(np.arange(1, len(system.names)), driven), 3)
+    multiplier = shared_out(rows.jacobian, free / mass, multiplier)
     reaction = [one.reaction(position, multiplier[system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
     driving = [system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
     acceleration = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])

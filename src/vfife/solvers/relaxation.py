@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
+from ..kernels.topology import PINNED
 from .fictitious_mass import demands, extent, floors
 
 Array = NDArray[np.float64]
@@ -26,6 +27,7 @@ ANGLE = 0.4  # rad of the slowest motion between two looks
 SHORTEST, LONGEST, FEW = 8, 4000, 50  # iterations between two looks; few of them where contacts may begin
 BEYOND = 1.1  # of the mass for which iterations are stable, OMEGA being 3.6 of 4
 LOADED = 100.0  # what nothing but loads holds is moved by a hundredth of the size in the first iteration
+FLAT = 100.0  # times the masses where joints come apart
 NOISE = 1e-14  # of size and stiffness: forces that rounding alone makes
 HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffness has outgrown them
 
@@ -94,6 +96,34 @@ class Relaxation:
             rows = self.layout[f"particle_inverse_{name}"]
             self.state[rows] = np.where(self.state[rows] > 0.0, 1.0 / own, 0.0)
         return unstable
+
+    @property
+    def whole(self) -> bool:
+        """Whether all numbers are finite: what is loose goes far away, but what is held and flat comes apart at once."""
+        return bool(np.isfinite(self.state[self.places]).all())
+
+    def gap(self) -> float:
+        """Largest distance (m) of the two pins of an ideal joint."""
+        topology, state = self.assembly.topology, self.state
+        pinned = [k for k, (place, _) in enumerate(topology.held) if place == PINNED]
+        ends = []
+        for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
+            at = [bodies[k] for k in pinned]
+            x, y = (state[self.layout[f"joint_{side}_{axis}"]][pinned] for axis in "xy")
+            angle = np.where(np.array(at, dtype=int) > 0, state[self.layout["particle_theta"]][at], 0.0)
+            c, s = np.cos(angle), np.sin(angle)
+            ends.append((state[self.layout["particle_x"]][at] + c * x - s * y, state[self.layout["particle_y"]][at] + s * x + c * y))
+        return float(np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]).max(initial=0.0))
+
+    def go_back(self, before: Array) -> None:
+        """Goes back to a state at rest, with masses so much larger that a flat structure is moved by less than its rise in one iteration."""
+        self.state[:] = before
+        self.rest()
+        for name in ("mass", "inertia"):
+            setattr(self, name, FLAT * getattr(self, name))
+            self.state[self.layout[f"particle_inverse_{name}"]] /= FLAT
+        self.frequency, self.kinetic, self.kinetic_max, self.between = 0.0, 0.0, 0.0, SHORTEST
+        self.state[self.layout["damping"]] = 0.0
 
     def rest(self) -> None:
         """Takes all velocities away."""
