@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from support import often
 from vfife.analysis.energy import ledger
 from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
