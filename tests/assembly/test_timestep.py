@@ -277,7 +277,9 @@ def test_arms(count, gyration):
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
-@pytest.mark.parametrize(("name", "least", "steps"), [("four_bar_ideal", 120.2, [60, 80, 120, 200, 250, 480]), ("jansen_leg", 105.3, [105, 117, 130, 200])])
+@pytest.mark.parametrize(
+    ("name", "least", "steps"), [("four_bar_ideal", 120.2, [60, 80, 120, 200, 250, 480]), ("jansen_leg", 105.3, [105, 117, 130, 200])]
+)
 def test_ideal_mechanisms_hold_at_coarse_steps(name, least, steps):
     """Closed to 1e-9 of the longest arm, whatever is left to Newton's method or to steps in parts; the limit that is told is safe."""
     m = vfife.load_model(EXAMPLES / f"{name}.toml")
