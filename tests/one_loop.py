@@ -5,7 +5,11 @@ minute or two each, all of one text. What tells them apart is the choice between
 bits. `make verify` leaves the package as it is.
 """
 
+import contextlib
 import dataclasses
+import os
+import tempfile
+from collections.abc import Iterator
 
 from vfife.codegen.runner import DataDriven
 from vfife.kernels.topology import Topology
@@ -35,8 +39,25 @@ def widened(topology: Topology) -> Topology:
     )
 
 
+@contextlib.contextmanager
+def one_at_a_time() -> Iterator[None]:
+    """While one process compiles, the others of a test run wait and find it compiled."""
+    if os.name != "posix":
+        yield
+        return
+    import fcntl
+
+    with open(os.path.join(tempfile.gettempdir(), f"vfife-tests-{os.getuid()}"), "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
 class ForAllLaws(DataDriven):
     """The data-driven loop, compiled for all laws."""
 
     def __init__(self, topology: Topology, lanes: int, interpret: bool) -> None:
-        super().__init__(topology if interpret else widened(topology), lanes, interpret)
+        if interpret:
+            super().__init__(topology, lanes, interpret)
+            return
+        with one_at_a_time():
+            super().__init__(widened(topology), lanes, interpret)

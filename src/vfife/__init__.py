@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .modelfile.files import load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
-    from .simulation import simulate
+    from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
@@ -50,6 +50,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load_laws": "laws.user",
     "load_model": "modelfile.files",
     "load_result": "result",
+    "resume": "simulation",
     "save_model": "modelfile.files",
     "simulate": "simulation",
 }
@@ -107,6 +108,7 @@ __all__ = [
     "load_model",
     "load_result",
     "quantity",
+    "resume",
     "save_model",
     "simulate",
 ]

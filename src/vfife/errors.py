@@ -61,6 +61,18 @@ class RunFileError(VfifeError):
     """A run file that cannot be written or read: what is wrong, where, and what to do."""
 
 
+class HeldError(VfifeError):
+    """A run folder into which another process writes."""
+
+
+class ResumeError(VfifeError):
+    """A run that cannot go on: it is complete, it diverged, or its file is damaged."""
+
+
+class StorageError(RunFileError):
+    """What cannot be written or read because of the disk, its permissions or another writer: what is needed, what is free, what is kept."""
+
+
 @dataclass(frozen=True)
 class Fault:
     """One fault: where it is (table and key), what is wrong, the value as written, what is allowed, what to do."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError
 from .results.companions import beside, kept_companions, restored_companions
+from .results.opening import is_run_file
 from .results.provenance import final_state, keep_reference, provenance, restored
 from .results.runfile import RunFile
 from .results.view import View
@@ -40,18 +41,25 @@ class Result(View):
     # ---------------------------------------------------------------------------------------------------------- files
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Writes the dataset as NetCDF-4."""
-        encoding = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.data.data_vars}
-        self.data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+        """Writes the dataset as NetCDF-4; a file that is there gives way when the new one is whole. Raises OSError where it cannot be written."""
+        from .results.netcdf import write_netcdf
+
+        write_netcdf(self.data, Path(path))
 
     def save(self, path: str | Path) -> None:
         """Writes a run file that :meth:`load` reads; one that is there already gives way when the new one is whole."""
         path = Path(path)
         part = path.with_name(path.name + ".part")
         meta = self._meta()
-        with RunFile.create(part, meta, replace=True) as file:
-            self.finish(file)
-        os.replace(part, path)
+        if path.exists() and not is_run_file(path):
+            raise RunFileError(f"{path}: there is another file of this name, which is no run file of vfife; name another one")
+        try:
+            with RunFile.create(part, meta, replace=True) as file:
+                self.finish(file)
+            os.replace(part, path)
+        except BaseException:
+            part.unlink(missing_ok=True)
+            raise
 
     def finish(self, file: RunFile) -> None:
         """Ends a run file: what it does not have yet of the model, outputs, last state and reference, how the run ended, and its summary."""
@@ -80,16 +88,23 @@ class Result(View):
         Raises RunFileError where there is no such file, or it is damaged or of another kind.
         """
         with RunFile.open(path) as file:
-            where = str(file.path)
-            meta, last = file.meta, file.last_checkpoint()
-            result = cls(restored(meta, file.steps, file.rows, where))
-            result.record.estimate = Estimate(**meta["estimate"]) if "estimate" in meta else None
-            result.record.companions = restored_companions(file, result.record)
-            if last is not None and last[0] == result.record.steps[-1]:
-                result.record.final = final_state(meta, result.record.assembly, last[1], where)
-            kept = file.reference()
-            if kept is not None:
-                result.reference = cls(restored(*kept, where=where))
+            return cls.of(file)
+
+    @classmethod
+    def of(cls, file: RunFile) -> Result:
+        """The result that an open run file holds."""
+        where, meta, last = str(file.path), file.meta, file.last_checkpoint()
+        result = cls(restored(meta, *file.outputs(), where))
+        record = result.record
+        record.estimate = Estimate(**meta["estimate"]) if "estimate" in meta else None
+        record.companions = restored_companions(file, record)
+        record.reached = int(record.steps[-1]) if last is None else max(last[0], int(record.steps[-1]))
+        if last is not None and last[0] == record.steps[-1]:
+            record.final = final_state(meta, record.assembly, last[1], where)
+        kept = file.reference()
+        if kept is not None:
+            result.reference = cls(restored(*kept, where=where))
+        record.lost = file.lost
         return result
 
     # ------------------------------------------------------------------------------------------------------- pictures

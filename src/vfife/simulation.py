@@ -5,28 +5,35 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
+from .analysis.energy import drifting, too_open
 from .analysis.ranges import estimate, own_ranges
 from .analysis.trust import finer
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
 from .assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
+from .codegen.cache import sources as sources_of_the_step
 from .errors import Fault, ModelError
 from .model.mechanism import Mechanism
 from .model.validate import validate
+from .modelfile import dump
 from .result import Result
 from .results.companions import kept_companions
+from .results.lock import Lock
+from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
-from .results.restart import restart_record, restarted, same_layout
+from .results.restart import extended, refuse_ended, restart_record, restarted, same_layout
 from .results.runfile import RunFile
 from .results.start_from import States, initial_state
+from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
 from .solvers.companions import displacements, number
 from .solvers.progress import Progress
-from .solvers.record import Record, recorded_rows
+from .solvers.record import Checkpoint, Record, recorded_rows
 from .solvers.refinement import refine, worth
 from .solvers.statics import equilibrium
 from .solvers.status import Status
@@ -56,6 +63,9 @@ class Prepared:
     again: Callable[[float], Assembly]  # the same with another step (s)
     companions: int = 0
     refined: bool = False  # whether it is smooth, and is run again with half the step
+    asked: Mapping[str, Any] = field(default_factory=dict)  # what it takes to prepare it again, beside the model
+    earlier: Earlier = field(default_factory=dict)  # ranges of the try before, where it is taken up in a later one
+    searches: bool = True  # whether an automatic step may still be halved
 
     @property
     def static(self) -> bool:
@@ -70,7 +80,8 @@ class Prepared:
     def meta(self, assembly: Assembly, model: str | None = None, earlier: Earlier | None = None) -> dict[str, Any]:
         """The same of a run with another step; ``model`` is the text of the mechanism where it is written already."""
         found = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
-        return found | kept_companions(assembly, displacements(self.companions), earlier or {})
+        asked = {**self.asked, "refined": self.refined}
+        return found | kept_companions(assembly, displacements(self.companions), earlier or {}) | {"asked": asked}
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
@@ -142,7 +153,7 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
             raise ModelError([fault], "simulate()")
         given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
-        return Prepared(assemble(still), None, asked.loop, lambda _: assemble(still))
+        return Prepared(assemble(still), None, asked.loop, lambda _: assemble(still), asked={"sources": sources_of_the_step().decode()})
     ideal = reference if isinstance(reference, Result) else reference_of(mechanism, asked.turns, asked.duration) if reference else None
     former = Result.load(start) if isinstance(start, str | Path) else start
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
@@ -159,7 +170,8 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
         assembly = again(asked.step)
     smooth = not mechanism.contacts and choose_loop(assembly, asked.loop) == "generated"
     refined = smooth and bool(wanted) and (wanted != "auto" or worth(assembly))
-    return Prepared(assembly, ideal, asked.loop, again, companions, refined)
+    kept = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
+    return Prepared(assembly, ideal, asked.loop, again, companions, refined, kept)
 
 
 def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop = "auto") -> int:
@@ -168,8 +180,15 @@ def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop 
     return FIRST_CONTACT_STEPS if looked else CONTACT_STEPS
 
 
-def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None = None, file: RunFile | None = None) -> Result:
-    """Runs what was prepared. A run file that does not have it yet takes the model and the reference before the first step.
+def carry_out(
+    prepared: Prepared,
+    *,
+    progress: Callable[[Progress], None] | None = None,
+    file: RunFile | None = None,
+    resume: Checkpoint | None = None,
+) -> Result:
+    """Runs what was prepared. A run file that does not have it yet takes the model and the reference before the first step; one that was taken up
+    (:func:`taken_up`) goes on from its checkpoint, ``resume``.
 
     An automatic step is found by the run itself: it is halved while run and companions lie further apart than the tolerance of the settings, or
     first contacts land deeper than a joint allows, and what was tried is kept in the choice of the step.
@@ -180,18 +199,93 @@ def carry_out(prepared: Prepared, *, progress: Callable[[Progress], None] | None
     if file is not None and prepared.reference is not None and not file.has_reference:
         keep_reference(file, prepared.reference.record)
     if prepared.static:
-        return Result(equilibrium(assembly, loop=loop, progress=progress, file=file))
-    record = looked_at(prepared, run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions))
-    while (tried := finer(record)) is not None:
+        return Result(equilibrium(assembly, loop=loop, progress=progress, file=file, resume=resume))
+    judge = partial(drifting, assembly, recorded_rows(assembly))
+    record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, resume=resume, judge=judge)
+    record = looked_at(prepared, record)
+    if record.companions is not None:
+        record.companions.earlier = prepared.earlier
+    while prepared.searches and (tried := finer(record)) is not None:
         ideal = None if prepared.reference is None else prepared.reference.measures
         earlier = {name: (one.low, one.high) for name, one in own_ranges(record, ideal).items()} if record.companions else {}
         assembly = halved(prepared, assembly, tried)
         if file is not None:
             file.begin(prepared.meta(assembly, file.meta["model"], earlier))
-        record = looked_at(prepared, run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions))
+        judge = partial(drifting, assembly, recorded_rows(assembly))
+        record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, judge=judge)
+        record = looked_at(prepared, record)
         if record.companions is not None:
             record.companions.earlier = earlier
-    return Result(record, prepared.reference)
+    result = Result(record, prepared.reference)
+    if record.status == Status.COMPLETE and too_open(record, result.ledger):
+        record.status = Status.ENERGY
+    return result
+
+
+def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Checkpoint | None]:
+    """What a run file holds, ready to go on, and the checkpoint to go on from; what was written after it is taken away.
+
+    ``until``: the time (s) at which the run is to end, if not where it was to; its step stays what it is then. Raises ResumeError for a run that
+    has nothing left to do, or whose outputs are damaged.
+    """
+    where, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
+    refuse_ended(former.record, until, where)
+    record, asked = former.record, dict(meta.get("asked", {}))
+    changed: dict[str, Any] = {"status": Status.RUNNING}
+    if until is not None:
+        record.assembly = extended(record, until, where)
+        asked |= {"turns": None, "duration": until, "searches": False}
+        changed |= {"model": dump(record.assembly.mechanism), "choice": dataclasses.asdict(record.assembly.choice), "asked": asked}
+    if last is None:
+        file.begin(meta | changed)
+    else:
+        file.rewind(last)
+        file.put(changed)
+        other = "" if asked.get("sources") == sources_of_the_step().decode() else "; the step before was that of another version"
+        file.event(last.step, f"goes on from here{other}")
+    return _prepared_again(former, asked), last
+
+
+def _prepared_again(former: Result, asked: dict[str, Any]) -> Prepared:
+    """What a file holds, as :func:`prepare` had it."""
+    record, left = former.record, former.record.companions
+    mechanism, expected = record.assembly.mechanism, expected_forces(former.reference)
+    length = Length(
+        turns=asked.get("turns"), duration=asked.get("duration"), outputs=asked.get("outputs"), force_step=bool(asked.get("force_step"))
+    )
+
+    def again(step: float) -> Assembly:
+        if record.static or not asked.get("started"):
+            return assembled_at(mechanism, step, expected=expected, **length)
+        given = initial_state(View(record), mechanism, 0.0)
+        found = assemble(mechanism, step, given=given, expected=expected, **length)
+        state = record.assembly.state.copy()  # positions alone do not make it: element and contact forces went on
+        state[found.layout["step"]] = found.choice.step
+        return dataclasses.replace(found, state=state, tables=record.assembly.tables)
+
+    return Prepared(
+        record.assembly, former.reference, record.loop, again,  # type: ignore[arg-type]
+        companions=0 if left is None else len(left.shifts), refined=bool(asked.get("refined")), asked=asked,
+        earlier={} if left is None else dict(left.earlier), searches=bool(asked.get("searches", True)),
+    )  # fmt: skip
+
+
+def resume(run: str | Path, *, until: float | str | None = None, progress: Callable[[Progress], None] | None = None) -> Result:
+    """Goes on with a run that was interrupted or killed, from its folder or file, as if nothing had happened: the result has the same bits.
+
+    ``until`` (s, or a text with a unit): a later end, also of a run that is complete. Raises ResumeError where there is nothing to go on with,
+    HeldError where another process writes into the folder, RunFileError and StorageError where the file cannot be read or written.
+    """
+    given = Arguments("resume")
+    end = given.quantity("until", until, "s")
+    given.callable("progress", progress)
+    given.tell()
+    path = run_file_at(run)
+    with Lock(path.parent), RunFile.write(path) as file:
+        prepared, last = taken_up(file, end)
+        result = carry_out(prepared, progress=progress, file=file, resume=last)
+        result.finish(file)
+    return result
 
 
 def looked_at(prepared: Prepared, record: Record) -> Record:
@@ -205,7 +299,7 @@ def looked_at(prepared: Prepared, record: Record) -> Record:
 def halved(prepared: Prepared, assembly: Assembly, tried: Tried) -> Assembly:
     """The same with half the step, which stays an automatic one that knows what was tried before it."""
     again = prepared.again(0.5 * assembly.choice.step)
-    culprit = f"{prepared.assembly.choice.culprit}, halved {len(tried)} time{'s' * (len(tried) > 1)}"
+    culprit = f"{prepared.assembly.choice.culprit.partition(', halved ')[0]}, halved {len(tried)} time{'s' * (len(tried) > 1)}"
     return dataclasses.replace(again, choice=dataclasses.replace(again.choice, automatic=True, culprit=culprit, tried=tried))
 
 

@@ -1,5 +1,6 @@
 """Whatever is wrong with the input: exit code 2, a sentence with file, table and key, no traceback, no standard output."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -58,7 +59,7 @@ RUN_OPTIONS = {
 def refused(done, words: list[str]) -> None:
     assert done.exit_code == 2, (done.exit_code, done.stdout, done.stderr)
     assert "Traceback" not in done.stderr
-    assert done.stdout == ""
+    assert done.stdout == "" or json.loads(done.stdout)["status"] == "refused"
     for word in words:
         assert word in done.stderr
 

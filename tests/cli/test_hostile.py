@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from collections.abc import Callable
@@ -126,7 +127,8 @@ def test_broken_mechanisms_are_told(command: Callable, case: str) -> None:
     done = command("check", "model.toml", "--json")
     spent = time.perf_counter() - began
     assert done.exit_code == 2, (done.exit_code, done.stdout, done.stderr, done.exception)
-    assert done.stdout == "" and "Traceback" not in done.stderr and "Warning" not in done.stderr
+    said = json.loads(done.stdout)
+    assert said["status"] == "refused" and said["faults"] and "Traceback" not in done.stderr and "Warning" not in done.stderr
     for word in ("model.toml", *words):
         assert word in done.stderr
     assert spent < 5.0  # 2 s on a machine that does nothing else

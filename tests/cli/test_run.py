@@ -17,7 +17,22 @@ from vfife.codegen.runner import Runner
 from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
 
-KEYS = {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures", "ranges", "not_unique", "trust"}
+KEYS = {
+    "faults",
+    "status",
+    "step",
+    "steps",
+    "wall_s",
+    "ns_per_step",
+    "energy_error",
+    "run",
+    "loop",
+    "notes",
+    "measures",
+    "ranges",
+    "not_unique",
+    "trust",
+}
 STABLE_NOT = ["joint.B.kind=ideal", "joint.C.kind=ideal", "joint.D.kind=ideal", "body.follower.model=elastic"]
 UNSTABLE = [word for text in [*STABLE_NOT, "body.follower.section={ square = 1e-3 }"] for word in ("--set", text)]
 
@@ -65,7 +80,11 @@ def test_earlier_runs_are_kept_unless_named(command: Callable, pendulum: Path) -
     assert (first["run"], second["run"]) == (str(Path("runs/pendulum")), str(Path("runs/pendulum-2")))
     assert "stays as it is" in second["notes"][0]
     (Path(first["run"]) / "mine.txt").write_text("notes")
-    third = command("run", pendulum, "-o", first["run"], "--duration", "0.01", "--json")
+    again = ["run", pendulum, "-o", first["run"], "--duration", "0.01", "--json"]
+    refused = command(*again)
+    assert refused.exit_code == 2 and "add --force to replace it" in refused.stderr
+    assert json.loads(refused.stdout)["status"] == "refused"
+    third = command(*again, "--force")
     assert "replaces" in json.loads(third.stdout)["notes"][0]
     assert (Path(first["run"]) / "mine.txt").read_text() == "notes"
     assert vfife.Result.load(first["run"]).time[-1] == pytest.approx(0.01)
@@ -82,7 +101,7 @@ def test_foreign_folder_is_left_alone(command: Callable, pendulum: Path, tmp_pat
 def test_faulty_input_leaves_an_earlier_run_alone(command: Callable, pendulum: Path) -> None:
     assert command("run", pendulum, "-o", "kept", "--quiet").exit_code == 0
     before = Path("kept/run.sqlite").read_bytes()
-    assert command("run", pendulum, "-o", "kept", "--set", "body.rod.mass=-1").exit_code == 2
+    assert command("run", pendulum, "-o", "kept", "--force", "--set", "body.rod.mass=-1").exit_code == 2
     assert Path("kept/run.sqlite").read_bytes() == before
 
 
@@ -116,7 +135,7 @@ def test_divergence_is_explained(command: Callable) -> None:
     said = re.search(r"in step ([\d,]+), at ([\d.e-]+) s, (.+) (became infinite|left all bounds)", done.stderr)
     assert said
     assert float(said[2]) == pytest.approx(3e-4 * int(said[1]), rel=1e-3)
-    command(*words, "--force-step", "--outputs", "133", "--quiet")  # an output every step
+    command(*words, "--force-step", "--outputs", "133", "--quiet", "--force")  # an output every step
     assert int(said[1]) == vfife.Result.load("burst").record.steps[-1] + 1
     assert "larger than the stable" in done.stderr
     assert "--step auto" in done.stderr
@@ -127,11 +146,11 @@ def interrupt_at(monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     """Ctrl-C as it arrives: when a call of the compiled loop is over, or while it is compiled."""
     advance, calls = Runner.advance, []
 
-    def interrupted(self, count, outputs):
+    def interrupted(self, count, outputs, **how):
         calls.append(count)
         if len(calls) == call:
             raise KeyboardInterrupt
-        return advance(self, count, outputs)
+        return advance(self, count, outputs, **how)
 
     monkeypatch.setattr(Runner, "advance", interrupted)
 
@@ -149,15 +168,15 @@ def test_interrupted_run_is_kept(command: Callable, pendulum: Path, monkeypatch:
 def test_interrupted_compilation_leaves_nothing(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     interrupt_at(monkeypatch, 1)
     done = command("run", pendulum, "--json")
-    assert (done.exit_code, done.stdout) == (130, "")
+    assert (done.exit_code, json.loads(done.stdout)["status"]) == (130, "interrupted")
     assert "before the first step" in done.stderr
-    assert not list(Path("runs").iterdir())
+    assert not Path("runs").exists()
 
 
 def test_interrupted_reference_starts_nothing(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
     interrupt_at(monkeypatch, 3)
     done = command("run", CASE_C, "--json")
-    assert (done.exit_code, done.stdout) == (130, "")
+    assert (done.exit_code, json.loads(done.stdout)["status"]) == (130, "interrupted")
     assert "Ctrl-C" in done.stderr
     assert not Path("runs").exists()
 
@@ -173,7 +192,7 @@ def written(path: Path) -> bool:
 
 def long_run(process: Callable, folder: Path) -> "subprocess.Popen[str]":
     """A run of an hour that has written some of its outputs."""
-    began = process("run", CASE_C, "--turns", "100000", "-o", folder, "--loop", "data-driven", "--json")
+    began = process("run", CASE_C, "--turns", "1000000", "-o", folder, "--companions", "0", "--json")
     until = time.monotonic() + 120.0
     while not written(folder / "run.sqlite"):
         assert began.poll() is None, began.communicate()[1]

@@ -214,3 +214,56 @@ def test_a_folder_that_cannot_be_written_is_read(folder, monkeypatch):
     folder.chmod(0o500)
     assert fresh(monkeypatch)[0] == 0
     folder.chmod(0o700)
+
+
+def test_what_was_not_used_for_the_longest_time_goes(folder, monkeypatch):
+    """Each file of a hundred bytes or so; reading one makes it young again, and what is not ours stays."""
+    monkeypatch.setattr(cache, "MOST_BYTES", 1000)
+    names = [f"step-{k:040x}.o" for k in range(12)]
+    folder.mkdir(mode=0o700)
+    (folder / "notes.txt").write_text("mine")
+    for k, name in enumerate(names[:5]):
+        cache.keep(name, bytes(60))
+        os.utime(folder / name, (k + 1, k + 1))
+    assert cache.read(names[0]) is not None
+    for k, name in enumerate(names[5:]):
+        cache.keep(name, bytes(60))
+        if (folder / name).exists() and k < 6:
+            os.utime(folder / name, (k + 10, k + 10))
+    left = {path.name for path in folder.iterdir()}
+    assert sum(path.stat().st_size for path in folder.iterdir()) <= 1000
+    assert {names[0], names[-1], "notes.txt"} <= left and names[1] not in left
+
+
+@pytest.mark.parametrize("where", ["cache", "./cache"])
+def test_never_relative_to_the_working_folder(tmp_path, monkeypatch, where):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("VFIFE_CACHE", where)
+    cache.keep("step-1.o", b"code")
+    assert cache.read("step-1.o") is None and not list(tmp_path.iterdir())
+    assert "absolute path" in cache.trouble()
+    monkeypatch.delenv("VFIFE_CACHE")
+    for name in ("XDG_CACHE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)
+    cache.keep("step-1.o", b"code")
+    assert not list(tmp_path.iterdir())
+    monkeypatch.setenv("VFIFE_CACHE", str(tmp_path / "good"))
+    cache.keep("step-1.o", b"code")
+    assert cache.trouble() == "" and cache.read("step-1.o") == b"code"
+
+
+@pytest.mark.parametrize("step", [1, 7])
+def test_flipped_bits_anywhere_are_seen(folder, step):
+    """Step, loop and text alike: name, seal and content."""
+    whole = bytes(range(256)) * 4
+    for name in ("step-a.o", "loop-a.o", "text-a.py"):
+        cache.keep(name, whole)
+        sound = (folder / name).read_bytes()
+        for place in range(0, len(sound), 97 // step):
+            changed = bytearray(sound)
+            changed[place] ^= 1 << (place * step % 8)
+            (folder / name).write_bytes(changed)
+            assert cache.read(name) is None
+        (folder / name).write_bytes(sound)
+        assert cache.read(name) == whole

@@ -14,6 +14,7 @@ from support import SQUARE, four_bar, go, journal_in_bearing
 from vfife.errors import RunFileError, VfifeError
 from vfife.report.summary import report, show
 from vfife.result import Result
+from vfife.results import tables
 from vfife.simulation import simulate
 
 
@@ -121,7 +122,8 @@ def test_a_law_that_is_not_there_is_told(result: Result, tmp_path: Path) -> None
 
     result.save(tmp_path / "run.sqlite")
     with sqlite3.connect(tmp_path / "run.sqlite") as connection:
-        connection.execute("UPDATE meta SET json = replace(json, 'lankarani-nikravesh', 'mine') WHERE key = 'model'")
+        key, text, _ = connection.execute("SELECT * FROM meta WHERE key = 'model'").fetchone()
+        tables.insert(connection, "meta", key, text.replace("lankarani-nikravesh", "mine"))
     with pytest.raises(RunFileError, match="law of your own"):
         Result.load(tmp_path)
 

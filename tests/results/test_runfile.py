@@ -7,6 +7,8 @@ import sqlite3
 import subprocess
 import sys
 import time
+import tracemalloc
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +17,8 @@ import pytest
 from vfife.errors import RunFileError
 from vfife.results.packing import packed, unpacked
 from vfife.results.runfile import RunFile
+from vfife.solvers.companions import Beside
+from vfife.solvers.record import Checkpoint
 
 WRITER = """
 import sys
@@ -69,10 +73,10 @@ def test_a_second_try_takes_the_place_of_the_first(tmp_path: Path) -> None:
         file.append(np.arange(3), np.ones((3, 2)))
         file.checkpoint(2, np.ones(2))
         file.begin({"step": 1e-6})
-        assert len(file.steps) == 0
-        assert file.last_checkpoint() is None
+        assert (len(file.steps), file.meta["step"], file.last_checkpoint()[0]) == (3, 2e-6, 2)  # until something is there to take its place
         file.append(np.arange(2), np.zeros((2, 2)))
         file.append(np.arange(2), np.full((2, 2), 3.0))  # from step 0 again
+        assert file.last_checkpoint() is None
         assert (file.meta["step"], file.meta["loop"]) == (1e-6, "generated")
         assert np.array_equal(file.rows, np.full((2, 2), 3.0))
 
@@ -108,7 +112,7 @@ def half_written(path: Path) -> Path:
     connection = sqlite3.connect(path, isolation_level=None)
     connection.execute("PRAGMA cache_size = 1")  # so that changed pages reach the file before the transaction ends
     connection.execute("BEGIN")
-    connection.executemany("INSERT INTO steps VALUES (?, 0)", [(k,) for k in range(1000, 60000)])
+    connection.executemany("INSERT INTO events VALUES (?, 0, '', '', x'00')", [(k,) for k in range(1000, 60000)])
     folder = path.parent / "copy"
     folder.mkdir()
     for name in (path.name, f"{path.name}-journal"):
@@ -207,24 +211,110 @@ def test_a_newer_format_is_told(tmp_path: Path) -> None:
         RunFile.open(path)
 
 
-@pytest.mark.parametrize("kind", ["cut", "overwritten", "dropped", "gap", "chunk"])
-def test_damage_is_told(tmp_path: Path, kind: str) -> None:
+@pytest.mark.parametrize("kind", ["cut", "overwritten"])
+def test_damage_to_all_of_it_is_told(tmp_path: Path, kind: str) -> None:
     path = small(tmp_path / "a")
     whole = path.read_bytes()
-    if kind == "cut":
-        path.write_bytes(whole[: len(whole) // 3])
-    elif kind == "overwritten":
-        path.write_bytes(whole[:4096] + b"\x5a" * (len(whole) - 4096))
-    else:
-        with sqlite3.connect(path) as connection:
-            statement = {
-                "dropped": "DROP TABLE history",
-                "gap": "DELETE FROM history WHERE chunk = 1",
-                "chunk": "UPDATE history SET data = zeroblob(50) WHERE chunk = 1",
-            }[kind]
-            connection.execute(statement)
+    path.write_bytes(whole[: len(whole) // 3] if kind == "cut" else whole[:4096] + b"\x5a" * (len(whole) - 4096))
     with pytest.raises(RunFileError, match="damaged .*; run the model again"), RunFile.open(path) as file:
         _ = file.meta, file.steps, file.rows
+
+
+@pytest.mark.parametrize(
+    ("statement", "left", "lost"),
+    [
+        ("DROP TABLE history", 0, "outputs 0 to 29"),
+        ("DELETE FROM history WHERE chunk = 1", 20, "outputs 10 to 19"),
+        ("DELETE FROM history WHERE chunk = 2", 20, "outputs 20 to 29"),
+        ("UPDATE history SET data = zeroblob(50) WHERE chunk = 1", 20, "outputs 10 to 19"),
+        ("UPDATE history SET outputs = 9 WHERE chunk = 0", 20, "outputs 0 to 9"),
+        ("UPDATE history SET steps = (SELECT steps FROM history WHERE chunk = 0) WHERE chunk = 2", 20, "outputs 20 to 29"),
+    ],
+)
+def test_a_damaged_block_loses_itself_and_no_more(tmp_path: Path, statement: str, left: int, lost: str) -> None:
+    path = small(tmp_path / "a")
+    with sqlite3.connect(path) as connection:
+        connection.execute(statement)
+    with RunFile.open(path) as file:
+        steps, rows = file.outputs()
+        assert len(steps) == left and np.array_equal(rows, written(steps) if left else np.zeros((0, 0)))
+        assert file.lost == (lost,)
+        assert file.meta["summary"] == {"energy_error": 1e-7}
+
+
+def test_steps_that_do_not_rise_are_told(tmp_path: Path) -> None:
+    """Whole and sealed, and yet of another run: a chunk that says again what an earlier one said."""
+    with RunFile.create(tmp_path / "a") as file:
+        for first in (0, 10, 5):
+            steps = np.arange(first, first + 10)
+            file.append(steps, written(steps))
+    with RunFile.open(tmp_path / "a") as file:
+        assert np.array_equal(file.steps, np.arange(20)) and file.lost == ("outputs 20 to 29",)
+
+
+@pytest.mark.parametrize("table", ["meta", "arrays", "checkpoints", "reference", "companions"])
+def test_other_blocks_are_checked_as_well(tmp_path: Path, table: str) -> None:
+    path = tmp_path / "a"
+    with RunFile.create(path, {"step": 1e-6, "start": np.ones(4)}) as file:
+        steps = np.arange(4)
+        told = {"parting": None, "lost": []}
+        file.append(steps, written(steps), Beside(np.ones((4, 2, 1)), told, 0), Checkpoint(3, np.ones(4)))
+        file.keep_reference({"step": 1.0}, steps, written(steps))
+    change = {
+        "meta": "json = '2e-6' WHERE key = 'step'",
+        "arrays": "key = 'tables'",
+        "checkpoints": "step = 2",
+        "reference": "data = zeroblob(20) WHERE part = 'steps'",
+        "companions": "told = replace(told, 'null', '[1, 2]')",
+    }
+    with sqlite3.connect(path) as connection:
+        connection.execute(f"UPDATE {table} SET {change[table]}")
+    with RunFile.open(path) as file:
+        got = {"meta": lambda: file.meta.get("step"), "checkpoints": file.latest, "reference": file.reference, "companions": file.companions}
+        got["arrays"] = lambda: file.meta.get("start")
+        assert got[table]() is None
+        assert file.lost
+        assert np.array_equal(file.rows, written(steps))
+
+
+def test_no_flipped_bit_shows_another_number(tmp_path: Path) -> None:
+    """Bits all over a small file, one at a time: what is read is what was written, or is missing and told, or the file is refused."""
+    path, flipped = small(tmp_path / "a"), tmp_path / "b"
+    whole, random = path.read_bytes(), np.random.default_rng(7)
+    seen = {"same": 0, "told": 0, "refused": 0}
+    for bit in random.choice(8 * len(whole), 400, replace=False):
+        changed = bytearray(whole)
+        changed[bit // 8] ^= 1 << (bit % 8)
+        flipped.write_bytes(changed)
+        try:
+            with RunFile.open(flipped) as file:
+                (steps, rows), last, meta = file.outputs(), file.last_checkpoint(), file.meta
+                events, lost = file.events, file.lost
+        except RunFileError:
+            seen["refused"] += 1
+            continue
+        assert np.array_equal(rows, written(steps)) if len(steps) else True
+        assert last is None or (last[0] in (10, 20) and list(last[1]) == [float(last[0])] * 5)
+        for key, value in {"step": 1e-6, "loop": "data-driven", "wall": 0.5, "status": "complete"}.items():
+            assert meta.get(key, value) == value
+            assert key in meta or lost
+        assert len(steps) == 30 or lost
+        assert all(text == "something happened" for _, _, text in events)
+        seen["told" if lost else "same"] += 1
+    assert seen["told"] > 0 and seen["refused"] > 0
+
+
+def test_sizes_are_bounded_before_anything_is_unpacked() -> None:
+    """A block of a megabyte that would inflate to a gigabyte, and one whose shape is a lie."""
+    bomb = packed(np.zeros((4, 4)))[:4] + np.array([2**15, 2**15 + 1], dtype="<u4").tobytes() + zlib.compress(bytes(2**20))
+    with pytest.raises(zlib.error, match="are the most"):
+        unpacked(bomb)
+    lie = np.array([1, 100], dtype="<u4").tobytes() + zlib.compress(bytes(2**27), 9)
+    tracemalloc.start()
+    with pytest.raises(zlib.error, match="as long as it should"):
+        unpacked(lie)
+    assert tracemalloc.get_traced_memory()[1] < 2**20
+    tracemalloc.stop()
 
 
 @pytest.mark.parametrize("shape", [(3,), (4, 5), (0, 5), (5, 0), (1, 1)])

@@ -12,7 +12,7 @@ from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.errors import RunFileError
 from vfife.kernels.arrays import BLOCKS
-from vfife.results import provenance, runfile
+from vfife.results import provenance, space
 from vfife.results.runfile import RunFile
 from vfife.solvers.transient import run
 
@@ -103,8 +103,8 @@ def test_rows_are_those_of_a_run_without_a_file(tmp_path: Path, monkeypatch: pyt
     """In memory, and mapped where they are many: the same bits, also after the file is closed."""
     assembly = assemble(journal_in_bearing(), 1e-6, duration=2e-3, outputs=500)
     rows = run(assembly, loop="data-driven").rows
-    for limit in (runfile.IN_MEMORY, 0):
-        monkeypatch.setattr(runfile, "IN_MEMORY", limit)
+    for limit in (space.IN_MEMORY, 0):
+        monkeypatch.setattr(space, "IN_MEMORY", limit)
         path = tmp_path / f"{limit}.sqlite"
         with RunFile.create(path) as file:
             record = run(assembly, loop="data-driven", file=file)

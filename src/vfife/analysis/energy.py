@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assembly.assembled import Assembly
 from ..kernels import frame
 from ..kernels.topology import CURRENT
 from ..laws.elasticity import elastic_energy
+from ..solvers.fictitious_mass import extent
 from ..solvers.record import Record
 from .motion import AXES, is_free, velocities
 
 Array = NDArray[np.float64]
+REST = 1e-6
+LAST = 20  # outputs
 STORED = ("kinetic", "strain", "contact", "spring")
 LOST = ("contact_loss", "friction_loss", "damping_loss", "spring_loss")
 SUPPLIED = ("external", "driver")
@@ -44,6 +49,28 @@ class Ledger:
         """Largest absolute residual over the largest energy; 0 where there is no energy at all."""
         largest = self.largest
         return float(np.abs(self.residual).max()) / largest if largest > 0.0 else 0.0
+
+
+def too_open(record: Record, found: Ledger | None = None) -> bool:
+    """Whether more energy came or went than the settings allow (``energy_limit`` of the largest energy there was).
+
+    Where nothing moves there is no energy to speak of, and nothing is judged: less than REST of what it takes to lift the whole by its own size.
+    ``found`` is the ledger where it is known already.
+    """
+    assembly = record.assembly
+    if record.static or len(record.steps) < 2:
+        return False
+    found = ledger(record) if found is None else found
+    mass = sum(body.mass for body in assembly.bodies.values())
+    rest = REST * mass * hypot(*assembly.mechanism.gravity) * extent(assembly, assembly.state)
+    return found.largest > rest and found.error > assembly.mechanism.settings.energy_limit
+
+
+def drifting(assembly: Assembly, kept: NDArray[np.uint32], steps: NDArray[np.int64], rows: Array) -> bool:
+    """Whether the ledger is open by more than the settings allow at the last outputs, one and all, of which output 0 stands before the others."""
+    some = Record(assembly, steps, rows, kept)
+    limit, found = assembly.mechanism.settings.energy_limit, ledger(some)
+    return too_open(some, found) and bool((np.abs(found.residual[-LAST:]) > limit * found.largest).all())
 
 
 def ledger(record: Record) -> Ledger:

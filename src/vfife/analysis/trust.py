@@ -59,7 +59,7 @@ def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | N
 def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     """What was tried of an automatic step so far, this run's with it, where half of it should be tried next; None where it will do, or has to."""
     choice = record.assembly.choice
-    if not choice.automatic or record.status not in (Status.COMPLETE, Status.DIVERGED):
+    if not choice.automatic or record.status not in (Status.COMPLETE, Status.DIVERGED, Status.ENERGY):
         return None
     said = trust(record)
     diverged = record.status == Status.DIVERGED
@@ -68,7 +68,8 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
         return (*choice.tried, (choice.step, apart))
     if diverged:
         return None
-    unlike = record.companions is not None and len(choice.tried) < OPEN_HALVINGS and ledger(record).error > OPEN
+    stopped = record.status == Status.ENERGY
+    unlike = (record.companions is not None or stopped) and len(choice.tried) < OPEN_HALVINGS and ledger(record).error > OPEN
     if unlike or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]):
         return (*choice.tried, (choice.step, None))
     return None

@@ -15,23 +15,28 @@ from .laws import laws
 from .materials import materials
 from .new import new
 from .paper import paper
-from .plainly import Command, Plainly
+from .plainly import Command, Plainly, UsageError
+from .resume import resume
 from .run import run
 from .schema import schema
-from .terminal import INTERRUPTED, tell
+from .signals import NOW, Signals
+from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
 
 
 class Group(Plainly, TyperGroup):
-    """The commands; Ctrl-C ends each of them with a sentence."""
+    """The commands; a signal ends each of them with a sentence."""
 
     def invoke(self, ctx: Any) -> Any:
         """Runs the command that is named."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            tell("interrupted", "Stopped by Ctrl-C.")
-            raise typer.Exit(INTERRUPTED) from None
+        with Signals():
+            try:
+                return super().invoke(ctx)
+            except KeyboardInterrupt:
+                fail(f"{NOW.by}. {NOW.saved}", NOW.code, word="interrupted")
+            except UsageError as error:
+                failed(str(getattr(error, "message", error)), BAD_INPUT)
+                raise
 
 
 app = typer.Typer(
@@ -59,5 +64,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, check, compare, info, plot, export, laws, materials, schema, paper, verify):
+for command in (new, run, resume, check, compare, info, plot, export, laws, materials, schema, paper, verify):
     app.command(cls=Command)(command)

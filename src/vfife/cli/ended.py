@@ -12,7 +12,7 @@ import typer
 from ..results.folder import FIGURES, find_run
 from ..solvers.status import Status
 from .options import JsonOption, RunArgument
-from .terminal import amount_of_bytes, errors, output, print_json, sentences, span
+from .terminal import amount_of_bytes, errors, output, print_json, sentences, span, writing
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -110,7 +110,7 @@ FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="F
 def plot(run: RunArgument, folder: FiguresOption = None) -> None:
     """Draw the figures of a run: journal paths, forces and accelerations over the ideal ones, the mechanism."""
     result, file = loaded(run)
-    with sentences(str(run)):
+    with sentences(str(run)), writing(str(run), "The run is as it was."):
         from ..plots import figures, save
 
         target = folder if folder is not None else file.parent / FIGURES
@@ -138,13 +138,8 @@ def export(
         if not target.absolute().parent.is_dir():
             raise ValueError(f"there is no folder {target.absolute().parent}; make it first")
     result, _ = loaded(run)
-    part = target.with_name(f"{target.name}.part")
-    with sentences(str(target)):
-        try:
-            result.to_netcdf(part)
-            part.replace(target)
-        finally:
-            part.unlink(missing_ok=True)
+    with writing(str(target), "The run is as it was, and so is what was there before."):
+        result.to_netcdf(target)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 
 
@@ -156,5 +151,5 @@ def loaded(run: Path) -> tuple[Result, Path]:
         file = find_run(run)
         result = Result.load(file)
     if result.record.status != Status.COMPLETE:
-        errors().print(f"note: this run is {result.record.status}; what it wrote until then is used", markup=False)
+        errors().print(f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False)
     return result, file

@@ -10,7 +10,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from typer import BadParameter
 from typer.core import TyperCommand
+
+from .terminal import ASKED, BAD_INPUT, failed
+
+UsageError: type[Exception] = BadParameter.__bases__[0]  # newer versions of typer have a click of their own
 
 
 class Plainly:
@@ -18,8 +23,13 @@ class Plainly:
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Reads the arguments."""
+        ASKED.as_json, ASKED.printed = "--json" in args, False
         take_plainly(self.get_params(ctx))  # type: ignore[attr-defined]
-        return super().parse_args(ctx, args)  # type: ignore[misc, no-any-return]
+        try:
+            return super().parse_args(ctx, args)  # type: ignore[misc, no-any-return]
+        except UsageError as error:
+            failed(str(getattr(error, "message", error)), BAD_INPUT)
+            raise
 
 
 class Command(Plainly, TyperCommand):

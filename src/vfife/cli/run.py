@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import shlex
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..solvers.status import Status
+from .carried import carried, concluded
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
-from .terminal import DIVERGED, INTERRUPTED, json_text, output, print_json, sentences, tell
+from .terminal import fail, sentences, tell
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..result import Result
-    from ..results.folder import RunFolder
-    from ..solvers.arguments import Loop
+    from ..results.place import RunFolder
+    from ..results.runfile import RunFile
+    from ..simulation import Prepared
+    from ..solvers.record import Checkpoint
 
+PACKED = 0.5  # of the outputs' bytes, in the run file
 GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
-RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 
 
 class Loops(StrEnum):
@@ -42,9 +42,13 @@ Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the 
 Reference = Annotated[bool, typer.Option("--reference/--no-reference", help="Compare with the ideal mechanism.")]
 ForceStep = Annotated[bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")]
-StartFrom = Annotated[Path | None, typer.Option("--start-from", metavar="RUN", help="Go on where a former run ended (its folder or file).")]
+StartFrom = Annotated[
+    Path | None, typer.Option("--start-from", metavar="RUN", help="A new run from where a former one ended (its folder or file).")
+]
 BESIDE = "Runs with displaced steps beside it, 0 to 7, or auto: their range tells how far it can be trusted."
 Companions = Annotated[str | None, typer.Option(metavar="N", help=BESIDE, show_default=MODELS)]
+Force = Annotated[bool, typer.Option("--force", help="Replace the run that is in the folder.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder, if this model was begun there.")]
 LoopOption = Annotated[Loops, typer.Option(help="Loop that makes the steps; all give the same bits.")]
 
 
@@ -63,113 +67,83 @@ def run(
     force_step: ForceStep = False,
     companions: Companions = None,
     start: StartFrom = None,
+    force: Force = False,
+    resume: Resume = False,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a model: a progress line, a summary, and a run folder.
 
-    The folder holds the run file, the model as it was run, the summary, and figures where they are asked for. Exit codes: 2 for
-    input that cannot be used, 3 where the numbers became infinite or no equilibrium was found, 130 after Ctrl-C, which keeps what was computed.
+    The folder holds the run file, the model as it was run, the summary, and figures where they are asked for; a run that is there already stays
+    unless --force is given. Exit codes: 2 for input that cannot be used, 3 where the numbers became infinite or no equilibrium was found, 5 where
+    something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP, which keep what was computed.
     """
-    with sentences(str(model)):
-        from ..results.folder import refuse_foreign
+    from ..results.place import placed
 
-        refuse_foreign(folder)
+    with sentences(str(model)):
         mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions)
-    result, place = simulated(mechanism, model, folder, loop.value, reference, force_step, quiet, start)
-    notes = [*place.notes, *result.summary["run"]["notes"], *result.summary["warnings"]]
-    (place.path / "summary.json").write_text(json_text(result.summary) + "\n", encoding="utf-8")
-    if figures and result.record.status != Status.INTERRUPTED:
-        from ..plots import figures as drawn
-        from ..plots import save
-
-        save(drawn(result, result.reference), place.path / "figures")
-    if as_json:
-        print_json(payload(result, place, notes))
-    elif not quiet:
-        show(result, place, figures)
-    elif result.record.status == Status.COMPLETE:
-        for warning in (*result.summary["run"]["notes"], *result.summary["warnings"]):
-            tell("warning", warning)
-    end(result, place)
-
-
-def simulated(
-    mechanism: Mechanism, model: Path, asked: Path | None, loop: Loop, compare: bool, force_step: bool, quiet: bool, start: Path | None
-) -> tuple[Result, RunFolder]:
-    """Runs a mechanism into a folder; every fault of the input is told before the folder is touched."""
-    from ..errors import RunFileError
-    from ..results.folder import make_folder
-    from ..results.runfile import RunFile
-    from ..simulation import carry_out, prepare
-    from ..solvers.arguments import Asked
-    from .progress import ProgressLine
-
-    with sentences(str(model)):
-        prepared = prepare(mechanism, Asked(loop=loop, force_step=force_step), compare, start)
-        meta = prepared.kept
-    with sentences(str(asked or "runs")):
-        place = make_folder(asked, model)
-        (place.path / "model.toml").write_text(meta["model"], encoding="utf-8")
-        file = RunFile.create(place.run_file, meta, gather=GATHER)
+        if resume and (begun := to_go_on(folder, model)) is not None:
+            goes_on(begun, mechanism, figures, as_json, quiet)
+            return
+        place = placed(folder, model, replace=force, start=start)
     for note in place.notes if not quiet else ():
         tell("note", f"{note}.")
-    with file:
-        try:
-            with ProgressLine(quiet) as line:
-                result = carry_out(prepared, progress=line, file=file)
-            result.finish(file)
-        except (RunFileError, OSError) as error:
-            tell("error", f"{error}", "bold red")
-            raise typer.Exit(1) from None
-        except BaseException as error:
-            if len(file.steps):
-                raise
-            file.close()
-            place.discard()
-            if not isinstance(error, KeyboardInterrupt):
-                raise
-            tell(Status.INTERRUPTED, "Stopped by Ctrl-C before the first step, so there is nothing to keep.")
-            raise typer.Exit(INTERRUPTED) from None
-    return result, place
+    with sentences(str(model)):
+        from ..simulation import prepare
+        from ..solvers.arguments import Asked
+
+        prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), reference, start)
+    refuse_no_room(prepared, place)
+    try:
+        result = carried(lambda: begun_in(place, prepared), place, quiet)
+        concluded(result, place, figures, as_json, quiet)
+    finally:
+        place.leave()
 
 
-def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
-    """What ``--json`` prints."""
-    found = {key: result.summary[key] for key in RESULT_KEYS}
-    told = {key: result.summary[key] for key in ("measures", "ranges", "not_unique", "trust")}
-    return {**found, "run": str(place.path), "loop": result.record.loop, "notes": notes, **told}
+def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, Checkpoint | None]:
+    """A new run file in its place."""
+    from ..results.folder import MODEL
+    from ..results.runfile import RunFile
+
+    meta = prepared.kept
+    place.begin()
+    (place.path / MODEL).write_text(meta["model"], encoding="utf-8")
+    file = RunFile.create(place.run_file, meta, gather=GATHER)
+    file.arrive = place.settle
+    return file, prepared, None
 
 
-def show(result: Result, place: RunFolder, figures: bool) -> None:
-    """The summary, and what to do next."""
-    from rich.text import Text
+def refuse_no_room(prepared: Prepared, place: RunFolder) -> None:
+    """Ends with exit code 5 where the disk has no room for the outputs."""
+    from ..results.tables import free_bytes
+    from .cost import estimate
 
-    from ..report.summary import show as show_summary
+    free, needed = free_bytes(place.target), PACKED * estimate(prepared.assembly)["bytes"]
+    if free is not None and needed > free:
+        from .terminal import STORAGE
 
-    console, quoted = output(), shlex.quote(str(place.path))
-    show_summary(console, result, result.reference)
-    console.print()
-    kept = ", ".join(sorted(entry.name + "/" * entry.is_dir() for entry in place.path.iterdir()))
-    console.print(Text.assemble(("Run folder: ", "bold"), f"{place.path} ({kept})"))
-    then = f"figures are in {place.path / 'figures'}" if figures else f"vfife plot {quoted}"
-    console.print(Text.assemble(("Next: ", "bold"), f"{then}; vfife info {quoted}; vfife export {quoted} out.nc"))
+        fail(
+            f"{place.target}: the outputs of this run take some {needed:,.0f} bytes, and {free:,} are free there; ask for fewer (--outputs), or "
+            "name a folder on another disk. Nothing was begun, and nothing is touched.",
+            STORAGE,
+        )
 
 
-def end(result: Result, place: RunFolder) -> None:
-    """Says how a run ended that did not come to its end, and ends with its exit code."""
-    status, choice = result.record.status, result.record.assembly.choice
-    if result.record.message:
-        done = max(len(result.record.steps) - 1, 0)
-        kept = f"The {done} load factors before are kept in {place.path}." if done else f"The start is kept in {place.path}."
-        tell(status, f"{result.record.message} {kept}", "bold red")
-        raise typer.Exit(INTERRUPTED if status == Status.INTERRUPTED else DIVERGED)
-    if status == Status.INTERRUPTED:
-        done = int(result.record.steps[-1])
-        tell(Status.INTERRUPTED, f"{done:,} of {choice.steps:,} steps were made; they are kept in {place.path}.")
-        raise typer.Exit(INTERRUPTED)
-    if status == Status.DIVERGED:
-        from ..report.diverged import diverged
+def to_go_on(folder: Path | None, model: Path) -> Path | None:
+    """The folder of a run to go on with; None where there is none yet."""
+    from ..results.opening import is_run_file
 
-        tell(Status.DIVERGED, f"{diverged(result.record)} What was computed before is kept in {place.path}.", "bold red")
-        raise typer.Exit(DIVERGED)
+    path = folder if folder is not None else Path("runs") / model.stem
+    return path if is_run_file(path / "run.sqlite") else None
+
+
+def goes_on(path: Path, mechanism: Mechanism, figures: bool, as_json: bool, quiet: bool) -> None:
+    """Goes on with the run in a folder, if it is that of the model."""
+    from ..modelfile import dump
+    from ..results.folder import model_of
+    from .resume import resumed
+
+    if model_of(path) != dump(mechanism):
+        raise ValueError(f"--resume: the run in {path} is that of another model, or of other options; name another folder, or leave --resume out")
+    resumed(path, None, figures, as_json, quiet)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
@@ -15,8 +18,31 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-BAD_INPUT, DIVERGED, INTERRUPTED = 2, 3, 130
+    from ..errors import Fault
+
+BAD_INPUT, DIVERGED, ENERGY, STORAGE, INTERRUPTED = 2, 3, 4, 5, 130
+STATUS = {
+    BAD_INPUT: "refused",
+    DIVERGED: "diverged",
+    ENERGY: "energy",
+    STORAGE: "storage",
+    129: "interrupted",
+    130: "interrupted",
+    143: "interrupted",
+}
+STORAGE_ERRORS = {getattr(errno, name) for name in ("ENOSPC", "EIO", "EDQUOT", "EROFS", "EFBIG", "EMFILE", "ENFILE") if hasattr(errno, name)}
 PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
+
+
+@dataclass
+class Asked:
+    """What this command was asked for: one object on standard output (``--json``), and whether it is there already."""
+
+    as_json: bool = False
+    printed: bool = False
+
+
+ASKED = Asked()
 
 
 def output() -> Console:
@@ -40,10 +66,18 @@ def tell(word: str, sentence: str, style: str = "bold yellow") -> None:
     errors().print(Text.assemble((f"{word}: ", style), sentence))
 
 
-def fail(sentence: str, code: int = BAD_INPUT) -> NoReturn:
-    """Ends with a sentence and an exit code."""
-    tell("error", sentence, "bold red")
+def fail(sentence: str, code: int = BAD_INPUT, faults: Sequence[Fault] = (), word: str = "error") -> NoReturn:
+    """Ends with a sentence and an exit code; with ``--json`` also with an object that has the status and the faults."""
+    tell(word, sentence, "bold red" if word == "error" else "bold yellow")
+    failed(sentence, code, faults)
     raise typer.Exit(code)
+
+
+def failed(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
+    """The object that ``--json`` prints where there is no result."""
+    if ASKED.as_json and not ASKED.printed:
+        told = [{name: getattr(one, name) for name in ("where", "what", "value", "limit", "remedy")} for one in faults]
+        print_json({"status": STATUS.get(code, "error"), "faults": told or [{"what": sentence}]})
 
 
 @contextmanager
@@ -52,15 +86,46 @@ def sentences(name: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        file = f" {error.filename}" if error.filename and str(error.filename) != name else ""
-        fail(f"{name}:{file} {error.strerror or error}")
+        fail(of_the_system(name, error), STORAGE if error.errno in STORAGE_ERRORS else BAD_INPUT)
     except (ValueError, ArithmeticError) as error:
+        from ..errors import StorageError
+
         message = str(error) or type(error).__name__
-        fail(message if message.startswith((name, "-")) else f"{name}: {message}")
+        message = message if message.startswith((name, "-")) else f"{name}: {message}"
+        fail(message, STORAGE if isinstance(error, StorageError) else BAD_INPUT, getattr(error, "faults", ()))
+    except MemoryError:
+        fail(f"{name}: there is not enough memory for this; ask for fewer outputs, turns or elements", STORAGE)
+
+
+@contextmanager
+def writing(name: str, kept: str = "") -> Iterator[None]:
+    """Ends with exit code 5 where something cannot be written: what, why, bytes that are free, and what is ``kept``."""
+    try:
+        yield
+    except (OSError, MemoryError) as error:
+        from ..results.tables import free_bytes
+
+        free = free_bytes(Path(getattr(error, "filename", None) or name))
+        room = "" if free is None else f"; {free:,} bytes are free there"
+        said = of_the_system(name, error) if isinstance(error, OSError) else f"{name}: there is not enough memory"
+        fail(f"{said}{room}. {kept}".rstrip(), STORAGE)
+    except ValueError as error:
+        from ..errors import StorageError
+
+        if not isinstance(error, StorageError):
+            raise
+        fail(f"{error} {kept}".rstrip(), STORAGE)
+
+
+def of_the_system(name: str, error: OSError) -> str:
+    """What the system says of a file."""
+    file = f" {error.filename}:" if error.filename and str(error.filename) != name else ""
+    return f"{name}:{file} {error.strerror or error}"
 
 
 def print_json(value: Any) -> None:
     """One object on standard output."""
+    ASKED.printed = True
     typer.echo(json_text(value))
 
 

@@ -10,12 +10,18 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import re
 import stat
+import time
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
 MAGIC = b"vfife 1\n"
+MOST_BYTES = 500_000_000
+ROOMY = 0.8  # of that is what is left when it was too much
+KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py)$|new-")  # names of files that are ours
+_TROUBLE: list[str] = []
 
 
 def cache_folder() -> Path:
@@ -28,20 +34,36 @@ def cache_folder() -> Path:
 
 
 def private(folder: Path) -> bool:
-    """Makes the folder, where it is missing, and says whether it is its owner's alone; False where it cannot be used."""
+    """Makes the folder, where it is missing, and says whether it is its owner's alone; where it cannot be used, :func:`trouble` says why."""
     try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        found = folder.lstat()
-        if not stat.S_ISDIR(found.st_mode):
-            return False
-        if hasattr(os, "geteuid"):
-            if found.st_uid != os.geteuid() or found.st_mode & 0o022:
-                return False
-            if found.st_mode & 0o077:
-                folder.chmod(0o700)
-    except OSError:
-        return False
-    return True
+        fault = _fault(folder)
+    except OSError as error:
+        fault = error.strerror or str(error)
+    _TROUBLE[:] = [f"{folder}: {fault}; what is compiled is not kept, and the next run compiles it again"] if fault else []
+    return not fault
+
+
+def _fault(folder: Path) -> str:
+    """Why a folder cannot be used; empty where it can."""
+    if not folder.is_absolute():  # without a home, or so named: it would be another one in each working folder, and anybody's
+        return "the folder of the cache has to have an absolute path (VFIFE_CACHE, XDG_CACHE_HOME or HOME)"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    found = folder.lstat()
+    if not stat.S_ISDIR(found.st_mode):
+        return "this is no folder"
+    if hasattr(os, "geteuid"):
+        if found.st_uid != os.geteuid():
+            return "this folder belongs to another user"
+        if found.st_mode & 0o022:
+            return "others can write into this folder"
+        if found.st_mode & 0o077:
+            folder.chmod(0o700)
+    return ""
+
+
+def trouble() -> str:
+    """Why nothing could be kept when that was last tried; empty where all is well."""
+    return "".join(_TROUBLE)
 
 
 def sealed(name: str, content: bytes) -> bytes:
@@ -59,17 +81,24 @@ def read(name: str) -> bytes | None:
     except OSError:
         return None
     content = found[len(MAGIC) + 65 :]
-    return content if found == sealed(name, content) else None
+    if found != sealed(name, content):
+        return None
+    with contextlib.suppress(OSError):
+        os.utime(folder / name, ns=(time.time_ns(), (folder / name).stat().st_mtime_ns))  # what is used stays when the cache is pruned
+    return content
 
 
 def keep(name: str, content: bytes) -> None:
-    """Writes a file of the cache under another name and renames it; where that cannot be done, the next process does the work again."""
+    """Writes a file of the cache under another name and renames it; where that cannot be done, the next process does the work again.
+
+    What was not used for the longest time goes when all of it takes more than ``MOST_BYTES``.
+    """
     folder = cache_folder()
     if not private(folder):
         return
     import tempfile
 
-    with contextlib.suppress(OSError):
+    try:
         handle, fresh = tempfile.mkstemp(prefix="new-", dir=folder)  # readable by its owner alone
         try:
             with os.fdopen(handle, "wb") as file:
@@ -77,6 +106,30 @@ def keep(name: str, content: bytes) -> None:
             os.replace(fresh, folder / name)
         except OSError:
             os.unlink(fresh)
+            raise
+        _prune(folder, folder / name)
+    except OSError as error:
+        _TROUBLE[:] = [f"{folder}: {error.strerror or error}; what is compiled is not kept, and the next run compiles it again"]
+
+
+def _prune(folder: Path, fresh: Path) -> None:
+    """Removes files of the cache, those first that were not used for the longest time, until there is room again; never the one just made."""
+    found = []
+    for path in folder.iterdir():
+        with contextlib.suppress(OSError):
+            told = path.lstat()
+            if stat.S_ISREG(told.st_mode):
+                found.append((told.st_atime_ns, told.st_size, path))
+    size = sum(one for _, one, _ in found)
+    if size <= MOST_BYTES:
+        return
+    for _, one, path in sorted(found):
+        if path != fresh and KINDS.match(path.name):
+            with contextlib.suppress(OSError):
+                path.unlink()
+                size -= one
+        if size <= ROOMY * MOST_BYTES:
+            return
 
 
 def digest(parts: Iterable[bytes]) -> str:

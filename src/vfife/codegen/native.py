@@ -113,7 +113,9 @@ class Memory(NamedTuple):
     extremes: NDArray[np.uint32]
 
 
-Take = Callable[[int, int, Rows], None]  # (n0, steps, out): len(out) times so many steps from step n0, out[m] filled with the rows kept after each
+# (n0, steps, out, anew): len(out) times so many steps from step n0, out[m] filled with the rows kept after each, or of no rows; whether extremes
+# begin anew before each.
+Take = Callable[[int, int, Rows, bool], None]
 
 
 class Loaded:
@@ -127,10 +129,11 @@ class Loaded:
         """Steps on a memory; its addresses are looked up once, for that takes as long as a hundred steps."""
         S, spare, T, shares, kept, extremes = (getattr(memory, name).ctypes.data for name in ("S", "spare", "T", "shares", "kept", "extremes"))
         code, stride, parts = self.code, len(memory.T) // self.width, memory.parts  # the code lives as long as somebody may call it
-        keeping, resetting = len(memory.kept), len(memory.extremes)
+        resetting = len(memory.extremes)
 
-        def take(n0: int, steps: int, out: Rows) -> None:
-            code.function(S, spare, T, stride, n0, steps, len(out), parts, shares, out.ctypes.data, kept, keeping, extremes, resetting)
+        def take(n0: int, steps: int, out: Rows, anew: bool = True) -> None:
+            outputs, keeping, _ = out.shape
+            code.function(S, spare, T, stride, n0, steps, outputs, parts, shares, out.ctypes.data, kept, keeping, extremes, resetting * anew)
 
         return take
 

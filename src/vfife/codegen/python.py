@@ -37,10 +37,10 @@ def displace(S, T, share):
     whole(S, 1)
     resize(S, dt, share, 0.0)
 
-def advance(memory, n0, steps, out):
+def advance(memory, n0, steps, out, anew=True):
     S, before, T, parts, shares, kept, extremes = memory
     for m in range(len(out)):
-        for q in extremes:
+        for q in extremes if anew else ():
             S[q] = 0.0
         for n in range(n0 + m * steps, n0 + (m + 1) * steps):
             functions(S, T, n)
@@ -52,7 +52,7 @@ def advance(memory, n0, steps, out):
                 again(S, before, T, n, parts)
             if n == 0 and shares[0] > 0.0:
                 displace(S, T, shares[0])
-        for q in range(len(kept)):
+        for q in range(out.shape[1]):
             out[m, q, 0] = S[kept[q]]
 """
 

@@ -22,6 +22,7 @@ from .source import data_driven
 PARTS = 8  # steps that a step with an event is taken again in
 Rows = NDArray[np.float64]
 Integers = NDArray[np.uint32]
+NONE: Integers = np.zeros(0, dtype=np.uint32)
 ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1"  # of the data-driven loop
 
 
@@ -71,10 +72,10 @@ class DataDriven:
     def __call__(self, memory: Memory) -> Take:
         """Steps on a memory."""
 
-        def take(n0: int, steps: int, out: Rows) -> None:
+        def take(n0: int, steps: int, out: Rows, anew: bool = True) -> None:
             self.function(
                 self.scratch, self.kept, memory.T, self.integers, memory.S, self.rows, self.lanes, n0, steps, memory.parts, memory.shares,
-                out, memory.kept, memory.extremes,
+                out, memory.kept, memory.extremes if anew else NONE,
             )  # fmt: skip
 
         return take
@@ -114,9 +115,13 @@ class Runner:
         """Present state, shape (rows, lanes)."""
         return self.S.reshape(-1, self.lanes)
 
-    def advance(self, count: int, outputs: int) -> Rows:
-        """``outputs`` times ``count`` steps from where the state is."""
-        out = np.zeros((outputs, len(self.kept), self.lanes))
-        self.take(self.done, count, out)
+    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Rows:
+        """``outputs`` times ``count`` steps from where the state is.
+
+        An interval between two outputs may be taken in several calls: the extremes begin ``anew`` in the first of them only, and the last alone
+        has to ``record``.
+        """
+        out = np.zeros((outputs, len(self.kept) if record else 0, self.lanes))
+        self.take(self.done, count, out, anew)
         self.done += count * outputs
         return out

@@ -82,6 +82,9 @@ class Settings:
         Whole(0, MOST_COMPANIONS, words=("auto",)), 'runs with displaced steps beside it, or "auto" for as many as cost nothing; 0 for none', "auto"
     )
     tolerance: float = quantity("1", "range over the companions at which an automatic step is fine enough", 0.005, above=0.0, high=1.0)
+    energy_limit: float = quantity(
+        "1", "share of the largest energy by which the ledger may be open; a run in which it is more is stopped", 0.1, above=0.0
+    )
     damping: float = quantity("1/s", "mass-proportional damping", 0.0, low=0.0)
     path_unit: int = described(Whole(1, 1_000_000), "steps in a path unit of the elements", 1)
     analysis: Literal["dynamic", "static"] = described(

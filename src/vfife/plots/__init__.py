@@ -4,6 +4,7 @@ window.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -55,7 +56,12 @@ def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
     with matplotlib.rc_context(STYLE):
         for name, figure in figures.items():
             paths.append(folder / f"{name}.png")
-            figure.savefig(paths[-1])
+            part = folder / f"{name}.png.part"
+            try:
+                figure.savefig(part, format="png", metadata={"Software": f"vfife, Matplotlib {matplotlib.__version__}"})
+                os.replace(part, paths[-1])
+            finally:
+                part.unlink(missing_ok=True)
     return paths
 
 

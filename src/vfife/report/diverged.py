@@ -10,6 +10,7 @@ from .reach import end_of_reach
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
+    from ..results.view import View
     from ..solvers.record import Record
 
 # Forces come first: where a step makes several quantities infinite, they are what did it.
@@ -24,7 +25,10 @@ def diverged(record: Record) -> str:
 
 
 def first_infinite(record: Record) -> tuple[int, str]:
-    """Step of the first number beyond all bounds, and what it is, found by going on from the last sound output step by step."""
+    """Step of the first number beyond all bounds, and what it is: as the run found it, else by going on from the last sound output step by step."""
+    if record.burst is not None:
+        gone = "left all bounds" if record.burst.finite else "became infinite"
+        return record.burst.step, f"{named(record.assembly, record.burst.rows)} {gone}"
     from ..assembly.bounds import unsound
     from ..codegen.runner import Runner
 
@@ -75,6 +79,19 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
         if index in parts:
             return f"body {name}" if len(parts) == 1 else f"body {name} ({words.get(entity, entity)} {parts.index(index) + 1} of {len(parts)})"
     return "the whole"
+
+
+def energy_cause(result: View) -> str:
+    """The sentences about a run whose energy ledger is open beyond its limit."""
+    record, choice = result.record, result.record.assembly.choice
+    limit = record.assembly.mechanism.settings.energy_limit
+    said = f"the energy ledger is open by {100.0 * result.ledger.error:.3g} % of the largest energy, and {100.0 * limit:.3g} % is the limit."
+    if choice.step > choice.stable:
+        return (
+            f"{said} The step of {choice.step:.4g} s was forced, and is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows: "
+            "take --step auto, without --force-step."
+        )
+    return f"{said} Take a smaller step, --step {0.5 * choice.step:.4g}, or allow more (energy_limit in [run]) where you know better."
 
 
 def cause(record: Record, time: float) -> str:

@@ -36,6 +36,8 @@ def static_run(result: View) -> dict[str, Any]:
 def static_warnings(result: View) -> Iterable[str]:
     """Sentences about what makes the equilibria doubtful, each with what to do."""
     record = result.record
+    if record.lost:
+        yield f"The run file is damaged: {', '.join(record.lost)} could not be read; run the model again."
     if record.message:
         yield record.message
     elif record.status != Status.COMPLETE:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..analysis.forces import MODES
 from ..analysis.trust import OPEN
+from ..kernels.topology import CURRENT
 from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status
@@ -151,9 +152,26 @@ def _named(*laws: tuple[str, Law]) -> tuple[tuple[str, Law], ...]:
     return laws
 
 
+def open_by(result: View) -> str:
+    """By how much the energy ledger is open, in words."""
+    return f"{100.0 * result.ledger.error:.2g} %"
+
+
+def soft(result: View) -> bool:
+    """Whether there are elements whose stiffness counts on their present length: their moments belong to no energy."""
+    return CURRENT in result.record.assembly.topology.strains
+
+
+def missing(result: View) -> Iterable[str]:
+    """A sentence about what was damaged in the file of a run."""
+    if lost := result.record.lost:
+        yield f"The run file is damaged: {', '.join(lost)} could not be read and count nowhere in what is told here; run the model again."
+
+
 def warnings(result: View) -> Iterable[str]:
     """Sentences about what makes a run doubtful, each with what to do."""
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
+    yield from missing(result)
     if record.status != Status.COMPLETE:
         yield STATUS.get(record.status, f"The run is {record.status}.").format(time=float(result.time[-1]))
     if choice.step > choice.stable:
@@ -173,10 +191,9 @@ def warnings(result: View) -> Iterable[str]:
         yield sensitive
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
-        yield (
-            f"The energy ledger is open by {100.0 * result.ledger.error:.2g} % of the largest energy: "
-            "take a smaller step and see whether it closes."
-        )
+        own = "what elements of the present length leave open does not go with the step; take more elements" if soft(result) else ""
+        then = own or "take a smaller step and see whether it closes"
+        yield f"The energy ledger is open by {open_by(result)} of the largest energy: {then}."
 
 
 def out_of_range(result: View) -> Iterable[str]:
@@ -198,6 +215,7 @@ def out_of_range(result: View) -> Iterable[str]:
 STATUS = {
     Status.INTERRUPTED: "The run was interrupted at {time:.4g} s; what is told here is what was computed until then.",
     Status.UNFINISHED: "The run has not said that it ended: it was killed, or is at work. It has written {time:.4g} s.",
+    Status.ENERGY: "More energy came or went until {time:.4g} s than can be accounted for: these numbers are not to be used.",
     Status.DIVERGED: "The numbers were no longer finite after {time:.4g} s: take a smaller step, or check the model there.",
 }
 

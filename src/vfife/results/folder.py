@@ -1,56 +1,24 @@
-"""Where a run is kept: a folder of its own, never one that holds something else."""
+"""Where a run is kept: a folder of its own, never one that holds something else; what in it is ours, and what is not."""
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
-RUN_FILE, MODEL, SUMMARY, FIGURES = "run.sqlite", "model.toml", "summary.json", "figures"
+from ..errors import RunFileError
+from .lock import LOCK, holder
+from .opening import RUN_FILE, is_run_file
+
+MODEL, SUMMARY, FIGURES = "model.toml", "summary.json", "figures"
 SQLITE_TRACES = tuple(f"{RUN_FILE}{end}" for end in ("-wal", "-shm", "-journal"))
-
-
-@dataclass
-class RunFolder:
-    """A run folder; ``notes`` say what became of an earlier run."""
-
-    path: Path
-    created: bool = False
-    notes: tuple[str, ...] = ()
-
-    @property
-    def run_file(self) -> Path:
-        """The run file in it."""
-        return self.path / RUN_FILE
-
-    def clear(self) -> None:
-        """Removes what a run leaves in its folder, and nothing else."""
-        for name in (RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY):
-            (self.path / name).unlink(missing_ok=True)
-        if (self.path / FIGURES).is_dir():
-            for figure in (self.path / FIGURES).glob("*.png"):
-                figure.unlink()
-            with suppress(OSError):  # something of the user's is in there
-                (self.path / FIGURES).rmdir()
-
-    def discard(self) -> None:
-        """Removes a run that has not begun, and the folder if it was made for it."""
-        self.clear()
-        if self.created:
-            with suppress(OSError):
-                self.path.rmdir()
-
-
-def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run") -> None:
-    """Raises ValueError for a folder that is given and holds something else: not the ``trace`` that a run, or ``what`` is meant, leaves."""
-    if asked is None or not asked.exists():
-        return
-    if not asked.is_dir():
-        raise ValueError(f"-o {asked}: this is a file; name a folder")
-    if any(asked.iterdir()) and not (asked / trace).is_file():
-        raise ValueError(f"-o {asked}: the folder holds files that are no {what} of vfife; name another one, or one that is empty")
+SUMMARY_KEYS = {"status", "step", "steps", "measures"}
+FIGURE_NAMES = ("mechanism", "orbits", "forces", "moments", "accelerations")
+DRAWN_BY = (b"vfife", b"Matplotlib")  # in the head of a figure; the second by versions before 0.3
+STAGE = ".new-"  # in the name of a folder in which a run begins
 
 
 def numbered(first: Path) -> Iterator[Path]:
@@ -60,29 +28,92 @@ def numbered(first: Path) -> Iterator[Path]:
         yield first.with_name(f"{first.name}-{number}")
 
 
-def make_folder(asked: Path | None, model: Path) -> RunFolder:
-    """The folder of a run, ready for it.
+def entries(folder: Path) -> list[Path]:
+    """What lies in a folder, without locks and folders in which runs began."""
+    return [path for path in folder.iterdir() if path.name != LOCK and STAGE not in path.name]
 
-    A folder that is given is made; an earlier run in it gives way. Else it is runs/<model>, or with the next free number
-    where there is one already.
-    """
-    if asked is not None:
-        refuse_foreign(asked)
-        created = not asked.exists()
-        asked.mkdir(parents=True, exist_ok=True)
-        folder = RunFolder(asked, created)
-        if folder.run_file.exists():
-            folder.notes = (f"{asked} held an earlier run, which this one replaces",)
-            folder.clear()
-        return folder
-    first = Path("runs") / model.stem
-    first.parent.mkdir(parents=True, exist_ok=True)
-    for path in numbered(first):
-        with suppress(FileExistsError):
-            path.mkdir()
-            break
-    notes = (f"{first} is there already and stays as it is: this run goes to {path}",) if path != first else ()
-    return RunFolder(path, True, notes)
+
+def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run") -> None:
+    """Raises ValueError for a folder that is given and holds something else: not the ``trace`` that a run, or ``what`` is meant, leaves."""
+    if asked is None or not asked.exists():
+        return
+    if not asked.is_dir():
+        raise ValueError(f"-o {asked}: this is a file; name a folder")
+    own = is_run_file(asked / trace) if trace == RUN_FILE else (asked / trace).is_file()
+    if entries(asked) and not own:
+        raise ValueError(f"-o {asked}: the folder holds files that are no {what} of vfife; name another one, or one that is empty")
+
+
+def own_files(folder: Path, model: str | None) -> list[Path]:
+    """Files in a run folder that a run left there, as their content tells; ``model`` is the text that its run file has."""
+    found = [path for path in (folder / RUN_FILE, folder / MODEL, folder / SUMMARY) if path.is_file() and is_own(path, model)]
+    if folder / RUN_FILE in found:
+        found += [folder / name for name in SQLITE_TRACES if (folder / name).is_file()]
+    return found + [path for path in sorted((folder / FIGURES).glob("*.png")) if is_own(path, model)]
+
+
+def in_the_way(folder: Path, model: str | None) -> list[Path]:
+    """Files that a run would write and that are not ours."""
+    names = [RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY, *(f"{FIGURES}/{name}.png" for name in FIGURE_NAMES)]
+    own = set(own_files(folder, model))
+    return [folder / name for name in names if (folder / name).exists() and folder / name not in own]
+
+
+def is_own(path: Path, model: str | None) -> bool:
+    """Whether a run wrote a file: the run file by its header, the model by its text, a summary by its keys, a figure by its head."""
+    try:
+        if path.name == RUN_FILE:
+            return is_run_file(path)
+        if path.name == MODEL:
+            return path.read_text(encoding="utf-8") == model
+        if path.name == SUMMARY:
+            said = json.loads(path.read_text(encoding="utf-8"))
+            return isinstance(said, dict) and set(said) >= SUMMARY_KEYS
+        with path.open("rb") as stream:
+            head = stream.read(400)
+        return head.startswith(b"\x89PNG") and any(name in head for name in DRAWN_BY)
+    except (OSError, ValueError, RecursionError):
+        return False
+
+
+def model_of(folder: Path) -> str | None:
+    """The text of the model that a folder's run file has; None where it cannot be read."""
+    from .runfile import RunFile
+
+    with suppress(RunFileError), RunFile.open(folder) as file:
+        text = file.meta.get("model")
+        return text if isinstance(text, str) else None
+    return None
+
+
+def tidy(parent: Path, name: str) -> None:
+    """Removes folders in which runs of a name began whose processes are gone."""
+    if not parent.is_dir():
+        return
+    for path in parent.glob(f"{name}{STAGE}*"):
+        if path.is_dir() and holder(path) is None:
+            empty(path)
+
+
+def empty(stage: Path) -> None:
+    """Removes a folder in which a run began, with what it wrote."""
+    for name in (RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY, LOCK):
+        with suppress(OSError):
+            (stage / name).unlink(missing_ok=True)
+    with suppress(OSError):  # something that is not ours
+        stage.rmdir()
+
+
+def written(path: Path, text: str) -> None:
+    """Writes a text under another name and renames it: there is the old file or the new one, and never a part of it."""
+    part = path.with_name(f"{path.name}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
 
 
 def find_run(given: Path) -> Path:

@@ -83,9 +83,11 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, wher
     The model is read and not assembled, unless the file is one of version 0.1 and before. Raises RunFileError where the model cannot be read by
     this version, or was recorded with quantities it does not know.
     """
-    wanted = ("model", "choice", "kept")
+    wanted = ("model", "choice", "kept", *(("start", "tables") if "assembly" in meta else ()))
     if missing := [key for key in wanted if key not in meta]:
-        raise RunFileError(f"{where}: the run ended before it said what it runs ({', '.join(missing)}); run the model again")
+        raise RunFileError(f"{where}: the run ended before it said what it runs, or that is damaged ({', '.join(missing)}); run the model again")
+    if rows.size and steps[0] != 0:
+        raise RunFileError(f"{where}: this run file is damaged (its first output is lost, from which energies count); run the model again")
     if not rows.size:
         raise RunFileError(f"{where}: the run ended before its first output; run the model again")
     pairs = {name: tuple((first, second) for first, second in meta["choice"].get(name, ())) for name in ("limits", "tried")}

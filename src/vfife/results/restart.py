@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,14 +11,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
+from ..assembly.timestep import MOST_STEPS
+from ..errors import ResumeError
 from ..kernels.arrays import BLOCKS
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
 from ..solvers.record import Record
+from ..solvers.status import Status
 from .view import View
 
 Array = NDArray[np.float64]
 STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
+
+
+def refuse_ended(record: Record, until: float | None, where: str) -> None:
+    """Raises ResumeError for a run that cannot go on, with what can be done instead."""
+    if any(what.startswith("output") for what in record.lost):
+        raise ResumeError(f"{where}: this run file is damaged ({', '.join(record.lost)}), and would go on with a gap; run the model again")
+    if record.status in (Status.DIVERGED, Status.NOT_CONVERGED, Status.ENERGY):
+        raise ResumeError(
+            f"{where}: this run ended for good ({record.status}), and would do so again; change the model or its step, and start a new run"
+        )
+    if record.status == Status.COMPLETE and until is None:
+        raise ResumeError(f"{where}: this run is complete; say how far it is to go on (--until), or start a new one from its end (--start-from)")
+
+
+def extended(record: Record, until: float, where: str) -> Assembly:
+    """The assembly of a run that is to last until a time (s), with the step and the outputs that it has."""
+    assembly, choice = record.assembly, record.assembly.choice
+    if record.static:
+        raise ResumeError(f"{where}: a static analysis has load factors and no time; set load_factors in a new run")
+    each = choice.step * choice.outputs_every
+    outputs, done = math.ceil(until / each * (1.0 - 1e-9)), len(record.steps) - 1
+    if outputs < max(done, 1):
+        raise ResumeError(f"{where}: this run is at {done * each:.6g} s already; --until has to be later than that, and was {until:.6g} s")
+    if not outputs * choice.outputs_every <= MOST_STEPS:
+        raise ResumeError(f"{where}: until {until:.6g} s it takes {until / choice.step:.1e} steps, and no run does more than {MOST_STEPS:.0e}")
+    mechanism = assembly.mechanism
+    mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, turns=None, duration=until))
+    return dataclasses.replace(assembly, mechanism=mechanism, choice=dataclasses.replace(choice, outputs=outputs))
 
 
 def restart_record(source: View | Mapping[str, Any], time: float | None) -> Record | None:

@@ -1,132 +1,106 @@
 """One SQLite file a run: model, start, versions, history, checkpoints, events; whole up to the last transaction.
 
-Rows of S are stored chunk by chunk, and read into memory or, where they are many, into a mapped file of no name. SQLite keeps its rollback
-journal (no write-ahead log), so a finished run is one file. A transaction waits several times for the disk, so those of a short run are gathered.
+Rows of S are stored chunk by chunk, each in one transaction with the checkpoint that goes on from its end, and read into memory or, where they
+are many, into a mapped file of no name. Every row of every table is sealed: one that was damaged is left out and told, the others are used.
+SQLite keeps its rollback journal (no write-ahead log), so a finished run is one file. A transaction waits several times for the disk, so
+those of a short run are gathered.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import shutil
 import sqlite3
 import time
-import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import RunFileError
+from ..errors import RunFileError, StorageError
+from ..solvers.record import Checkpoint
+from . import formerfile, tables
+from .opening import connected, is_run_file, readable, run_file_at
 from .packing import packed, unpacked
+from .space import space
+from .tables import APPLICATION, FORMAT, damaged, told, unwritten
 
 if TYPE_CHECKING:
     from ..solvers.companions import Beside
 
-RUN_FILE = "run.sqlite"  # its name in a run folder
 ARRAY = "array."  # of the meta, among the parts of a reference
-APPLICATION = 0x56464946  # "VFIF", in the header of the file
-FORMAT = 2  # 1 had no arrays, and so no start
+KEYS = "*"  # the entry of the meta that names all others
 CHECKPOINTS = 2  # the latest ones are kept
-IN_MEMORY = 2**28  # bytes of rows that are read into memory; more are mapped
-
-SCHEMA = """
-CREATE TABLE meta (key TEXT PRIMARY KEY, json TEXT NOT NULL);
-CREATE TABLE arrays (key TEXT PRIMARY KEY, data BLOB NOT NULL);
-CREATE TABLE history (chunk INTEGER PRIMARY KEY, first INTEGER NOT NULL, outputs INTEGER NOT NULL, data BLOB NOT NULL);
-CREATE TABLE steps (output INTEGER PRIMARY KEY, step INTEGER NOT NULL);
-CREATE TABLE checkpoints (step INTEGER PRIMARY KEY, state BLOB NOT NULL);
-CREATE TABLE events (number INTEGER PRIMARY KEY, step INTEGER NOT NULL, time TEXT NOT NULL, text TEXT NOT NULL);
-CREATE TABLE reference (part TEXT PRIMARY KEY, data BLOB NOT NULL);
-CREATE TABLE companions (first INTEGER PRIMARY KEY, outputs INTEGER NOT NULL, last INTEGER NOT NULL, told TEXT NOT NULL, data BLOB NOT NULL);
-"""
-
-Arguments = ParamSpec("Arguments")
-Answer = TypeVar("Answer")
-
-
-def told(method: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:
-    """Turns what SQLite, zlib and json say about a damaged file into a sentence; the first argument has the path."""
-
-    @wraps(method)
-    def checked(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Answer:
-        try:
-            return method(*args, **kwargs)
-        except sqlite3.OperationalError as error:
-            if "no such table" not in str(error):
-                raise RunFileError(f"{path_of(args[0])}: {error}; is the disk full, or the folder gone?") from error
-            raise RunFileError(damaged(args[0], str(error))) from error
-        except (sqlite3.DatabaseError, zlib.error, json.JSONDecodeError, UnicodeDecodeError) as error:
-            raise RunFileError(damaged(args[0], str(error))) from error
-
-    return checked
-
-
-def path_of(file: Any) -> str:
-    """Path of a run file in messages."""
-    return str(getattr(file, "path", file))
-
-
-def damaged(file: Any, what: str) -> str:
-    """The sentence about a damaged file."""
-    return f"{path_of(file)}: this run file is damaged ({what}); run the model again, or take a copy of the file"
+PART_BYTES = 2**26  # of the reference's rows in one block
 
 
 class RunFile:
-    """A run file, open for writing (:meth:`create`) or reading (:meth:`open`); a context manager that closes it."""
+    """A run file, open for writing (:meth:`create`, :meth:`write`) or reading (:meth:`open`); a context manager that closes it.
+
+    ``lost`` says, after reading, what was damaged and is left out.
+    """
 
     def __init__(self, path: Path, connection: sqlite3.Connection, gather: float = 0.0) -> None:
         self.path, self._connection = path, connection
         self._gather, self._kept, self._waiting = gather, time.monotonic(), False
+        self.size = 0  # bytes of the transaction under way
+        self.version = int(connection.execute("PRAGMA user_version").fetchone()[0])
+        self._lost: dict[str, None] = {}
+        self._next: dict[str, Any] = {}  # the meta of a try whose first output is still to come
+        self.arrive: Callable[[], Path] | None = None  # moves the file to its place, once its first outputs are in it
 
     @classmethod
     def create(cls, path: str | Path, meta: Mapping[str, Any] | None = None, *, replace: bool = False, gather: float = 0.0) -> RunFile:
         """A new run file with ``meta``: anything JSON can say, and arrays; best from :func:`~vfife.results.provenance.provenance`.
 
         What is written within ``gather`` seconds becomes one transaction, which ends with a checkpoint; each is one of its own by default.
-        Raises RunFileError where the file cannot be made, or is there already and ``replace`` is false.
+        Raises RunFileError where the file cannot be made, or is there already and ``replace`` is false, or is no run file.
         """
         path = Path(path)
         if path.exists():
             if not replace:
                 raise RunFileError(f"{path}: there is a run file already; name another one or remove it first")
+            if not is_run_file(path):
+                raise RunFileError(f"{path}: there is another file of this name, which is no run file of vfife; name another one")
             for old in (path, path.with_name(path.name + "-journal")):
                 old.unlink(missing_ok=True)
         try:
-            connection = sqlite3.connect(path, timeout=60.0, isolation_level=None)
-            connection.execute("PRAGMA journal_mode = DELETE")
-            connection.execute("PRAGMA synchronous = NORMAL")
+            connection = connected(path)
             connection.execute(f"PRAGMA application_id = {APPLICATION}")
             connection.execute(f"PRAGMA user_version = {FORMAT}")
             file = cls(path, connection, gather)
             with file._transaction():
-                for statement in SCHEMA.strip().split("\n"):
+                for statement in tables.SCHEMA:
                     connection.execute(statement)
                 file._put({"status": "running", "created": now(), **(meta or {})})
         except sqlite3.Error as error:
-            raise RunFileError(f"{path}: no run file can be made here ({error}); name a folder you can write to") from error
+            raise StorageError(f"{unwritten(str(path), f'no run file can be made here ({error})')} Name a folder you can write to") from error
         return file
 
     @classmethod
     def open(cls, path: str | Path) -> RunFile:
         """A run file, or that of a run folder, for reading; also one whose writer was killed or is still at work."""
-        path = Path(path)
-        path = path / RUN_FILE if path.is_dir() else path
-        if not path.is_file():
-            raise RunFileError(f"{path}: there is no run file of this name; name the folder or file of a run")
-        with path.open("rb") as stream:
-            head = stream.read(100)
-        if not head.startswith(b"SQLite format 3\0") or int.from_bytes(head[68:72], "big") != APPLICATION:
-            raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
-        if int.from_bytes(head[60:64], "big") > FORMAT:
-            raise RunFileError(f"{path}: this run file was written by a newer vfife; install that version to read it")
-        file = cls(path, _readable(path))
+        path = run_file_at(path)
+        file = cls(path, readable(path))
         file.meta  # noqa: B018 - a damaged file is told here, not at its first use
+        return file
+
+    @classmethod
+    def write(cls, path: str | Path, *, gather: float = 0.0) -> RunFile:
+        """A run file that is there, to go on with. Raises RunFileError for one of a former format, which has no such checkpoints."""
+        path = run_file_at(path)
+        try:
+            file = cls(path, connected(path), gather)
+        except sqlite3.Error as error:
+            raise StorageError(unwritten(str(path), str(error))) from error
+        if not file.sealed:
+            file.close()
+            raise RunFileError(f"{path}: a former version wrote this run, without all it takes to go on; start a new one --start-from it")
         return file
 
     def __enter__(self) -> RunFile:
@@ -148,60 +122,96 @@ class RunFile:
 
     @told
     def begin(self, meta: Mapping[str, Any]) -> None:
-        """Starts the run anew, as after a try with too large a step: the history goes, ``meta`` is replaced key by
-        key.
+        """Starts the run anew, as after a try with too large a step: ``meta`` is replaced key by key, and what was computed gives way, once the
+        first output of the new try is there.
         """
+        self._next = {"status": "running", **meta}
+        if self._counts() == (0, 0):
+            with self._transaction():
+                self._anew()
+
+    @told
+    def put(self, meta: Mapping[str, Any]) -> None:
+        """Replaces entries of the meta."""
         with self._transaction():
-            self._forget()
-            self._put({"status": "running", **meta})
+            self._put(meta)
 
     @told
-    def append(self, steps: NDArray[np.int64], rows: NDArray[np.float64], beside: Beside | None = None) -> None:
+    def append(
+        self, steps: NDArray[np.int64], rows: NDArray[np.float64], beside: Beside | None = None, checkpoint: Checkpoint | None = None
+    ) -> None:
         """Adds outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept). Step 0 starts
-        anew. ``beside`` is what companions leave at the last of these outputs; of theirs only those still needed stay.
+        anew. ``beside`` is what companions leave at the last of these outputs; of theirs only those still needed stay. ``checkpoint`` is the
+        state at their end.
         """
-        if len(steps) == 0:
+        if len(steps) == 0 and checkpoint is None:
             return
-        with self._transaction(math.inf):
-            if int(steps[0]) == 0:
-                self._forget()
-            row = self._connection.execute("SELECT count(*), coalesce(max(output) + 1, 0) FROM steps").fetchone()
-            first = int(row[1])
-            chunk = self._connection.execute("SELECT coalesce(max(chunk) + 1, 0) FROM history").fetchone()[0]
-            numbered = [(first + k, int(step)) for k, step in enumerate(steps)]
-            self._connection.executemany("INSERT INTO steps VALUES (?, ?)", numbered)
-            self._connection.execute("INSERT INTO history VALUES (?, ?, ?, ?)", (chunk, first, len(steps), packed(rows)))
-            if beside is not None:
-                self._keep_companions(first + len(steps) - len(beside.rows), int(steps[-1]), beside)
+        with self._transaction(math.inf if checkpoint is None else self._gather):
+            if len(steps):
+                self._append(steps, rows, beside)
+            if checkpoint is not None:
+                self._checkpoint(checkpoint)
+        if self.arrive is not None and len(steps):
+            self._move(self.arrive)
 
-    def _keep_companions(self, first: int, last: int, beside: Beside) -> None:
-        outputs = len(beside.rows)
-        values = (first, outputs, last, json.dumps(beside.told), packed(beside.rows.reshape(outputs, -1)))
-        self._connection.execute("INSERT OR REPLACE INTO companions VALUES (?, ?, ?, ?, ?)", values)
-        self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
+    def _append(self, steps: NDArray[np.int64], rows: NDArray[np.float64], beside: Beside | None) -> None:
+        if int(steps[0]) == 0:
+            self._anew()
+        chunk, first = self._counts()
+        self._insert("history", chunk, first, len(steps), packed(steps.astype(float)), packed(rows))
+        if beside is not None:
+            outputs = len(beside.rows)
+            values = json.dumps(beside.told), packed(steps[len(steps) - outputs :].astype(float)), packed(beside.rows.reshape(outputs, -1))
+            self._insert("companions", first + len(steps) - outputs, outputs, int(steps[-1]), *values)
+            self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
+
+    def _counts(self) -> tuple[int, int]:
+        """Chunks and outputs there are."""
+        row = self._connection.execute("SELECT chunk + 1, first + outputs FROM history ORDER BY chunk DESC LIMIT 1").fetchone()
+        return (0, 0) if row is None else (int(row[0]), int(row[1]))
 
     @told
-    def checkpoint(self, step: int, state: NDArray[np.float64]) -> None:
-        """Keeps the state after ``step``, from which a run can go on, in the order of the blocks of the start."""
+    def checkpoint(self, step: int, state: NDArray[np.float64], more: Mapping[str, Any] | None = None) -> None:
+        """Keeps the state after ``step``, from which a run can go on, in the order of the blocks of the start, shape (rows,) or (rows, lanes).
+
+        ``more``: what the solver needs beside it, for JSON.
+        """
         with self._transaction(self._gather):
-            self._connection.execute("INSERT OR REPLACE INTO checkpoints VALUES (?, ?)", (int(step), packed(state)))
-            old = "DELETE FROM checkpoints WHERE step NOT IN (SELECT step FROM checkpoints ORDER BY step DESC LIMIT ?)"
-            self._connection.execute(old, (CHECKPOINTS,))
+            self._checkpoint(Checkpoint(step, state, more or {}))
+
+    def _checkpoint(self, checkpoint: Checkpoint) -> None:
+        more = json.dumps(dict(checkpoint.more))
+        self._insert("checkpoints", int(checkpoint.step), *self._counts(), more, packed(checkpoint.values))
+        old = "DELETE FROM checkpoints WHERE step NOT IN (SELECT step FROM checkpoints ORDER BY step DESC LIMIT ?)"
+        self._connection.execute(old, (CHECKPOINTS,))
+
+    @told
+    def rewind(self, checkpoint: Checkpoint) -> None:
+        """Takes away what was written after a checkpoint, from which the run goes on."""
+        with self._transaction():
+            for table, column in (("checkpoints", "step"), ("companions", "last")):
+                self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
+            self._connection.execute("DELETE FROM history WHERE chunk >= ?", (checkpoint.chunks,))
 
     @told
     def event(self, step: int, text: str) -> None:
         """Notes that something happened after ``step``."""
         with self._transaction():
-            self._connection.execute("INSERT INTO events (step, time, text) VALUES (?, ?, ?)", (int(step), now(), text))
+            number = self._connection.execute("SELECT coalesce(max(number) + 1, 1) FROM events").fetchone()[0]
+            self._insert("events", int(number), int(step), now(), text)
 
     @told
     def keep_reference(self, meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Keeps the record of the ideal mechanism beside the run."""
         entries, arrays = parted(meta)
-        parts = {"meta": json.dumps(entries).encode(), "steps": packed(steps.astype(float)), "rows": packed(rows)}
+        parts = {"steps": packed(steps.astype(float))}
+        some = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
+        parts |= {f"rows.{k}": packed(rows[first : first + some]) for k, first in enumerate(range(0, max(len(rows), 1), some))}
         parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
+        parts["meta"] = json.dumps({**entries, KEYS: sorted(parts)}).encode()
         with self._transaction(math.inf):
-            self._connection.executemany("INSERT OR REPLACE INTO reference VALUES (?, ?)", list(parts.items()))
+            for part, data in parts.items():
+                self._insert("reference", part, data)
 
     @told
     def finish(self, status: str, summary: Mapping[str, Any] | None = None, **meta: Any) -> None:
@@ -214,40 +224,93 @@ class RunFile:
         """A transaction, or more of the one that gathers: it ends unless the last ended less than ``patience`` seconds ago."""
         if not self._waiting:
             self._connection.execute("BEGIN IMMEDIATE")
+            self.size = 0
         self._waiting = True
         try:
             yield
+            if not self._gather or self.arrive is not None or time.monotonic() - self._kept >= patience:
+                self._settle()
         except BaseException:
             self._waiting = False
-            self._connection.rollback()
+            if self._connection.in_transaction:
+                self._connection.rollback()
             raise
-        if not self._gather or time.monotonic() - self._kept >= patience:
-            self._settle()
 
     def _settle(self) -> None:
         """Brings to the disk what was gathered."""
+        if self._connection.in_transaction:
+            self._connection.commit()
         self._waiting = False
-        self._connection.commit()
         self._kept = time.monotonic()
+
+    def _insert(self, table: str, *values: Any) -> None:
+        self.size += tables.insert(self._connection, table, *values)
+
+    def _move(self, move: Callable[[], Path]) -> None:
+        """Brings the file to its place and goes on there."""
+        self._settle()
+        self._connection.close()
+        self.arrive = None
+        try:
+            self.path = move()
+        finally:
+            self._connection = connected(self.path)
 
     def _put(self, meta: Mapping[str, Any]) -> None:
         entries, arrays = parted(meta)
-        self._connection.executemany("INSERT OR REPLACE INTO meta VALUES (?, ?)", [(key, json.dumps(value)) for key, value in entries.items()])
-        self._connection.executemany("INSERT OR REPLACE INTO arrays VALUES (?, ?)", [(key, packed(values)) for key, values in arrays.items()])
+        for key, value in entries.items():
+            self._insert("meta", key, json.dumps(value))
+        for key, values in arrays.items():
+            self._insert("arrays", key, packed(values))
+        if not entries and not arrays:
+            return
+        known = tables.sound(self._connection, "meta", KEYS)
+        names = {*entries, *arrays, *(json.loads(known[1]) if known else ())}
+        self._insert("meta", KEYS, json.dumps(sorted(names)))
 
-    def _forget(self) -> None:
-        for table in ("history", "steps", "checkpoints", "companions"):
+    def _anew(self) -> None:
+        """Takes away what was computed, and says what is computed next."""
+        for table in ("history", "checkpoints", "companions"):
             self._connection.execute(f"DELETE FROM {table}")
+        self._put(self._next)
+        self._next = {}
 
     # ------------------------------------------------------------------------------------------------------- reading
+
+    @property
+    def sealed(self) -> bool:
+        """Whether every row has its seal."""
+        return self.version > 2
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """What was found damaged so far, and is left out."""
+        return tuple(self._lost)
+
+    def _lose(self, what: str) -> None:
+        self._lost[what] = None
 
     @property
     @told
     def meta(self) -> dict[str, Any]:
         """What is known of the run: model text, start, versions, step, loop, kept rows, laws, status, summary."""
-        found: dict[str, Any] = {key: json.loads(text) for key, text in self._connection.execute("SELECT key, json FROM meta")}
-        if self._connection.execute("PRAGMA user_version").fetchone()[0] > 1:
-            found |= {key: unpacked(data) for key, data in self._connection.execute("SELECT key, data FROM arrays")}
+        if not self.sealed:
+            return formerfile.meta(self._connection, self.version)
+        found: dict[str, Any] = {}
+        lost: set[str] = set()
+        for table, column in (("meta", json.loads), ("arrays", unpacked)):
+            for key, row in tables.each(self._connection, table):
+                if row is None:
+                    lost.add(str(key))
+                else:
+                    found[key] = column(row[1])
+        names = found.pop(KEYS, None)
+        if names is None and (found or lost):
+            self._lose("the list of what it says")
+        for name in sorted((lost | set(names or ())) - set(found) - {KEYS}):
+            self._lose(f"its {name}")
+        if not found:
+            raise RunFileError(damaged(self, "nothing is left of what it says"))
         return found
 
     @told
@@ -256,27 +319,65 @@ class RunFile:
         return self._connection.execute("SELECT 1 FROM meta WHERE key = ?", (key,)).fetchone() is not None
 
     @property
-    @told
     def steps(self) -> NDArray[np.int64]:
         """Step numbers of the outputs, shape (outputs,)."""
-        found = self._connection.execute("SELECT step FROM steps ORDER BY output")
-        return np.fromiter((step for (step,) in found), dtype=np.int64)
+        return self.outputs(only_steps=True)[0]
 
     @property
-    @told
     def rows(self) -> NDArray[np.float64]:
         """Recorded rows, shape (outputs, kept)."""
-        total, filled = int(self._connection.execute("SELECT coalesce(sum(outputs), 0) FROM history").fetchone()[0]), 0
-        rows: NDArray[np.float64] = np.zeros((0, 0))
-        for first, outputs, data in self._connection.execute("SELECT first, outputs, data FROM history ORDER BY chunk"):
-            part = unpacked(data)
-            if filled == 0 and part.ndim == 2 and len(part) == outputs:
-                rows = space(total, part.shape[1])
-            if first != filled or part.shape != (outputs, rows.shape[1]) or filled + len(part) > total:
-                raise RunFileError(damaged(self, f"the outputs from {first} on do not follow those before"))
-            rows[filled : filled + len(part)] = part
-            filled += len(part)
-        return rows
+        return self.outputs()[1]
+
+    @told
+    def outputs(self, only_steps: bool = False) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Steps of the outputs, shape (outputs,), and their rows, shape (outputs, kept); those that are damaged are left out, and told."""
+        if not self.sealed:
+            rows = np.zeros((0, 0)) if only_steps else formerfile.rows(self._connection, self)
+            return formerfile.steps(self._connection), rows
+        chunks, total = self._planned()
+        steps, rows, filled, at, last = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0, -1
+        for chunk in range(chunks):
+            part = self._chunk(chunk, last, only_steps)
+            if part is None:
+                continue
+            first, own, values = part
+            if first > at:
+                self._lose(_missing(at, first))
+            if not only_steps and rows.size == 0:
+                rows = space(total, values.shape[1])
+            if len(own) > total - filled or not (only_steps or values.shape == (len(own), rows.shape[1])):
+                self._lose(_missing(first, first + len(own)))
+                continue
+            steps[filled : filled + len(own)] = own
+            if not only_steps:
+                rows[filled : filled + len(own)] = values
+            filled, at, last = filled + len(own), first + len(own), int(own[-1])
+        if at < total:
+            self._lose(_missing(at, total))
+        return steps[:filled], rows[:filled]
+
+    def _planned(self) -> tuple[int, int]:
+        """Chunks and outputs that there should be."""
+        numbers = tables.keys(self._connection, "history")
+        counts = [(0, 0)]
+        for _, row in tables.each(self._connection, "checkpoints"):
+            counts += [(int(row[1]), int(row[2]))] if row is not None else []
+        for chunk in reversed(numbers):
+            row = tables.sound(self._connection, "history", chunk)
+            if row is not None:
+                counts.append((int(row[0]) + 1, int(row[1]) + int(row[2])))
+                break
+        return max(chunks for chunks, _ in counts), max(outputs for _, outputs in counts)
+
+    def _chunk(self, chunk: int, last: int, only_steps: bool) -> tuple[int, NDArray[np.int64], NDArray[np.float64]] | None:
+        """First output, steps and rows of a chunk; None where it is damaged, or its steps do not rise from ``last`` on."""
+        row = tables.sound(self._connection, "history", chunk)
+        if row is None:
+            return None
+        steps = unpacked(row[3]).astype(np.int64)
+        if len(steps) != row[2] or len(steps) == 0 or steps[0] <= last or (np.diff(steps) <= 0).any():
+            return None
+        return int(row[1]), steps, np.zeros((0, 0)) if only_steps else unpacked(row[4])
 
     @told
     def later(self) -> Callable[[], NDArray[np.float64]]:
@@ -286,29 +387,48 @@ class RunFile:
 
     @told
     def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], NDArray[np.float64]] | None:
-        """What is told of the companions, their steps, and their rows, shape (outputs, kept times companions); None without any."""
-        if self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'companions'").fetchone() is None:
-            return None  # a file of version 0.2 or before
-        chunks = self._connection.execute("SELECT first, outputs, told, data FROM companions ORDER BY first").fetchall()
-        if not chunks:
+        """What is told of the companions, their steps, and their rows, shape (outputs, kept times companions); None without any, or where they are
+        damaged.
+        """
+        if not self.sealed:
+            return formerfile.companions(self._connection, self)
+        found = list(tables.each(self._connection, "companions"))
+        chunks = [row for _, row in found if row is not None]
+        steps, parts = [unpacked(row[4]).astype(np.int64) for row in chunks], [unpacked(row[5]) for row in chunks]
+        fit = all(len(one) == len(part) and part.ndim == 2 and part.shape[1] == parts[0].shape[1] for one, part in zip(steps, parts, strict=True))
+        follow = all(one[0] + one[1] == other[0] for one, other in zip(chunks, chunks[1:], strict=False))
+        if len(chunks) != len(found) or not (fit and follow):
+            self._lose("the companions")
             return None
-        every, parts = self.steps, [unpacked(data) for *_, data in chunks]
-        steps = [every[first : first + outputs] for first, outputs, *_ in chunks]
-        if any(len(one) != len(part) or part.ndim != 2 or part.shape[1] != parts[0].shape[1] for one, part in zip(steps, parts, strict=True)):
-            raise RunFileError(damaged(self, "the outputs of the companions do not fit those of the run"))
-        return json.loads(chunks[-1][2]), np.concatenate(steps), np.concatenate(parts)
+        return (json.loads(chunks[-1][3]), np.concatenate(steps), np.concatenate(parts)) if chunks else None
+
+    @told
+    def latest(self) -> Checkpoint | None:
+        """The latest checkpoint that is whole, from which the run can go on; None where there is none, or the file is of a former format."""
+        if not self.sealed:
+            return None
+        for step, row in reversed(list(tables.each(self._connection, "checkpoints"))):
+            if row is None:
+                self._lose(f"the checkpoint of step {step:,}")
+                continue
+            return Checkpoint(int(row[0]), unpacked(row[4]), json.loads(row[3]), int(row[1]), int(row[2]))
+        return None
 
     @told
     def last_checkpoint(self) -> tuple[int, NDArray[np.float64]] | None:
         """Step number and state S of the latest checkpoint, or None."""
-        row = self._connection.execute("SELECT step, state FROM checkpoints ORDER BY step DESC LIMIT 1").fetchone()
-        return None if row is None else (int(row[0]), unpacked(row[1]))
+        if not self.sealed:
+            return formerfile.checkpoint(self._connection)
+        found = self.latest()
+        return None if found is None else (found.step, found.values if found.values.ndim == 1 else np.ascontiguousarray(found.values[:, 0]))
 
     @property
     @told
     def events(self) -> list[tuple[int, str, str]]:
         """Step, time (UTC) and text of the events, in their order."""
-        return list(self._connection.execute("SELECT step, time, text FROM events ORDER BY number"))
+        if not self.sealed:
+            return list(self._connection.execute("SELECT step, time, text FROM events ORDER BY number"))
+        return [row[1:] for _, row in tables.each(self._connection, "events") if row is not None]
 
     @property
     @told
@@ -318,12 +438,28 @@ class RunFile:
 
     @told
     def reference(self) -> tuple[dict[str, Any], NDArray[np.int64], NDArray[np.float64]] | None:
-        """Meta, steps and rows of the ideal mechanism's record, or None."""
-        parts = dict(self._connection.execute("SELECT part, data FROM reference").fetchall())
+        """Meta, steps and rows of the ideal mechanism's record; None where there is none, or it is damaged."""
+        if self.sealed:
+            found = dict(tables.each(self._connection, "reference"))
+            parts = {key: row[1] for key, row in found.items() if row is not None}
+            if len(parts) != len(found):
+                self._lose("the ideal reference")
+                return None
+        else:
+            parts = formerfile.reference(self._connection)
         if not parts:
             return None
-        meta = json.loads(parts["meta"]) | {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
-        return meta, unpacked(parts["steps"]).astype(np.int64), unpacked(parts["rows"])
+        blocks = sorted((key for key in parts if key == "rows" or key.startswith("rows.")), key=lambda key: int(key.partition(".")[2] or 0))
+        meta = json.loads(parts.get("meta", b"{}"))
+        if not blocks or not {"meta", "steps", *meta.pop(KEYS, ())} <= set(parts):
+            self._lose("the ideal reference")
+            return None
+        meta |= {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
+        steps, rows = unpacked(parts["steps"]).astype(np.int64), np.concatenate([unpacked(parts[key]) for key in blocks])
+        if len(steps) != len(rows):
+            self._lose("the ideal reference")
+            return None
+        return meta, steps, rows
 
 
 def parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
@@ -332,52 +468,17 @@ def parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[n
     return {key: value for key, value in meta.items() if key not in arrays}, arrays
 
 
-def space(outputs: int, width: int) -> NDArray[np.float64]:
-    """Room for rows: memory, or where they are many a file of no name, of which the system keeps in memory what is looked at."""
-    if 8 * outputs * width <= IN_MEMORY:
-        return np.empty((outputs, width))
-    import tempfile
-
-    with tempfile.TemporaryFile() as file:
-        return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)
-
-
 def rows_of(path: Path) -> NDArray[np.float64]:
-    """Recorded rows of a run file."""
+    """Recorded rows of a run file. Raises RunFileError where some of them are damaged."""
     with RunFile.open(path) as file:
-        return file.rows
+        rows = file.rows
+        if file.lost:
+            raise RunFileError(damaged(path, ", ".join(file.lost)))
+        return rows
 
 
-def _readable(path: Path) -> sqlite3.Connection:
-    """A connection that can read the file; the journal of a killed writer is rolled back first.
-
-    That needs to write: where it cannot be done in place, it is done on a copy that vanishes.
-    """
-    try:
-        connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, timeout=60.0, isolation_level=None)
-        connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        connection.execute("PRAGMA query_only = ON")
-        return connection
-    except sqlite3.OperationalError as error:
-        if "locked" in str(error):
-            raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
-    except sqlite3.DatabaseError as error:
-        raise RunFileError(damaged(path, str(error))) from error
-    import tempfile
-
-    memory = sqlite3.connect(":memory:", isolation_level=None)
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            for name in (path.name, f"{path.name}-journal"):
-                if (path.parent / name).exists():
-                    shutil.copy(path.parent / name, folder)
-                    (Path(folder) / name).chmod(0o600)
-            copy = sqlite3.connect(Path(folder) / path.name)
-            copy.backup(memory)
-            copy.close()
-    except (sqlite3.DatabaseError, OSError) as error:
-        raise RunFileError(damaged(path, str(error))) from error
-    return memory
+def _missing(first: int, end: int) -> str:
+    return f"output {first:,}" if end == first + 1 else f"outputs {first:,} to {end - 1:,}"
 
 
 def now() -> str:

@@ -125,6 +125,29 @@ class Gathering:
             self.parts.popleft()
         return Beside(part, Companions(self.shifts, self.kept, steps, part, self.parting, tuple(sorted(self.lost))).told, oldest)
 
+    @property
+    def remembered(self) -> dict[str, Any]:
+        """What a checkpoint keeps of this, beside the rows that a file has."""
+        watch = self.watch
+        told = Companions(self.shifts, self.kept, watch.steps, self.shifts, self.parting, tuple(sorted(self.lost))).told
+        if watch.forces is None or watch.largest is None:
+            return {**told, "watch": None}
+        return {**told, "watch": [watch.steps.tolist(), watch.forces.tolist(), watch.largest.tolist()]}
+
+    def restore(self, remembered: Mapping[str, Any], kept: tuple[dict[str, Any], NDArray[np.int64], Array] | None) -> None:
+        """Takes up what a checkpoint remembers, and rows that a file has, shape (outputs, kept times companions)."""
+        parting = remembered["parting"]
+        self.parting, self.lost = None if parting is None else Parting(float(parting[0]), str(parting[1])), set(remembered["lost"])
+        if remembered["watch"] is not None and remembered["watch"][0]:
+            steps, forces, largest = remembered["watch"]
+            count = len(self.shifts) + 1
+            self.watch.steps = np.array(steps, dtype=np.int64)
+            self.watch.forces = np.array(forces, dtype=float).reshape(count, len(steps), -1)
+            self.watch.largest = np.array(largest, dtype=float)
+        if kept is not None:
+            _, steps, rows = kept
+            self.parts = deque([(steps, rows.reshape(len(rows), len(self.kept), len(self.shifts)))])
+
     def oldest(self, last: int) -> int:
         """The output before the turn that ends with a step."""
         return oldest_needed(self.assembly, last)

@@ -12,6 +12,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from .arguments import Arguments, Loop
+from .pace import Pace
 from .record import Record, recorded_rows
 from .status import Status
 from .transient import choose_loop
@@ -74,7 +76,7 @@ def ensemble(
     of ``outputs``. ``lanes``: simulations side by side in a vector register, as many as this machine's hold if not given. ``workers``: threads,
     as many as there are cores if not given. ``progress`` is told how many members of how many are done. Raises ModelError with all faults of
     the arguments or of a mechanism, ValueError for one without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends
-    it within a turn.
+    it within a second.
     """
     given = Arguments("ensemble")
     mechanisms = given.mechanisms(mechanisms)
@@ -162,13 +164,26 @@ def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> 
     for k, lane in enumerate(members):
         lane.start(start[0, :, k])
     count, outputs = first.choice.outputs_every, _per_turn(first)
+    pace = Pace(partial(_end_if, stop))
     for _ in range(first.choice.outputs // outputs):
-        if stop.is_set() or all(lane.ended for lane in members):
+        if all(lane.ended for lane in members):
             return
-        rows = runner.advance(count, outputs)
+        try:
+            rows = pace.advance(runner, count, outputs)
+        except _Ended:
+            return
         for k, lane in enumerate(members):
             if not lane.ended:
                 lane.take(rows[:, :, k])
+
+
+class _Ended(Exception):
+    """The ensemble was broken off."""
+
+
+def _end_if(stop: threading.Event) -> None:
+    if stop.is_set():
+        raise _Ended
 
 
 def _per_turn(assembly: Assembly) -> int:

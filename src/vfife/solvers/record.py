@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
@@ -19,6 +19,19 @@ if TYPE_CHECKING:
 Rows: TypeAlias = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Checkpoint:
+    """What a run goes on from, to the bit: S after ``step`` in the order of :func:`lasting_rows`, shape (rows,) or (rows, lanes), and ``more``
+    that the solver remembers beside it, for JSON. ``chunks`` and ``outputs`` are those that a file had then.
+    """
+
+    step: int
+    values: Rows
+    more: Mapping[str, Any] = field(default_factory=dict)
+    chunks: int = 0
+    outputs: int = 0
+
+
 class Writer(Protocol):
     """What keeps outputs and checkpoints while a run goes on: a run file."""
 
@@ -29,14 +42,23 @@ class Writer(Protocol):
     def later(self) -> Callable[[], Rows]:
         """What reads the rows of the outputs when they are asked for."""
 
-    def append(self, steps: NDArray[np.int64], rows: Rows, beside: Beside | None = None) -> None:
-        """Keeps outputs, with what companions leave beside the last of them; those from step 0 on begin anew."""
+    def append(self, steps: NDArray[np.int64], rows: Rows, beside: Beside | None = None, checkpoint: Checkpoint | None = None) -> None:
+        """Keeps outputs, with what companions leave beside the last of them and the state at their end; those from step 0 on begin anew."""
 
-    def checkpoint(self, step: int, values: Rows) -> None:
-        """Keeps all of the state after a step, in the order of :func:`lasting_rows`."""
+    def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], Rows] | None:
+        """What is told of the companions, their steps and rows, as far as they are still needed."""
 
     def event(self, step: int, text: str) -> None:
         """Notes what happened after a step."""
+
+
+@dataclass(frozen=True)
+class Burst:
+    """Where numbers left all bounds: the step, the rows of S, and whether they were still finite."""
+
+    step: int
+    rows: NDArray[np.uint32]
+    finite: bool
 
 
 @dataclass
@@ -58,6 +80,7 @@ class Record:
 
     ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked for: a run that writes a file
     keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate`` is that of a smooth run, where it was made.
+    ``lost`` names what was damaged in the file that it was read from; ``reached`` is the last step made, ``burst`` where the run diverged.
     """
 
     assembly: Assembly
@@ -71,6 +94,9 @@ class Record:
     message: str = ""
     companions: Companions | None = None
     estimate: Estimate | None = None
+    lost: tuple[str, ...] = ()
+    reached: int = 0
+    burst: Burst | None = None
 
     @property
     def rows(self) -> Rows:

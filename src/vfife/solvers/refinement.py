@@ -13,6 +13,8 @@ from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
 from .companions import measured_rows, oldest_needed
+from .halt import Halt
+from .pace import Pace
 from .record import Record, places
 
 Array = NDArray[np.float64]
@@ -60,12 +62,14 @@ def refine(record: Record) -> Refined:
     oldest = oldest_needed(record.assembly, int(record.steps[-1]))
     window = [begin] if oldest == 0 else []
     compared = Differences(record, sampled)
-    for done in range(0, outputs, CHUNK):
-        count = min(CHUNK, outputs - done)
-        rows = np.concatenate([runner.advance(every, count) for runner in runners], axis=2)
-        wanted = (done + 1 + np.arange(count)) * choice.outputs_every >= oldest
-        window.append(rows[wanted, : len(kept), 0])
-        compared.take(done, rows[:, len(kept) :])
+    with Halt() as halt:
+        paces = [Pace(halt.look) for _ in runners]
+        for done in range(0, outputs, CHUNK):
+            count = min(CHUNK, outputs - done)
+            rows = np.concatenate([pace.advance(runner, every, count) for pace, runner in zip(paces, runners, strict=True)], axis=2)
+            wanted = (done + 1 + np.arange(count)) * choice.outputs_every >= oldest
+            window.append(rows[wanted, : len(kept), 0])
+            compared.take(done, rows[:, len(kept) :])
     rows = np.concatenate(window)
     return Refined(kept, np.asarray(record.steps[len(record.steps) - len(rows) :]), rows, compared.order())
 

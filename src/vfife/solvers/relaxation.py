@@ -10,7 +10,9 @@ from look to look, and the motion runs off to the next equilibrium.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from .fictitious_mass import demands, extent, floors
+from .pace import Pace
 
 Array = NDArray[np.float64]
 
@@ -28,6 +31,7 @@ BEYOND = 1.1  # of the mass for which iterations are stable, OMEGA being 3.6 of 
 LOADED = 100.0  # what nothing but loads holds is moved by a hundredth of the size in the first iteration
 FLAT = 100.0  # times the masses where joints come apart
 NOISE = 1e-14  # of size and stiffness: forces that rounding alone makes
+REMEMBERED = ("frequency", "iterations", "kinetic", "kinetic_max", "between")
 HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffness has outgrown them
 
 
@@ -73,6 +77,7 @@ class Relaxation:
         self.pressed = np.zeros(len(assembly.contacts))
         self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1)
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
+        self.pace = Pace()
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
         self.between = SHORTEST
         self.reweigh()
@@ -111,13 +116,29 @@ class Relaxation:
         self.frequency, self.kinetic, self.kinetic_max, self.between = 0.0, 0.0, 0.0, SHORTEST
         self.state[self.layout["damping"]] = 0.0
 
+    @property
+    def remembered(self) -> dict[str, Any]:
+        """What it takes to go on beside S, for JSON."""
+        numbers = {name: getattr(self, name) for name in REMEMBERED}
+        arrays = {name: getattr(self, name).tolist() for name in ("mass", "inertia", "pressed")}
+        return {**numbers, **arrays, "done": self.runner.done, "functions": self.runner.functions.tolist()}
+
+    def restore(self, state: Array, rows: NDArray[np.intp], remembered: Mapping[str, Any]) -> None:
+        """Goes on from ``rows`` of a former S and what was :attr:`remembered` with it."""
+        self.state[rows] = state
+        for name in REMEMBERED:
+            setattr(self, name, remembered[name])
+        for name in ("mass", "inertia", "pressed"):
+            setattr(self, name, np.array(remembered[name], dtype=float))
+        self.runner.done, self.runner.functions[:] = remembered["done"], remembered["functions"]
+
     def rest(self) -> None:
         """Takes all velocities away."""
         self.state[self.speeds] = 0.0
 
     def advance(self, count: int) -> None:
         """Iterations without a look."""
-        self.runner.advance(count, 1)
+        self.pace.advance(self.runner, count, 1)
         self.iterations += count
 
     def relax(self) -> Array:
@@ -127,7 +148,7 @@ class Relaxation:
         """
         while True:
             before = self.state.copy()
-            rows = self.runner.advance(self.between, LOOKS)[:, :, 0]
+            rows = self.pace.advance(self.runner, self.between, LOOKS)[:, :, 0]
             self.iterations += LOOKS * self.between
             seen = rows[:, : 3 * len(self.places)].reshape(LOOKS, 3, -1)
             with np.errstate(invalid="ignore"):

@@ -18,9 +18,10 @@ from ..assembly.assembled import Assembly
 from ..kinematics.drives import constraint_drivers
 from ..model.mechanism import Settings
 from .fictitious_mass import extent
+from .halt import Halt
 from .loading import Loading
 from .progress import Progress
-from .record import Record, Writer, lasting_rows, recorded_rows
+from .record import Checkpoint, Record, Writer, lasting_rows, recorded_rows
 from .relaxation import Relaxation
 from .status import Status
 
@@ -44,13 +45,19 @@ MEANINGLESS = (
 
 
 def equilibrium(
-    assembly: Assembly, *, loop: str = "data-driven", progress: Callable[[Progress], None] | None = None, file: Writer | None = None
+    assembly: Assembly,
+    *,
+    loop: str = "data-driven",
+    progress: Callable[[Progress], None] | None = None,
+    file: Writer | None = None,
+    resume: Checkpoint | None = None,
 ) -> Record:
     """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that under factor k.
 
     Iterations end where the unbalanced force is at most ``residual`` of the largest force (moments likewise) and the kinetic energy at most
     ``kinetic_energy`` of the largest met. Where that takes more than ``iterations`` the status is "not converged", where the mechanism runs
-    away "diverged", after Ctrl-C "interrupted"; the message says where, and the equilibria found are kept.
+    away "diverged", after Ctrl-C "interrupted"; the message says where, and the equilibria found are kept. From a checkpoint of its ``file``,
+    ``resume``, the rest is found as it would have been, to the bit.
     """
     settings = assembly.mechanism.settings
     kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
@@ -59,32 +66,38 @@ def equilibrium(
     relaxation = Relaxation(assembly, force, "interpreted" if loop == "interpreted" else "data-driven")
     record = Record(assembly, np.zeros(0, dtype=np.int64), np.zeros((0, len(kept))), kept, loop="data-driven")
     relaxation.runner.advance(0, 1)  # loads the compiled loop, so that the analysis is not timed with it
-    began, rows, old = time.perf_counter(), [], 0.0
+    began, rows, old, earlier = time.perf_counter(), list[Array](), 0.0, 0.0
     factors = (0.0, *settings.load_factors)
+    if resume is not None and file is not None:
+        relaxation.restore(resume.values.reshape(-1), lasting, resume.more["relaxation"])
+        rows, old, earlier = list(file.later()()), factors[resume.step], float(resume.more["wall"])
+    halt = Halt()
+    relaxation.pace.look = halt.look
     try:
-        for k, factor in enumerate(factors):
-            for again in range(TRIES):
-                before = relaxation.state.copy()
-                stage = Stage(relaxation, loading, k, old, factor, progress, began)
-                fault = stage.run(settings)
-                if again + 1 == TRIES or not fault or relaxation.whole:
+        with halt:
+            for k, factor in list(enumerate(factors))[len(rows) :]:
+                for again in range(TRIES):
+                    before = relaxation.state.copy()
+                    stage = Stage(relaxation, loading, k, old, factor, progress, began)
+                    fault = stage.run(settings)
+                    if again + 1 == TRIES or not fault or relaxation.whole:
+                        break
+                    relaxation.go_back(before)
+                if fault:
+                    record.status, record.message = fault
                     break
-                relaxation.go_back(before)
-            if fault:
-                record.status, record.message = fault
-                break
-            stage.tell(everything=True)
-            rows.append(_at_rest(assembly, relaxation, stage)[kept])
-            if file is not None:
-                file.append(np.array([k], dtype=np.int64), rows[-1][None, :])
-                file.checkpoint(k, relaxation.state[lasting])
-            old = factor
+                stage.tell(everything=True)
+                rows.append(_at_rest(assembly, relaxation, stage)[kept])
+                if file is not None:
+                    more = {"wall": earlier + time.perf_counter() - began, "relaxation": relaxation.remembered}
+                    file.append(np.array([k], dtype=np.int64), rows[-1][None, :], None, Checkpoint(k, relaxation.state[lasting], more))
+                old = factor
     except KeyboardInterrupt:
         record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."
     if not rows:  # the start itself, so that there is something to look at
         rows = [assembly.state[kept]]
     record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
-    record.wall = time.perf_counter() - began
+    record.wall, record.reached = earlier + time.perf_counter() - began, len(rows) - 1
     record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)

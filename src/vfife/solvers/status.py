@@ -11,6 +11,7 @@ class Status(StrEnum):
     COMPLETE = "complete"  # it came to its end
     INTERRUPTED = "interrupted"  # Ctrl-C; what was computed before is kept
     DIVERGED = "diverged"  # numbers beyond all bounds, or a structure that nothing holds
+    ENERGY = "energy"  # more energy came or went than the ledger accounts for
     NOT_CONVERGED = "not converged"  # no equilibrium within the iterations allowed
     RUNNING = "running"  # what a run file says while it is written
     UNFINISHED = "unfinished"  # what a reader calls that: killed, or still at work

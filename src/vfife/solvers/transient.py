@@ -1,11 +1,13 @@
-"""Steps an assembled mechanism from its start to its end, chunk by chunk: progress, Ctrl-C, run file, a stop where numbers blow up."""
+"""Steps an assembled mechanism from its start, or from a checkpoint, to its end: progress, signals, run file, a stop where numbers blow up."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import unsound
@@ -14,13 +16,21 @@ from ..codegen.straight_line import about
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .companions import Gathering, lanes
+from .halt import Halt
+from .pace import Pace
 from .progress import Progress
-from .record import Record, Rows, Writer, lasting_rows, recorded_rows
+from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
 from .status import Status
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
-CHUNK_SECONDS = 0.25  # time between two looks at Ctrl-C and the progress line
+CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are
+CHECKPOINT_SHARE = 20.0  # times as long as writing one takes: no sooner comes the next
+JUDGE_SECONDS, JUDGED = 5.0, 200  # between two looks at the energy of a run, and outputs in one
+REPLAY = 1000  # steps of a piece in which a blow-up is looked for
 LONGEST_STRAIGHT_LINE = 25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
+
+
+Judge: TypeAlias = Callable[[NDArray[np.int64], Rows], bool]
 
 
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
@@ -39,62 +49,205 @@ def run(
     progress: Callable[[Progress], None] | None = None,
     file: Writer | None = None,
     companions: int = 0,
+    resume: Checkpoint | None = None,
+    judge: Judge | None = None,
 ) -> Record:
     """Steps a mechanism from its start to the end of its choice of steps, with so many companions beside it.
 
-    Ctrl-C ends it after the present chunk with status "interrupted", numbers beyond all bounds with "diverged"; what was computed
-    before is kept. Whatever runs beside it, the run has the same bits.
+    Ctrl-C (and whatever signal raises KeyboardInterrupt) ends it within a quarter of a second with status "interrupted" and a checkpoint, numbers
+    beyond all bounds with "diverged"; what was computed before is kept. Whatever runs beside it, and wherever it was interrupted and went on
+    from a checkpoint of its ``file``, ``resume``, the run has the same bits. ``judge`` looks at steps and rows of outputs every few
+    seconds, those of output 0 before them, and ends the run with status "energy" by saying True.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
-    kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
-    chosen = choose_loop(assembly, loop)
-    choice, smaller = assembly.choice, assembly.mechanism.settings.parts
-    first = lanes(companions, chosen)
-    states, tables = np.repeat(assembly.state[:, None], len(first), axis=1), np.repeat(assembly.tables[None, :], len(first), axis=0)
-    runner = Runner(assembly.topology, states, tables, chosen, kept, parts=smaller, shares=first)
-    gathering = Gathering(assembly, kept, first[1 : companions + 1]) if companions else None
-    parts: list[Rows] = []
+    with Halt() as halt:
+        stepping = Stepping(assembly, choose_loop(assembly, loop), companions, file, halt, judge)
+        try:
+            stepping.begin(resume)
+            status = stepping.to_the_end(progress)
+        except KeyboardInterrupt:
+            if not stepping.begun:
+                raise
+            status = Status.INTERRUPTED
+            stepping.leave()
+        return stepping.record(status)
 
-    def keep(done: int, rows: Rows, every: Rows) -> None:
-        steps = (done + np.arange(len(rows), dtype=np.int64)) * choice.outputs_every
-        beside = gathering.take(steps, every) if gathering is not None and len(rows) else None
-        if file is None:
-            parts.append(rows)
+
+class Stepping:
+    """A run under way: its lanes, what is kept of them, and where it stands."""
+
+    def __init__(self, assembly: Assembly, loop: str, companions: int, file: Writer | None, halt: Halt, judge: Judge | None) -> None:
+        self.assembly, self.loop, self.file, self.halt, self.judge = assembly, loop, file, halt, judge
+        self.kept, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
+        first = lanes(companions, loop)
+        states, tables = np.repeat(assembly.state[:, None], len(first), axis=1), np.repeat(assembly.tables[None, :], len(first), axis=0)
+        self.runner = Runner(assembly.topology, states, tables, loop, self.kept, parts=assembly.mechanism.settings.parts, shares=first)
+        self.own = companions + 1  # lanes that are not mere repetitions
+        self.gathering = Gathering(assembly, self.kept, first[1 : self.own]) if companions else None
+        self.most = max(1, CHUNK_BYTES // (8 * len(self.kept) * len(first)))
+        self.pace = Pace()
+        self.parts: list[Rows] = []
+        self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
+        self.burst: Burst | None = None
+        self.kept_at, self.last, self.cost = -1, time.monotonic(), 0.0
+        self.first: Rows | None = None
+        self.judged, self.open = time.monotonic(), False
+
+    # ---------------------------------------------------------------------------------------------------------- begin
+
+    def begin(self, resume: Checkpoint | None) -> None:
+        """The first output, or the state of a checkpoint."""
+        if resume is not None:
+            self._restore(resume)
         else:
-            file.append(steps, rows, beside)
+            every = self.runner.advance(1, 1)
+            self._keep(0, every)
+        self.begun = True
 
-    status, done, wall = Status.COMPLETE, 0, 0.0
-    most = max(1, CHUNK_BYTES // (8 * len(kept) * len(first)))
-    chunk = 1
-    every = runner.advance(1, 1)
-    keep(0, np.ascontiguousarray(every[:, :, 0]), every)
-    try:
-        while done < choice.outputs:
-            some = min(chunk, choice.outputs - done, most)
-            began = time.perf_counter()
-            every = runner.advance(choice.outputs_every, some)
-            spent = time.perf_counter() - began
-            wall += spent
-            rows = np.ascontiguousarray(every[:, :, 0])
-            broken = unsound(assembly, kept, rows).any(axis=1)
-            sound = int(np.argmax(broken)) if broken.any() else len(rows)
-            keep(done + 1, rows[:sound], every[:sound])
-            if file is not None:
-                file.checkpoint(int((done + some) * choice.outputs_every), runner.states[lasting, 0])
-            done += sound
-            if sound < some:
-                status = Status.DIVERGED
-                break
+    def _restore(self, resume: Checkpoint) -> None:
+        values = resume.values.reshape(len(self.lasting), -1)
+        if values.shape[1] != self.own:
+            raise ValueError(f"the checkpoint has {values.shape[1]} lanes and the run {self.own}; start a new run --start-from it")
+        states = self.runner.states
+        states[self.lasting] = values[:, [lane if lane < self.own else 0 for lane in range(states.shape[1])]]
+        self.runner.done, self.done, self.kept_at = resume.step + 1, resume.step, resume.step
+        self.earlier = float(resume.more.get("wall", 0.0))
+        if self.file is not None and self.judge is not None:
+            self.first = self.file.later()()[:1]
+        if self.gathering is not None and self.file is not None:
+            self.gathering.restore(resume.more["companions"], self.file.companions())
+
+    # ------------------------------------------------------------------------------------------------------------ go on
+
+    def to_the_end(self, progress: Callable[[Progress], None] | None) -> Status:
+        """Chunk by chunk; each is whole before a signal is heard."""
+        choice = self.assembly.choice
+        while self.done < choice.steps:
+            before, state = self.done, self.runner.states.copy()
+            self.whole = False
+            sound = self._chunk()
+            self.whole = True
+            if not sound:
+                self.burst = self._replayed(before, state)
+                return Status.DIVERGED
+            if self.open:
+                return Status.ENERGY
             if progress is not None:
-                progress(Progress(done * choice.outputs_every, choice.steps, wall))
-            chunk = max(1, min(4 * some, int(some * CHUNK_SECONDS / max(spent, 1e-6))))
-    except KeyboardInterrupt:
-        status = Status.INTERRUPTED
-    final = runner.states[:, 0].copy() if status == Status.COMPLETE else None
-    if file is not None:  # an interrupt may have come after a chunk was written, and before it was counted
-        record = Record(assembly, file.steps, file.later(), kept, wall, chosen, status, final)
-    else:
-        rows = np.concatenate(parts)
-        record = Record(assembly, np.arange(len(rows), dtype=np.int64) * choice.outputs_every, rows, kept, wall, chosen, status, final)
-    record.companions = gathering.left(int(record.steps[-1])) if gathering is not None else None
-    return record
+                progress(Progress(self.done, choice.steps, self.wall))
+            self.halt.look()
+        return Status.COMPLETE
+
+    @property
+    def wall(self) -> float:
+        """Seconds of stepping, those before the checkpoint with them."""
+        return self.earlier + self.pace.seconds
+
+    def _chunk(self) -> bool:
+        """Some outputs, or a piece of the way to the next; False where numbers left all bounds."""
+        choice = self.assembly.choice
+        inside = self.done % choice.outputs_every
+        some = min(self.pace.room // choice.outputs_every, choice.outputs - self.done // choice.outputs_every, self.most)
+        if inside == 0 and some > 0:
+            return self._keep(self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, some))
+        piece = min(max(self.pace.room, 1), choice.outputs_every - inside)
+        ends = inside + piece == choice.outputs_every
+        every = self.pace.call(self.runner, piece, anew=inside == 0, record=ends)
+        if ends:
+            return self._keep(self.done + piece, every)
+        if unsound(self.assembly, self.kept, self.runner.states[self.kept, 0][None, :]).any():
+            return False
+        self.done += piece
+        if time.monotonic() - self.last > CHECKPOINT_SECONDS:
+            self.checkpoint()
+        return True
+
+    def _keep(self, first: int, every: Rows) -> bool:
+        """Keeps the sound ones of some outputs, from that of step ``first`` on, with a checkpoint where all are."""
+        rows = np.ascontiguousarray(every[:, :, 0])
+        broken = unsound(self.assembly, self.kept, rows).any(axis=1)
+        sound = int(np.argmax(broken)) if broken.any() and first > 0 else len(rows)
+        steps = first + np.arange(sound, dtype=np.int64) * self.assembly.choice.outputs_every
+        beside = self.gathering.take(steps, every[:sound]) if self.gathering is not None and sound else None
+        if sound:
+            self.done = int(steps[-1])
+        self._look(steps, rows[:sound])
+        if self.file is None:
+            self.parts.append(rows[:sound])
+        else:
+            due = time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost) or self.done == self.assembly.choice.steps
+            began = time.monotonic()
+            self.file.append(steps, rows[:sound], beside, self._checkpoint() if due and sound == len(rows) else None)
+            if due and sound == len(rows):
+                self._kept(began)
+        return sound == len(rows)
+
+    def _look(self, steps: NDArray[np.int64], rows: Rows) -> None:
+        """Has outputs judged, together with output 0, from which energies count."""
+        if self.first is None and len(steps) and steps[0] == 0:
+            self.first = rows[:1]
+        if self.judge is None or self.first is None or len(steps) < 2 or time.monotonic() - self.judged < JUDGE_SECONDS:
+            return
+        some = slice(-JUDGED, None)
+        self.open = self.judge(np.concatenate([[0], steps[some]]), np.concatenate([self.first, rows[some]]))
+        self.judged = time.monotonic()
+
+    # ------------------------------------------------------------------------------------------------------ checkpoints
+
+    def _checkpoint(self) -> Checkpoint:
+        more = {"wall": self.wall} | ({} if self.gathering is None else {"companions": self.gathering.remembered})
+        return Checkpoint(self.done, self.runner.states[self.lasting, : self.own], more)
+
+    def checkpoint(self) -> None:
+        """Keeps the present state."""
+        if self.file is not None and self.done > self.kept_at:
+            began = time.monotonic()
+            self.file.append(np.zeros(0, dtype=np.int64), np.zeros((0, 0)), None, self._checkpoint())
+            self._kept(began)
+
+    def _kept(self, began: float) -> None:
+        self.kept_at, self.last = self.done, time.monotonic()
+        self.cost = self.last - began
+
+    def leave(self) -> None:
+        """A checkpoint before a run is left; one that a second signal broke off in the middle of a chunk has its last one."""
+        if self.whole:
+            self.checkpoint()
+
+    # -------------------------------------------------------------------------------------------------------------- end
+
+    def _replayed(self, done: int, state: NDArray[np.float64]) -> Burst | None:
+        """Where the first number left all bounds: the last call again from before it, in pieces, and the piece step by step."""
+        runner = self.runner
+        runner.states[:], runner.done = state, done + 1
+        while done < self.assembly.choice.steps:
+            before, piece = runner.states.copy(), min(REPLAY, self.assembly.choice.steps - done)
+            if not self._bad(piece).any():
+                done += piece
+                continue
+            runner.states[:], runner.done = before, done + 1
+            for step in range(done + 1, done + piece + 1):
+                bad = self._bad(1)
+                if bad.any():
+                    finite = bool(np.isfinite(runner.states[self.kept, 0]).all())
+                    return Burst(step, self.kept[bad], finite)
+            return None
+        return None
+
+    def _bad(self, count: int) -> NDArray[np.bool_]:
+        self.runner.advance(count, 1, anew=False, record=False)
+        bad: NDArray[np.bool_] = unsound(self.assembly, self.kept, self.runner.states[self.kept, 0][None, :])[0]
+        return bad
+
+    def record(self, status: Status) -> Record:
+        """What the run leaves."""
+        final = self.runner.states[:, 0].copy() if status == Status.COMPLETE else None
+        if self.file is not None:  # an interrupt may have come after a chunk was written, and before it was counted
+            steps, source = self.file.steps, self.file.later()
+            record = Record(self.assembly, steps, source, self.kept, self.wall, self.loop, status, final)
+        else:
+            rows = np.concatenate(self.parts)
+            steps = np.arange(len(rows), dtype=np.int64) * self.assembly.choice.outputs_every
+            record = Record(self.assembly, steps, rows, self.kept, self.wall, self.loop, status, final)
+        record.reached, record.burst = max(self.done, int(record.steps[-1])), self.burst
+        record.companions = self.gathering.left(int(record.steps[-1])) if self.gathering is not None else None
+        return record

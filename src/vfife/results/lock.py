@@ -1,0 +1,108 @@
+"""One writer at a time in a run folder, by a lock that the system takes back when its process ends, however it ends."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import socket
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+from typing import IO
+
+from ..errors import HeldError
+
+LOCK = "run.lock"
+NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}  # what a file system says that knows none
+
+
+class Lock:
+    """The right to write into a folder, until :meth:`release` or the end of the process. Raises HeldError, which names who has it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / LOCK
+        self.stream: IO[str] | None = _held(self.path)
+        self.stream.seek(0)
+        self.stream.truncate()
+        told = {"process": os.getpid(), "host": socket.gethostname(), "since": datetime.now(UTC).isoformat(timespec="seconds")}
+        self.stream.write(json.dumps(told))
+        self.stream.flush()
+
+    def moved(self, folder: Path) -> None:
+        """The folder has another name now, the file in it with it."""
+        self.path = folder / LOCK
+
+    def release(self) -> None:
+        """Gives the right back; the file goes with it."""
+        if self.stream is None:
+            return
+        with suppress(OSError):
+            if os.path.samestat(os.fstat(self.stream.fileno()), self.path.stat()):
+                self.path.unlink()
+        self.stream.close()
+        self.stream = None
+
+    def __enter__(self) -> Lock:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.release()
+
+
+def holder(folder: Path) -> str | None:
+    """Who writes into a folder and since when, in words; None where nobody does."""
+    path = folder / LOCK
+    try:
+        with path.open("r+", encoding="utf-8") as stream:
+            if not _taken(stream):
+                return None
+            return _who(path)
+    except OSError:
+        return None
+    except HeldError as error:
+        return str(error)
+
+
+def _held(path: Path) -> IO[str]:
+    """The lock file, locked: one that was unlinked meanwhile by its former holder is not it."""
+    while True:
+        stream = path.open("a+", encoding="utf-8")
+        try:
+            if _taken(stream):
+                raise HeldError(f"{path.parent}: {_who(path)} writes a run here; wait until it has ended, or name another folder")
+            if os.path.samestat(os.fstat(stream.fileno()), path.stat()):
+                return stream
+        except FileNotFoundError:
+            pass
+        except BaseException:
+            stream.close()
+            raise
+        stream.close()
+
+
+def _taken(stream: IO[str]) -> bool:
+    """Tries to lock a file; True where another one has it. A file system without locks lets everyone in."""
+    try:
+        if os.name == "nt":  # pragma: no cover
+            import msvcrt
+
+            stream.seek(2**20)  # far behind what is written, which others can read then
+            msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+        else:
+            import fcntl
+
+            fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno not in NO_LOCKS
+    return False
+
+
+def _who(path: Path) -> str:
+    """The holder in words, as far as its file says."""
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        return f"process {int(told['process'])} on {told['host']}, since {told['since']},"
+    except (OSError, ValueError, KeyError, TypeError):
+        return "another process"

@@ -1,0 +1,82 @@
+"""Files that are run files, and connections to them: one that writes, one that reads whatever a killed writer left."""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from pathlib import Path
+
+from ..errors import RunFileError
+from .tables import APPLICATION, FORMAT, HEADER, damaged
+
+RUN_FILE = "run.sqlite"  # its name in a run folder
+
+
+def is_run_file(path: Path) -> bool:
+    """Whether a file is one that this program made: SQLite's header with our application id."""
+    return head_of(path) is not None
+
+
+def head_of(path: Path) -> bytes | None:
+    """The header of a run file; None for any other file."""
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(HEADER)
+    except OSError:
+        return None
+    own = head.startswith(b"SQLite format 3\0") and int.from_bytes(head[68:72], "big") == APPLICATION
+    return head if own else None
+
+
+def run_file_at(path: str | Path) -> Path:
+    """The run file that a path means. Raises RunFileError where there is none that this version reads."""
+    path = Path(path)
+    path = path / RUN_FILE if path.is_dir() else path
+    if not path.is_file():
+        raise RunFileError(f"{path}: there is no run file of this name; name the folder or file of a run")
+    head = head_of(path)
+    if head is None:
+        raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
+    if int.from_bytes(head[60:64], "big") > FORMAT:
+        raise RunFileError(f"{path}: this run file was written by a newer vfife; install that version to read it")
+    return path
+
+
+def connected(path: Path) -> sqlite3.Connection:
+    """A connection that writes."""
+    connection = sqlite3.connect(path, timeout=60.0, isolation_level=None)
+    connection.execute("PRAGMA journal_mode = DELETE")
+    connection.execute("PRAGMA synchronous = NORMAL")
+    return connection
+
+
+def readable(path: Path) -> sqlite3.Connection:
+    """A connection that can read the file; the journal of a killed writer is rolled back first.
+
+    That needs to write: where it cannot be done in place, it is done on a copy that vanishes.
+    """
+    try:
+        connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, timeout=60.0, isolation_level=None)
+        connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        connection.execute("PRAGMA query_only = ON")
+        return connection
+    except sqlite3.OperationalError as error:
+        if "locked" in str(error):
+            raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
+    except sqlite3.DatabaseError as error:
+        raise RunFileError(damaged(path, str(error))) from error
+    import tempfile
+
+    memory = sqlite3.connect(":memory:", isolation_level=None)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            for name in (path.name, f"{path.name}-journal"):
+                if (path.parent / name).exists():
+                    shutil.copy(path.parent / name, folder)
+                    (Path(folder) / name).chmod(0o600)
+            copy = sqlite3.connect(Path(folder) / path.name)
+            copy.backup(memory)
+            copy.close()
+    except (sqlite3.DatabaseError, OSError) as error:
+        raise RunFileError(damaged(path, str(error))) from error
+    return memory

@@ -1,0 +1,120 @@
+"""The tables of a run file, each row sealed; what damage and a full disk are told as."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sqlite3
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+from ..errors import RunFileError, StorageError
+from .packing import seal
+
+APPLICATION = 0x56464946  # "VFIF", in the header of the file
+FORMAT = 3  # 1 had no arrays, and so no start; 1 and 2 had no seals
+HEADER = 100  # bytes of SQLite's header
+
+# Of each table its columns but the seal, which is the last; the first is the key.
+COLUMNS = {
+    "meta": ("key TEXT PRIMARY KEY", "json TEXT NOT NULL"),
+    "arrays": ("key TEXT PRIMARY KEY", "data BLOB NOT NULL"),
+    "history": ("chunk INTEGER PRIMARY KEY", "first INTEGER NOT NULL", "outputs INTEGER NOT NULL", "steps BLOB NOT NULL", "data BLOB NOT NULL"),
+    "checkpoints": ("step INTEGER PRIMARY KEY", "chunks INTEGER NOT NULL", "outputs INTEGER NOT NULL", "more TEXT NOT NULL", "state BLOB NOT NULL"),
+    "events": ("number INTEGER PRIMARY KEY", "step INTEGER NOT NULL", "time TEXT NOT NULL", "text TEXT NOT NULL"),
+    "reference": ("part TEXT PRIMARY KEY", "data BLOB NOT NULL"),
+    "companions": (
+        "first INTEGER PRIMARY KEY", "outputs INTEGER NOT NULL", "last INTEGER NOT NULL", "told TEXT NOT NULL", "steps BLOB NOT NULL",
+        "data BLOB NOT NULL",
+    ),
+}  # fmt: skip
+SCHEMA = [f"CREATE TABLE {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in COLUMNS.items()]
+KEYS = {table: columns[0].split()[0] for table, columns in COLUMNS.items()}
+STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
+
+Arguments = ParamSpec("Arguments")
+Answer = TypeVar("Answer")
+
+
+def insert(connection: sqlite3.Connection, table: str, *values: Any) -> int:
+    """Writes a row with its seal, in the place of one with its key; returns its size (bytes)."""
+    marks = ", ".join("?" * (len(values) + 1))
+    connection.execute(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", (*values, seal(table, *values)))
+    return sum(len(value) if isinstance(value, bytes | str) else 8 for value in values)
+
+
+def sound(connection: sqlite3.Connection, table: str, key: Any) -> tuple[Any, ...] | None:
+    """A row without its seal; None where it is missing, cannot be read, or is not what was written."""
+    try:
+        row = connection.execute(f"SELECT * FROM {table} WHERE {KEYS[table]} = ?", (key,)).fetchone()
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        if _of_storage(error):
+            raise
+        return None
+    return None if row is None or seal(table, *row[:-1]) != row[-1] else tuple(row[:-1])
+
+
+def keys(connection: sqlite3.Connection, table: str) -> list[Any]:
+    """Keys of a table, as far as they can be read."""
+    found: list[Any] = []
+    try:
+        for (key,) in connection.execute(f"SELECT {KEYS[table]} FROM {table} ORDER BY 1"):
+            found.append(key)
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        if _of_storage(error):
+            raise
+    return found
+
+
+def each(connection: sqlite3.Connection, table: str) -> Iterator[tuple[Any, tuple[Any, ...] | None]]:
+    """Keys and rows of a table in the order of the keys, None for a row that is damaged."""
+    for key in keys(connection, table):
+        yield key, sound(connection, table, key)
+
+
+def told(method: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:
+    """Turns what SQLite, zlib and json say about a damaged file or a full disk into a sentence; the first argument has the path."""
+
+    @wraps(method)
+    def checked(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Answer:
+        try:
+            return method(*args, **kwargs)
+        except (sqlite3.Error, zlib.error, json.JSONDecodeError, UnicodeDecodeError) as error:
+            if _of_storage(error):
+                raise StorageError(unwritten(path_of(args[0]), str(error), getattr(args[0], "size", 0))) from error
+            raise RunFileError(damaged(args[0], str(error))) from error
+
+    return checked
+
+
+def _of_storage(error: Exception) -> bool:
+    return isinstance(error, sqlite3.OperationalError) and any(word in str(error).lower() for word in STORAGE)
+
+
+def path_of(file: Any) -> str:
+    """Path of a run file in messages."""
+    return str(getattr(file, "path", file))
+
+
+def damaged(file: Any, what: str) -> str:
+    """The sentence about a damaged file."""
+    return f"{path_of(file)}: this run file is damaged ({what}); run the model again, or take a copy of the file"
+
+
+def unwritten(path: str, what: str, needed: int = 0) -> str:
+    """The sentence about a file that could not be written: what the system says, bytes that were needed and that are free."""
+    free = free_bytes(Path(path))
+    room = "" if free is None else f" ({needed:,} bytes were to be written, {free:,} are free there)"
+    return f"{path}: {what}{room}; is the disk full, or the folder gone or read-only?"
+
+
+def free_bytes(path: Path) -> int | None:
+    """Bytes that are free where a file is, or is to be; None where nobody knows."""
+    for place in (path, *path.absolute().parents):
+        with suppress(OSError):
+            return shutil.disk_usage(place).free
+    return None
