@@ -55,7 +55,7 @@ verify: $(VENV)/.test  ## the long comparisons with references and published num
 
 soak: $(VENV)/.test  ## long runs, killed and restarted; thousands of mechanisms; all examples of every property
 	@$(PYTHON) -m pytest -s -m soak $(PYTEST)
-	@VFIFE_EXAMPLES=all $(PYTHON) -m pytest $(XDIST) -m "hypothesis and not verify" $(PYTEST)
+	@VFIFE_EXAMPLES=all $(PYTHON) -m pytest $(XDIST) -m "(hypothesis or rounds) and not verify" $(PYTEST)
 
 mutations: $(VENV)/.test  ## a hundred small faults in the kernels: does the suite see each of them? (MUTATE="--seed 5 --count 20")
 	@$(PYTHON) tests/mutations/mutate.py $(MUTATE)

@@ -1,20 +1,29 @@
 """No test is judged by time; laws that a test registers do not stay; files that take long begin first."""
 
+import gc
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from one_loop import ForAllLaws
+from vfife.codegen import runner
 from vfife.laws import ContactLaw, FrictionLaw
 
-# The first two compile the data-driven loop, each for another set of laws, and those after them find it compiled; then what takes long, so
-# that no process is left alone with it at the end.
+# The first compiles the data-driven loop, for a minute or two where it is not in the cache yet; those up to the gap do without it meanwhile. Then
+# what takes long, so that no process is left alone with it at the end.
 FIRST = (
-    "codegen/test_loops.py", "physics/test_random_mechanisms.py", "plots/test_figures_of_all_kinds.py", "examples/test_examples.py",
-    "paper/test_paper_independent.py", "paper/test_paper.py", "examples/test_gallery.py", "laws/test_friction_laws.py",
-    "laws/test_friction_solutions.py", "differential/test_against_equations.py", "modelfile/test_modelfile_roundtrip.py",
-    "laws/test_own_laws.py", "codegen/test_cache.py", "cli/test_run.py", "results/test_result.py", "laws/test_contact_laws.py",
+    "codegen/test_loops.py", "codegen/test_cache.py", "laws/test_own_laws.py", "laws/test_friction_solutions.py", "paper/test_paper.py",
+    "architecture/test_public_names.py", "cli/test_run.py", "laws/test_contact_laws.py", "kernels/test_as_python.py", "codegen/test_threads.py",
+    "paper/test_paper_independent.py", "modelfile/test_modelfile_roundtrip.py", "verification/test_verification.py", "physics/test_ideal_joints.py",
+    "kinematics/test_kinematics.py", "kinematics/test_ideal_motion.py", "laws/test_friction_laws.py", "cli/test_check_and_laws.py",
+    "cli/test_start_up.py", "cli/test_ended.py", "results/test_result.py", "report/test_reach.py", "cli/test_compare.py", "cli/test_paper.py",
+    "architecture/test_imports.py", "physics/test_together.py", "physics/test_sticking.py", "physics/test_epicyclic.py", "cli/test_hostile.py",
+
+    "plots/test_figures_of_all_kinds.py", "differential/test_against_equations.py", "physics/test_random_mechanisms.py",
+    "verification/test_published_statics.py", "examples/test_examples.py", "examples/test_gallery.py", "cli/test_new_and_schema.py",
+    "physics/test_machinery.py", "model/test_kinds.py", "physics/test_symmetry.py",
 )  # fmt: skip
 
 settings.register_profile("calm", deadline=None)
@@ -25,12 +34,20 @@ def pytest_configure(config: pytest.Config) -> None:
     """Files keep their order among processes; by itself xdist begins with those of most tests."""
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
+    if "not verify" in config.option.markexpr:
+        runner.DataDriven = ForAllLaws
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Puts the files of ``FIRST`` first, in its order."""
     rank = {name: k for k, name in enumerate(FIRST)}
     items.sort(key=lambda item: rank.get("/".join(Path(item.path).parts[-2:]), len(rank)))
+
+
+def pytest_collection_finish() -> None:
+    """What four thousand tests are made of stays: the collector need not look at it again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture

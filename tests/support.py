@@ -31,6 +31,11 @@ def often(examples: int) -> int:
     return round(SHARE * examples)
 
 
+def rounds(count: int, fewer: int = 1) -> int:
+    """How often a race is run, or by how many: fewer times in `make test` than in `make soak`, for which the test is marked ``rounds``."""
+    return count if SHARE == 1.0 else fewer
+
+
 def four_bar(
     clear: str = "BCD",
     model: str = "rigid",

@@ -109,11 +109,15 @@ class Result(View):
 
     # ------------------------------------------------------------------------------------------------------- pictures
 
-    def plot(self) -> dict[str, Figure]:
-        """Figures by name: journal paths, forces and accelerations over the ideal ones, the mechanism."""
+    def plot(self, *names: str) -> dict[str, Figure]:
+        """Figures by name: journal paths, forces and accelerations over the ideal ones, the mechanism; all, or those that are named.
+
+        ``names``: of "mechanism", "orbits", "forces", "moments", "accelerations". A figure that the result has nothing for is left out.
+        Raises VfifeError for another name.
+        """
         from .plots import figures
 
-        return figures(self, self.reference)
+        return figures(self, self.reference, names)
 
 
 def load_result(path: str | Path) -> Result:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,7 +27,10 @@ def parsed(folder: Path) -> list[tuple[str, ast.Module, str]]:
     return files
 
 
-FILES = parsed(SOURCE)
+@cache
+def files() -> list[tuple[str, ast.Module, str]]:
+    """Those of the package, read once by the process that needs them."""
+    return parsed(SOURCE)
 
 
 def report(rule: str, offenders: list[str]) -> None:

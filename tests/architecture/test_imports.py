@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 
-from architecture.sources import FILES, PROJECT, ROOT, imports, parsed, report
+from architecture.sources import PROJECT, ROOT, files, imports, parsed, report
 
 KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
 # Declared, though no line imports it, and why.
@@ -19,7 +19,7 @@ NOT_IMPORTED = {
 
 def test_kernels_import_only_numpy_and_each_other() -> None:
     offenders = []
-    for name, tree, _ in FILES:
+    for name, tree, _ in files():
         if not name.startswith("vfife/kernels/"):
             continue
         for one in imports(name, tree):
@@ -40,14 +40,14 @@ def levels() -> dict[str, int]:
 
 def test_every_room_has_its_level() -> None:
     """A room that the contract of layers does not name may import what it likes."""
-    rooms = {".".join(name.removesuffix(".py").split("/")[:2]) for name, _, _ in FILES}
+    rooms = {".".join(name.removesuffix(".py").split("/")[:2]) for name, _, _ in files()}
     report("These rooms are in no layer of pyproject.toml:", sorted(rooms - levels().keys() - {"vfife.__init__"}))
 
 
 def test_no_function_hides_an_import_of_a_room_above() -> None:
     level = levels()
     offenders = []
-    for name, tree, _ in FILES:
+    for name, tree, _ in files():
         here = level.get(".".join(name.removesuffix(".py").split("/")[:2]))
         for one in imports(name, tree):
             there = level.get(".".join(one.module.split(".")[:2]))
@@ -75,7 +75,7 @@ def imported(folder: str) -> dict[str, str]:
     """Distributions that the files of a folder import, with a place of each. All of ours are imported by the name they are installed by."""
     ours = {"vfife", *(path.stem for room in ("tests", "benchmarks") for path in (ROOT / room).iterdir())}
     found: dict[str, str] = {}
-    for name, tree, _ in FILES if folder == "src/vfife" else parsed(ROOT / folder):
+    for name, tree, _ in files() if folder == "src/vfife" else parsed(ROOT / folder):
         for one in imports(name, tree):
             top = one.module.partition(".")[0]
             if top and top not in sys.stdlib_module_names and top not in ours:

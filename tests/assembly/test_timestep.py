@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import vfife
-from support import joint_gap
+from support import joint_gap, order
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.codegen.runner import Runner
@@ -274,11 +274,34 @@ def test_arms(count, gyration):
         assert not is_lost(dataclasses.replace(a, topology=topology), a.choice.stable)
 
 
-@pytest.mark.parametrize("steps", [60, 80, 120, 200, 250, 480])
-def test_the_ideal_four_bar_holds_at_coarse_steps(steps):
-    """Closed to 1e-9 m at 60 steps a turn too; the limit that is told, 120 steps a turn, is safe."""
-    m = vfife.load_model(Path(__file__).resolve().parents[2] / "examples" / "four_bar_ideal.toml")
-    assert assemble(m).choice.turn / assemble(m).choice.stable == pytest.approx(120.2, rel=1e-2)
-    record = run(assemble(m, 0.04 / steps, turns=5, outputs=20, force_step=True), loop="data-driven")
-    assert record.status == "complete"
-    assert max(joint_gap(record, joint) for joint in "BCD") < 1e-9
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "steps"), [("four_bar_ideal", 120.2, [60, 80, 120, 200, 250, 480]), ("jansen_leg", 105.3, [105, 117, 130, 200])]
+)
+def test_ideal_mechanisms_hold_at_coarse_steps(name, least, steps):
+    """Closed to 1e-9 of the longest arm, whatever is left to Newton's method or to steps in parts; the limit that is told is safe."""
+    m = vfife.load_model(EXAMPLES / f"{name}.toml")
+    fine = assemble(m)
+    turn, size = fine.choice.turn, float(fine.state[fine.layout["size"]][0])
+    assert turn / fine.choice.stable == pytest.approx(least, rel=1e-2)
+    for count in steps:
+        record = run(assemble(m, turn / count, turns=3, outputs=count, force_step=True), loop="generated")
+        assert record.status == "complete"
+        assert max(joint_gap(record, joint) for joint in m.joints) < 2e-9 * size, count
+
+
+@pytest.mark.parametrize(("name", "steps"), [("four_bar_ideal", (250, 500, 1000)), ("jansen_leg", (200, 400, 800))])
+def test_forces_at_coarse_steps_are_of_second_order(name, steps):
+    """Against 16,000 steps a turn, at the same instants of the third turn."""
+    m = vfife.load_model(EXAMPLES / f"{name}.toml")
+    turn = assemble(m).choice.turn
+
+    def forces(count: int) -> np.ndarray:
+        record = run(assemble(m, turn / count, turns=3, outputs=50), loop="generated")
+        return np.stack([record.block(f"joint_f{axis}")[101:] for axis in "xy"])
+
+    exact = forces(16000)
+    errors = [float(np.sqrt(np.mean((forces(count) - exact) ** 2))) for count in steps]
+    assert all(1.8 < found < 2.2 for found in order(errors)), order(errors)

@@ -17,7 +17,22 @@ from vfife.codegen.runner import Runner
 from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
 
-KEYS = {"faults", "status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "run", "loop", "notes", "measures", "ranges", "trust"}
+KEYS = {
+    "faults",
+    "status",
+    "step",
+    "steps",
+    "wall_s",
+    "ns_per_step",
+    "energy_error",
+    "run",
+    "loop",
+    "notes",
+    "measures",
+    "ranges",
+    "not_unique",
+    "trust",
+}
 STABLE_NOT = ["joint.B.kind=ideal", "joint.C.kind=ideal", "joint.D.kind=ideal", "body.follower.model=elastic"]
 UNSTABLE = [word for text in [*STABLE_NOT, "body.follower.section={ square = 1e-3 }"] for word in ("--set", text)]
 
@@ -177,7 +192,7 @@ def written(path: Path) -> bool:
 
 def long_run(process: Callable, folder: Path) -> "subprocess.Popen[str]":
     """A run of an hour that has written some of its outputs."""
-    began = process("run", CASE_C, "--turns", "100000", "--yes", "-o", folder, "--loop", "data-driven", "--json")
+    began = process("run", CASE_C, "--turns", "1000000", "--yes", "-o", folder, "--companions", "0", "--json")
     until = time.monotonic() + 120.0
     while not written(folder / "run.sqlite"):
         assert began.poll() is None, began.communicate()[1]

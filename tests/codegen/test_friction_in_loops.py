@@ -81,7 +81,7 @@ def test_interpreted_is_data_driven():
 
 def test_the_generated_text_is_data_driven():
     runner = lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "interpreted")
-    runner.take = straight_line(runner.topology)
+    runner.take = straight_line(runner.topology)(runner.memory)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(EVERY, INTERPRETED)])
     assert same(plain, computed("data-driven", LANES)[0][: len(plain), :, :1])
 

@@ -138,7 +138,7 @@ def test_the_generated_text_is_data_driven(model):
     rows, names = computed(model, "data-driven", LANES)
     step, every, _, outputs = RUNS[model]
     runner = lanes([assemble(model(0), step, duration=1e-3, force_step=True)], "interpreted")
-    runner.take = straight_line(runner.topology)
+    runner.take = straight_line(runner.topology)(runner.memory)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(every, outputs)])
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
 

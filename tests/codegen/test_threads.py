@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from support import SQUARE, bits, four_bar, go, journal_in_bearing
+from support import SQUARE, bits, four_bar, go, journal_in_bearing, rounds
 from vfife.assembly.assemble import assemble
 from vfife.codegen import functiontext, native, runner, traceable
 from vfife.codegen.python import written
@@ -57,9 +57,10 @@ def rows(model: Mechanism) -> np.ndarray:
     return go(model, 2e-6, duration=4e-4, loop="generated").rows
 
 
+@pytest.mark.rounds
 def test_steps_are_traced_compiled_and_run_at_once(empty):
     alone = [rows(model) for model in MODELS]
-    for _ in range(3):
+    for _ in range(rounds(3)):
         forget()
         for path in native.cache.cache_folder().iterdir():
             path.unlink()
@@ -67,12 +68,13 @@ def test_steps_are_traced_compiled_and_run_at_once(empty):
             assert (bits(found) == bits(alone[k % len(MODELS)])).all()
 
 
+@pytest.mark.rounds
 def test_texts_are_written_at_once(empty):
     def text(model: Mechanism) -> tuple[str, str]:
         topology = assemble(model, 2e-6, duration=4e-4, force_step=True).topology
         return written(topology), data_driven(topology.contact_laws, topology.friction_laws)
 
     alone = [text(model) for model in MODELS]
-    for _ in range(2):
+    for _ in range(rounds(2)):
         forget()
         assert together(text) == alone * 2

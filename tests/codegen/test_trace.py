@@ -74,7 +74,7 @@ def test_a_law_of_selects_goes_into_straight_lines():
     """The generated text, interpreted here (compiling it is other tests' work), takes the step of the data-driven loop."""
     law = select_law()
     runner = lanes([assembled(law)], "interpreted")
-    runner.take = straight_line(runner.topology)
+    runner.take = straight_line(runner.topology)(runner.memory)
     assert (bits(runner.advance(100, 6)) == bits(rows(law, "interpreted"))).all()
 
 

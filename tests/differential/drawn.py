@@ -15,7 +15,7 @@ from vfife.model.drivers import ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
-FAMILIES = ("chain", "loop", "gears", "redundant", "contact", "linked")
+FAMILIES = ("chain", "loop", "gears", "redundant", "contact", "linked", "between")
 DURATION = 0.06  # s
 SOFT = (2e4, 0.7)  # N/m^1.5 and restitution of what touches
 
@@ -189,8 +189,9 @@ class Pencil:
 
         return ramp
 
-    def turn_by_motor(self, body: str) -> None:
-        self.system.constraints.append(plain.Turn("motor", 0, self.number[body], 1.0, self.drive(body=body)))
+    def turn_by_motor(self, body: str, against: str = "ground") -> None:
+        law = self.drive(body=body, against=against)
+        self.system.constraints.append(plain.Turn("motor", self.number[against], self.number[body], 1.0, law))
 
     def push_by_motor(self, slider: str) -> None:
         guide = next(c for c in self.system.constraints if c.name == slider and isinstance(c, plain.Guide))
@@ -203,7 +204,7 @@ class Pencil:
         """With velocities that the constraints allow, those of the bodies that no drive turns being given to the package."""
         wish = self.rng.uniform(-3.0, 3.0, (len(self.system.mass) - 1, 3)) * (not self.at_rest)
         velocity = self.system.projected(wish)
-        turned = {driver.body for driver in self.m.drivers.values() if driver.moves}
+        turned = {driver.body for driver in self.m.drivers.values() if driver.moves and driver.against == "ground"}
         for name, body in list(self.m.bodies.items()):
             if name in turned:
                 continue
@@ -215,7 +216,9 @@ class Pencil:
 def drawn(seed: int, family: str, again: int = 0) -> Drawn:
     """The mechanism of a seed and a family, or the next one of the same seed."""
     p = Pencil(seed, family, again)
-    found: Drawn = {"chain": chain, "loop": loop, "gears": gears, "redundant": redundant, "contact": contact, "linked": linked}[family](p, seed)
+    found: Drawn = {"chain": chain, "loop": loop, "gears": gears, "redundant": redundant, "contact": contact, "linked": linked, "between": between}[
+        family
+    ](p, seed)
     return found
 
 
@@ -390,6 +393,24 @@ def contact(p: Pencil, seed: int) -> Drawn:
     found = Drawn(seed, "contact", p.m, p.system, velocity)
     found.duration = 0.03
     return found
+
+
+def between(p: Pencil, seed: int) -> Drawn:
+    """A chain that swings from the ground, with a motion prescribed between two of its bodies: an angle, or the travel of a slider."""
+    names: list[str] = []
+    joint, count = "", int(p.rng.integers(2, 5))
+    moved, sliding = int(p.rng.integers(1, count)), bool(seed % 2)
+    for k in range(count):
+        name = p.body()
+        made = p.join(names[-1] if names else "ground", name, "slider" if k == moved and sliding else "revolute")
+        joint = made if k == moved else joint
+        names.append(name)
+    if sliding:
+        p.push_by_motor(joint)
+    else:
+        p.turn_by_motor(names[moved], names[moved - 1])
+    add_forces(p, names)
+    return p.done(seed, "between")
 
 
 def linked(p: Pencil, seed: int) -> Drawn:

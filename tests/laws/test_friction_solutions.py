@@ -88,9 +88,9 @@ def block(law, steps, dt, speed, push, normal=9.81, sliding=False):
     ids=lambda law: law.name,
 )
 def test_block_on_an_incline_stays_to_rounding(law):
-    """Below the friction angle: 2e5 steps later it has moved by less than an atom's nucleus."""
+    """Below the friction angle: 5e4 steps later it has moved by less than an atom's nucleus."""
     angle = math.atan(0.299)
-    speeds = block(law, 200_000, 1e-5, 0.0, 9.81 * math.sin(angle), 9.81 * math.cos(angle))
+    speeds = block(law, 50_000, 1e-5, 0.0, 9.81 * math.sin(angle), 9.81 * math.cos(angle))
     assert np.abs(speeds).max() < 1e-18
     assert abs(speeds.sum() * 1e-5) < 1e-18
 
@@ -104,8 +104,8 @@ def test_block_on_an_incline_slides_above_the_friction_angle():
 @pytest.mark.parametrize("law", [Coulomb(coefficient=0.3), Karnopp(coefficient=0.3, static_coefficient=0.3, band=0.0)], ids=lambda law: law.name)
 def test_a_block_that_slides_stops_and_rests(law):
     """After v^2/(2 mu g), to half a step's path, and then at exactly no speed."""
-    dt = 1e-6
-    speeds = block(law, 400_000, dt, 1.0, 0.0)
+    dt = 4e-6
+    speeds = block(law, 100_000, dt, 1.0, 0.0)
     way = dt * speeds[1:].sum()
     assert way == pytest.approx(1.0 / (2 * 0.3 * 9.81), abs=0.5 * dt)
     assert speeds[-1] == 0.0 and (speeds >= 0.0).all()
@@ -205,7 +205,7 @@ def test_a_curve_converges_to_its_differential_equation(law, curve, start):
 
     exact = solve_ivp(rate, (0, 0.04), [start], rtol=1e-12, atol=1e-15, max_step=1e-5).y[0, -1]
     errors, p = [], law.parameters(PAIR)
-    for n in (400, 800, 1600, 3200):
+    for n in (800, 1600, 3200):
         dt, v, memory = 0.04 / n, start, (start, start)
         for k in range(n + 1):  # half steps as the loop makes them
             half, gain = (0.5 * dt, dt) if k else (0.0, 0.5 * dt)
@@ -214,7 +214,7 @@ def test_a_curve_converges_to_its_differential_equation(law, curve, start):
                 errors.append(abs(memory[0] - exact))
             v += gain * (push(k * dt) + force)
     assert errors[-1] < 2e-8 * start
-    assert np.mean(order(errors)[-2:]) == pytest.approx(2.0, abs=0.1)
+    assert np.mean(order(errors)) == pytest.approx(2.0, abs=0.1)
 
 
 def test_threlfall_is_whole_without_a_jump():
@@ -350,7 +350,7 @@ def test_lugre_stick_slip_is_that_of_scipy():
         return [v, 2.0 * (0.1 * t - x) - 1e5 * z - math.sqrt(1e5) * dz - 0.4 * v, dz]
 
     times = np.linspace(0.0, end, 401)
-    exact = solve_ivp(rate, (0, end), [0.0, 0.0, 0.0], method="Radau", rtol=1e-9, atol=1e-13, t_eval=times).y[0]
+    exact = solve_ivp(rate, (0, end), [0.0, 0.0, 0.0], method="Radau", rtol=1e-6, atol=1e-11, t_eval=times).y[0]
     place = pulled(law, 2e-4, end)[::500]
     slips = (np.diff(exact) > 0.01) & ~np.concatenate([[False], np.diff(exact)[:-1] > 0.01])
     assert slips.sum() >= 3

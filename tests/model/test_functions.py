@@ -11,6 +11,16 @@ from vfife.codegen.source import Gathered
 from vfife.kernels.polynomial import polynomial
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.functions import Polynomials, clamped, largest_speed, motion_function, torque_function, turning_speed
+from vfife.model.polynomials import sine
+
+
+def test_many_times_at_once_are_those_of_one():
+    """Before the first piece, after the last, and over periods."""
+    t = np.linspace(-0.3, 1.7, 97)
+    for function in (StepTo(travel=0.3, duration=0.2, begin=0.1).motion(0.7), sine(0.3, 2.0, 0.4, 0.1), clamped((0.0, 0.3, 0.7), (1.0, 2.0, 0.0))):
+        assert (function.sampled(t) == np.array([function(one) for one in t])).all()
+    assert clamped((0.0, 0.3, 0.7), (1.0, 2.0, 0.0)).kinks == (0.0, 0.7)
+    assert sine(0.3, 2.0, 0.4).kinks == ()
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.7, -2.0])

@@ -31,9 +31,14 @@ def joints(t, angle, s):
         0.5 * FOLLOWER * math.sin(s[5]),
     )
     w2, w3 = s[8], s[11]
-    e[0] = s[0] - c2 - cb, s[1] - s2 - sb, s[6] + w2 * s2 + CRANK_SPEED * sb, s[7] - w2 * c2 - CRANK_SPEED * cb
-    e[1] = s[3] + c3 - s[0] - c2, s[4] + s3 - s[1] - s2, s[9] - w3 * s3 - s[6] + w2 * s2, s[10] + w3 * c3 - s[7] - w2 * c2
-    e[2] = s[3] - c3 - GROUND, s[4] - s3, s[9] + w3 * s3, s[10] - w3 * c3
+    e[0, 0], e[0, 1], e[0, 2], e[0, 3] = s[0] - c2 - cb, s[1] - s2 - sb, s[6] + w2 * s2 + CRANK_SPEED * sb, s[7] - w2 * c2 - CRANK_SPEED * cb
+    e[1, 0], e[1, 1], e[1, 2], e[1, 3] = (
+        s[3] + c3 - s[0] - c2,
+        s[4] + s3 - s[1] - s2,
+        s[9] - w3 * s3 - s[6] + w2 * s2,
+        s[10] + w3 * c3 - s[7] - w2 * c2,
+    )
+    e[2, 0], e[2, 1], e[2, 2], e[2, 3] = s[3] - c3 - GROUND, s[4] - s3, s[9] + w3 * s3, s[10] - w3 * c3
     return e
 
 
@@ -51,7 +56,7 @@ def forces(e, slowness, p):
             normal = max(0.0, stiffness * depth**n * (1.0 + chi * rate * slowness[j]))
             share = min(1.0, max(0.0, (abs(slide) - v0) / (v1 - v0)))
             tangential = -friction * share * normal * np.sign(slide)
-            f[j] = -normal * nx - tangential * ny, -normal * ny + tangential * nx
+            f[j, 0], f[j, 1] = -normal * nx - tangential * ny, -normal * ny + tangential * nx
     return f
 
 
@@ -60,7 +65,8 @@ def rate_of(t, angle, s, slowness, p):
     """Time derivative of the state: centres and angles of coupler and follower, then their velocities."""
     f = forces(joints(t, angle, s), slowness, p)
     d = np.zeros(12)
-    d[:6] = s[6:]
+    for k in range(6):
+        d[k] = s[6 + k]
     c2, s2, c3, s3 = (
         0.5 * COUPLER * math.cos(s[2]),
         0.5 * COUPLER * math.sin(s[2]),
@@ -76,12 +82,21 @@ def rate_of(t, angle, s, slowness, p):
 
 
 @numba.njit
+def moved(s, h, d):
+    """s + h d, number by number, which compiles in a tenth of the time of a sum of arrays."""
+    to = np.empty(12)
+    for k in range(12):
+        to[k] = s[k] + h * d[k]
+    return to
+
+
+@numba.njit
 def rk4(t, h, angle, s, slowness, p):
     a = rate_of(t, angle, s, slowness, p)
-    b = rate_of(t + 0.5 * h, angle, s + 0.5 * h * a, slowness, p)
-    c = rate_of(t + 0.5 * h, angle, s + 0.5 * h * b, slowness, p)
-    d = rate_of(t + h, angle, s + h * c, slowness, p)
-    return s + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    b = rate_of(t + 0.5 * h, angle, moved(s, 0.5 * h, a), slowness, p)
+    c = rate_of(t + 0.5 * h, angle, moved(s, 0.5 * h, b), slowness, p)
+    d = rate_of(t + h, angle, moved(s, h, c), slowness, p)
+    return moved(moved(moved(moved(s, h / 6.0, a), h / 3.0, b), h / 3.0, c), h / 6.0, d)
 
 
 @numba.njit

@@ -267,7 +267,7 @@ def test_all_loops_agree_to_the_bit(kind, path):
     plain = np.concatenate([runner.advance(1, 1), runner.advance(50, 3)])
     assert (bits(plain) == bits(runs["data-driven"][: len(plain), :, :1])).all()
     runner = lanes(assemblies[:1], "interpreted")
-    runner.take = straight_line(runner.topology)
+    runner.take = straight_line(runner.topology)(runner.memory)
     text = np.concatenate([runner.advance(1, 1), runner.advance(50, 3)])
     assert (bits(text) == bits(plain)).all()
 

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from support import often
 from vfife.analysis.energy import ledger
 from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
@@ -33,7 +34,7 @@ from vfife.solvers.transient import run
 SIZE = 1.0  # m, of a body
 STEP = 1e-4  # s
 STEPS = 120
-few = settings(max_examples=100, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+few = settings(max_examples=often(150), deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 fewer = settings(few, max_examples=6)
 
 place = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))

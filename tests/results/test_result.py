@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from support import SQUARE, four_bar, go, journal_in_bearing
-from vfife.errors import RunFileError
+from vfife.errors import RunFileError, VfifeError
 from vfife.report.summary import report, show
 from vfife.result import Result
 from vfife.results import tables
@@ -174,7 +174,11 @@ def test_figures(result: Result, elastic: Result, tmp_path: Path) -> None:
 
 
 def test_figures_without_a_crank() -> None:
-    assert list(Result(go(journal_in_bearing(), 1e-6, duration=1e-3)).plot()) == ["mechanism", "orbits", "forces"]
+    result = Result(go(journal_in_bearing(), 1e-6, duration=1e-3))
+    assert list(result.plot()) == ["mechanism", "orbits", "forces"]
+    assert list(result.plot("forces", "moments")) == ["forces"]
+    with pytest.raises(VfifeError, match='there is no figure "orbit": did you mean "orbits"'):
+        result.plot("orbit")
 
 
 def test_numbers_and_files_load_neither_xarray_nor_matplotlib(result: Result, tmp_path: Path) -> None:

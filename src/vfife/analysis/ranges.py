@@ -24,19 +24,21 @@ LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that
 class Measured(float):
     """A measure of a run: a number that knows its range, ``low`` to ``high``, over the run and its companions.
 
-    ``value`` is the run's own, and what it counts as wherever a number is expected. Without companions all three are the same.
+    ``value`` is the run's own, and what it counts as wherever a number is expected. Without companions all three are the same. ``unique`` is False
+    of a reaction of redundant joints, which rigid bodies leave open: its value is that of the distribution of least norm, one of infinitely many.
     """
 
     low: float
     high: float
+    unique: bool
 
-    def __new__(cls, value: float, low: float | None = None, high: float | None = None) -> Measured:
+    def __new__(cls, value: float, low: float | None = None, high: float | None = None, unique: bool = True) -> Measured:
         made = super().__new__(cls, value)
-        made.low, made.high = (value if low is None else low), (value if high is None else high)
+        made.low, made.high, made.unique = (value if low is None else low), (value if high is None else high), unique
         return made
 
-    def __getnewargs__(self) -> tuple[float, float, float]:  # type: ignore[override]
-        return self.value, self.low, self.high
+    def __getnewargs__(self) -> tuple[float, float, float, bool]:  # type: ignore[override]
+        return self.value, self.low, self.high, self.unique
 
     @property
     def value(self) -> float:
@@ -65,6 +67,11 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict
     Companions share the size of the step. Where a try with twice the step was given up, and its range does not hold what has come out now, it was
     that size which decided: then the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
     """
+    open_ones = {f"{name}.max" for name in record.assembly.shared}
+    return {name: Measured(one, one.low, one.high, name not in open_ones) for name, one in _ranged(record, reference).items()}
+
+
+def _ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
     if record.estimate is not None:
         errors = record.estimate.errors
         own = measures(record, reference)

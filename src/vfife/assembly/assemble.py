@@ -25,8 +25,8 @@ from .entities import Parts, parts_of, touches_of, turning
 from .fill import Filler, touch_rows
 from .numbering import Numbering
 from .prestress import prestress, wanted
-from .redundancy import redundant
-from .timestep import choose_step, coarse
+from .redundancy import redundant, shared
+from .timestep import choose_step, coarse, missed
 
 
 def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
@@ -90,15 +90,17 @@ def assemble(
     ideals = [joint.name for joint in parts.ideals]
     names = (parts.touches, step, expected, owners, ideals)
     choice = choose_step(mechanism, filler.layout, filler.state, topology, *names, free=motion.mobility.after_drives, **run)
-    if parts.ideals and coarse(choice, filler.layout, filler.state):
-        topology = dataclasses.replace(topology, coarse=True)
+    if parts.ideals:
+        topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, filler.layout, filler.state))
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
+    notes = cautions(mechanism) + missed(mechanism, choice, filler.layout, filler.state)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
         tuple(ideals), pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
-        tuple(t.touching.path for t in parts.touches), motion.mobility, cautions(mechanism),
+        tuple(t.touching.path for t in parts.touches), motion.mobility, notes,
+        shared(filler.layout, filler.state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
 
 

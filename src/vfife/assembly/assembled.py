@@ -68,7 +68,8 @@ class Assembly:
     ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``contacts``, ``ideals``, ``springs`` and ``pivots`` are names
     in the order of the rows of ``contact_*``, ``joint_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
     body; gears and drivers without a pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
-    ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot.
+    ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot. ``shared`` are the reactions that redundant
+    joints leave open, ``<joint>.force``, ``<joint>.moment`` and ``<driven body>.torque``: those of least norm are told.
     """
 
     mechanism: Mechanism
@@ -86,6 +87,7 @@ class Assembly:
     contact_paths: tuple[Path | None, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
+    shared: tuple[str, ...] = ()
 
     def contact_slots(self, index: int) -> tuple[float, ...]:
         """Parameters of the law of a contact."""

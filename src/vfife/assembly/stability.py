@@ -262,7 +262,7 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
     inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
     turn = 1e-6
-    now, before, after = (_constraints(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
+    now, before, after = (constraint_rows(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
     left = np.linalg.pinv(now * inverse @ now.T, rcond=1e-10, hermitian=True) @ ((after - before) / (2.0 * turn) * inverse @ now.T)
     quarter = np.zeros_like(left)
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
@@ -271,7 +271,7 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> float:
     return float(np.abs(np.linalg.eigvals(left @ quarter)).max(initial=0.0))
 
 
-def _constraints(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float) -> Array:
+def constraint_rows(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float = 0.0) -> Array:
     """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies turned by an angle (rad)."""
     integers, _, rows = tables(topology)
     S = np.zeros(rows)

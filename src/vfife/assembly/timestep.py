@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..kernels.topology import Topology
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from .assembled import StepChoice
+from .prescribed import MISSED, RESOLVED, Prescribed, prescribed, prescribed_limits
 from .stability import arm_limits, at_once, contact_limits, contact_periods, contact_stiffness, demands, element_limits, held, spring_limits
 
 if TYPE_CHECKING:
@@ -26,8 +27,9 @@ SAFETY = 0.9
 CONTACT_STEPS = 80  # steps in half a period of the stiffest contact, where nobody looks whether they are enough
 FIRST_CONTACT_STEPS = 20  # where companions do: with them a search for the step begins
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
-COARSE_STEPS = 1500  # steps a turn below which they count as coarse
 LONGEST_STEP = 2.0  # of the length of a run
+COARSE_STEPS = (1500, 500, 250)  # steps a turn below which ideal joints are corrected once more
+COARSEST_STEPS = 60  # steps a turn down to which ideal mechanisms hold
 MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
 
 
@@ -51,10 +53,9 @@ def choose_step(
 ) -> StepChoice:
     """The step, its limits, and the number of steps and outputs.
 
-    "auto" takes 0.9 of the stable step, at least ``contact_steps`` in half a period of the stiffest contact, and divides a turn into whole steps;
-    where ``free``
-    motions are left to a driven mechanism, they have a period of their own, which may be shorter than a turn. Raises
-    StepError for a larger one than stable unless ``force_step``.
+    "auto" takes 0.9 of the stable step, at least ``contact_steps`` in half a period of the stiffest contact, resolves motions and forces that are
+    prescribed, and divides a turn into whole steps; where ``free`` motions are left to a driven mechanism, they have a period of their own, which
+    may be shorter than a turn. Raises StepError for a larger one than stable unless ``force_step``.
     """
     if mechanism.settings.analysis == "static":
         return static_choice(mechanism)
@@ -75,6 +76,8 @@ def choose_step(
         own = _time_scale(mechanism, layout, state, length) if free or not turn else math.inf
         default = (min(turn or math.inf, own) / TURN_STEPS, f"{TURN_STEPS} steps a turn" if turn and turn <= own else "the motion itself")
         largest, culprit = min((largest, culprit), default)
+        for name, allowed in prescribed_limits(_prescribed(mechanism, layout, state, length), RESOLVED, TURN_STEPS):
+            largest, culprit = min((largest, culprit), (allowed, name))
         chunk = turn or length / max(1, round(length / (turn or length)))
         every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12)))
         size = chunk / (per * every)
@@ -150,7 +153,7 @@ def _divisor(per_turn: int, outputs: int) -> int:
 
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
     """A period (s) to be resolved where no crank gives one: size over the largest speed, or the root of size over gravity."""
-    size = max([math.hypot(*pin) for body in mechanism.bodies.values() for pin in body.points.values()] + [1e-3])
+    size = _size(mechanism)
     gravity = math.hypot(*mechanism.gravity)
     speed = float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max())
     spin = float(np.abs(state[layout["particle_w"]]).max())
@@ -160,7 +163,38 @@ def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: floa
     return min([*scales, length])
 
 
-def coarse(choice: StepChoice, layout: Layout, state: Array) -> bool:
-    """Whether a turn has so few steps that ideal joints are closed by Newton's method: a turn of the driver, else the fastest of the start."""
-    spin = 2.0 * math.pi / choice.turn if choice.turn else float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
-    return choice.step * spin * COARSE_STEPS > 2.0 * math.pi
+def _size(mechanism: Mechanism) -> float:
+    """Largest distance (m) of a pin from the origin of its body."""
+    return max([math.hypot(*pin) for body in mechanism.bodies.values() for pin in body.points.values()] + [1e-3])
+
+
+def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
+    """Fastest turning (rad/s) that is known before a run: that of the start, and what drivers of bodies ask for."""
+    driven = (driver.largest_speed for driver in mechanism.drivers.values() if driver.moves and not driver.along)
+    return max(float(np.abs(state[layout["particle_w"]]).max(initial=0.0)), *driven, 0.0)
+
+
+def _prescribed(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> Iterator[Prescribed]:
+    return prescribed(mechanism, length, _spin(mechanism, layout, state), _size(mechanism))
+
+
+def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:
+    """Sentences on what is prescribed and a given step is too coarse for."""
+    if choice.automatic:
+        return ()
+    length = choice.step * choice.steps
+    limits = prescribed_limits(_prescribed(mechanism, layout, state, length), MISSED, COARSEST_STEPS)
+    return tuple(
+        f"The step of {choice.step:.4g} s is too coarse for {name}: more than {100.0 * MISSED:g} % of the largest that it prescribes are missed. "
+        f'Take at most {allowed:.4g} s, or "auto".'
+        for name, allowed in limits
+        if choice.step > allowed
+    )
+
+
+def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> int:
+    """How many corrections more ideal joints get because a turn has few steps: a turn of the driver, else the fastest that is known."""
+    if mechanism.settings.analysis == "static":
+        return len(COARSE_STEPS)  # an iteration is a large step: what a flat structure is moved by in one may be more than its rise
+    spin = 2.0 * math.pi / choice.turn if choice.turn else _spin(mechanism, layout, state)
+    return sum(choice.step * spin * steps > 2.0 * math.pi for steps in COARSE_STEPS)

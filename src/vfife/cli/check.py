@@ -150,11 +150,15 @@ def freedom(found: Mapping[str, Any]) -> list[str]:
         count, named = found["redundant"], ", ".join(found["redundant_joints"])
         many = f"{count} redundant constraint{'s' * (count > 1)}, at {named}"
         lines.append(f"{many}: rigid links do not determine how these joints share their load.")
+    if found["shared"]:
+        lines.append(f"Shared by least norm, not unique: {', '.join(found['shared'])}.")
     if found["singular"]:
         lines.append(
             f"The start is a singular position (a change point or dead centre), at {', '.join(found['singular'])}: beside it these hold "
             "something of their own. The branch that the motion takes from here is not determined; start a little aside."
         )
+    if found["blocked"]:
+        lines.append("A motion that the joints allow leads nowhere: links lie in line, where no force along them holds anything across.")
     if found["four_bar"]:
         lines.append(f"Four-bar: {found['four_bar']}.")
     return lines

@@ -17,6 +17,7 @@ function advance(S, T, n0, count, parts = 8, share = 0) {
 function again(S, before, T, n, parts) {
   S.set(before);
   const dt = S[STEP], shift = S[SHIFT];
+  functions(S, T, n - 1);
   resize(S, dt / parts, shift * parts, 1);
   for (let i = (n - 1) * parts + 1; i <= n * parts; i++) {
     functions(S, T, i);

@@ -104,8 +104,9 @@ take:
   %size = fdiv NUMBER %dt, %pieces
   %ahead = fmul NUMBER %shift, %pieces
   %once = call NUMBER @all(double 1.0)
-  call void @resize(ptr %Q, NUMBER %size, NUMBER %ahead, NUMBER %once)
   %behind = sub i64 %n, 1
+  call void @functions(ptr %Q, ptr %Q, ptr %T, i64 %stride, i64 %behind)
+  call void @resize(ptr %Q, NUMBER %size, NUMBER %ahead, NUMBER %once)
   %first = mul i64 %behind, %parts
   br label %small
 small:

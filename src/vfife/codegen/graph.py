@@ -266,7 +266,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = made.low, made.graph.size, inverse, y, gn, gt
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
-    watched = bool(t.contact_bearing or t.function_start or STOP in t.spring_kind)
+    watched = bool(t.contact_bearing or t.function_start or t.coarse or STOP in t.spring_kind)
     turned = gt + made.count
     flags = {
         "plain": made.layout.plain, "plain_count": t.particles - len(t.bound), "path_unit": t.path_unit, "damped": t.damped, "worked": worked,

@@ -20,6 +20,7 @@ BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or"
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 ANSWER = "{ double, double, double, double }"  # of a polynomial
+FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step)"
 SHORT = 4000  # lines of a whole step that is worth being made fast
 COPY = 6_000  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
@@ -256,7 +257,7 @@ def searched(found: list[Function], width: int, layout: Layout, moving: Iterable
         for row, value in zip(f.rows, values, strict=True):
             w.out.append(f"  store double {value}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
-    return f"""define internal void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step) noinline {{
+    return f"""define internal {FUNCTIONS} noinline {{
 entry:
   %following = add i64 %step, 1
   %nd = sitofp i64 %step to double
@@ -278,7 +279,7 @@ done:
 
 def resize(change: Trace, width: int) -> str:
     """``resize(S, size, shift, repeated)``: the state as steps of another size have it."""
-    w = Writer(width)
+    w = Writer(width, change.truths)
     w.lines(woven(change, streamed(change)))
     arguments = ", ".join(f"{w.number} %{name}" for name in ("size", "shift", "repeated"))
     body = "\n".join(w.out)
@@ -316,7 +317,7 @@ def written(topology: Topology, width: int) -> str:
     return "\n".join(
         [
             *(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")),
-            searched(found, width, layout, step.stores) if found else "",
+            searched(found, width, layout, step.stores) if found else f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n",
             lean(step, width, bool(found)),
             whole(trace(topology, True), width, bool(found), bool(step.rare)),
             resize(resizing(topology), width),

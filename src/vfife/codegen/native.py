@@ -96,44 +96,50 @@ class Code:
             self.function = kind(self.engine.get_function_address(name))
 
 
-class Advance(NamedTuple):
-    """What a loop is asked for: ``len(out)`` times ``steps`` steps from step ``n0``, those with events again in ``parts``.
+class Memory(NamedTuple):
+    """What a loop works on.
 
-    S and ``spare`` (rows x lanes) are the state and room for another, T the tables of all lanes. ``shares`` (lanes) are first steps that come
-    beside those that are counted, where they are not zero. ``out[m]`` is filled with the rows ``kept`` after each ``steps``; ``extremes`` are
-    rows that start anew before it.
+    S and ``spare`` (rows x lanes) are the state and room for another, T the tables of all lanes. Steps with events are taken again in ``parts``;
+    ``shares`` (lanes) are first steps that come beside those that are counted, where they are not zero. The rows ``kept`` are handed out,
+    ``extremes`` are rows that start anew before each time.
     """
 
     S: Rows
     spare: Rows
     T: Rows
-    n0: int
-    steps: int
     parts: int
     shares: Rows
-    out: Rows
     kept: NDArray[np.uint32]
     extremes: NDArray[np.uint32]
 
 
+# (n0, steps, out, anew): len(out) times so many steps from step n0, out[m] filled with the rows kept after each, or of no rows; whether extremes
+# begin anew before each.
+Take = Callable[[int, int, Rows, bool], None]
+
+
 class Loaded:
-    """A step in memory; it is called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
+    """A step in memory; given a memory to work on, it is called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
 
     def __init__(self, code: bytes, width: int) -> None:
         self.width = width
         self.code = Code(code, "advance", ADVANCE)
 
-    def __call__(self, call: Advance) -> None:
-        """Steps as asked."""
-        S, T, out = call.S, call.T, call.out
-        self.code.function(
-            S.ctypes.data, call.spare.ctypes.data, T.ctypes.data, len(T) // self.width, call.n0, call.steps, len(out), call.parts,
-            call.shares.ctypes.data, out.ctypes.data, call.kept.ctypes.data, len(call.kept), call.extremes.ctypes.data, len(call.extremes),
-        )  # fmt: skip
+    def __call__(self, memory: Memory) -> Take:
+        """Steps on a memory; its addresses are looked up once, for that takes as long as a hundred steps."""
+        S, spare, T, shares, kept, extremes = (getattr(memory, name).ctypes.data for name in ("S", "spare", "T", "shares", "kept", "extremes"))
+        code, stride, parts = self.code, len(memory.T) // self.width, memory.parts  # the code lives as long as somebody may call it
+        resetting = len(memory.extremes)
+
+        def take(n0: int, steps: int, out: Rows, anew: bool = True) -> None:
+            outputs, keeping, _ = out.shape
+            code.function(S, spare, T, stride, n0, steps, outputs, parts, shares, out.ctypes.data, kept, keeping, extremes, resetting * anew)
+
+        return take
 
 
 @lru_cache(maxsize=64)
-def straight_line(topology: Topology, width: int) -> Callable[[Advance], None]:
+def straight_line(topology: Topology, width: int) -> Callable[[Memory], Take]:
     """The step of a topology in so many lanes, from the cache or compiled."""
     with WRITING:
         name = name_of(topology, width)

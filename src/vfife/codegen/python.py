@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 from ..kernels.arrays import Layout
 from ..kernels.elementary import nearest
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import Topology
+from .native import Memory, Take
 from .schedule import Line, Load, Store, Test, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
 from .trace import Operand, rows_used
@@ -21,6 +23,7 @@ PATTERNS = {
 ADVANCE = """def again(S, before, T, n, parts):
     S[:] = before
     dt, shift = S[STEP], S[SHIFT]
+    functions(S, T, n - 1)
     resize(S, dt / parts, shift * parts, 1.0)
     for i in range((n - 1) * parts + 1, n * parts + 1):
         functions(S, T, i)
@@ -34,10 +37,10 @@ def displace(S, T, share):
     whole(S, 1)
     resize(S, dt, share, 0.0)
 
-def advance(call):
-    S, before, T, n0, steps, parts, shares, out, kept, extremes = call
+def advance(memory, n0, steps, out, anew=True):
+    S, before, T, parts, shares, kept, extremes = memory
     for m in range(len(out)):
-        for q in extremes:
+        for q in extremes if anew else ():
             S[q] = 0.0
         for n in range(n0 + m * steps, n0 + (m + 1) * steps):
             functions(S, T, n)
@@ -49,7 +52,7 @@ def advance(call):
                 again(S, before, T, n, parts)
             if n == 0 and shares[0] > 0.0:
                 displace(S, T, shares[0])
-        for q in range(len(kept)):
+        for q in range(out.shape[1]):
             out[m, q, 0] = S[kept[q]]
 """
 
@@ -103,9 +106,8 @@ def written(topology: Topology) -> str:
     return "\n\n".join(parts)
 
 
-def straight_line(topology: Topology) -> Callable[..., None]:
+def straight_line(topology: Topology) -> Callable[[Memory], Take]:
     """``advance`` of a topology as plain Python, called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
     space: dict[str, Any] = {"sqrt": math.sqrt, "nearest": nearest, "polynomial": polynomial}
     exec(compile(written(topology), "<vfife straight line>", "exec"), space)  # the text is our own and the user's laws, never a model file's
-    function: Callable[..., None] = space["advance"]
-    return function
+    return lambda memory: partial(space["advance"], memory)

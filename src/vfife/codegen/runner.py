@@ -16,7 +16,7 @@ from .compile import compiled, interpreted
 from .graph import tables
 from .inline import written_out
 from .lock import WRITING
-from .native import Advance, llvmlite_version, straight_line
+from .native import Memory, Take, llvmlite_version, straight_line
 from .source import data_driven
 
 PARTS = 8  # steps that a step with an event is taken again in
@@ -69,12 +69,16 @@ class DataDriven:
         self.scratch, self.kept = np.zeros(size), np.zeros(layout.rows)
         self.function = _data_driven(topology.contact_laws, topology.friction_laws, interpret)
 
-    def __call__(self, call: Advance) -> None:
-        """Steps as asked."""
-        self.function(
-            self.scratch, self.kept, call.T, self.integers, call.S, self.rows, self.lanes, call.n0, call.steps, call.parts, call.shares,
-            call.out, call.kept, call.extremes,
-        )  # fmt: skip
+    def __call__(self, memory: Memory) -> Take:
+        """Steps on a memory."""
+
+        def take(n0: int, steps: int, out: Rows, anew: bool = True) -> None:
+            self.function(
+                self.scratch, self.kept, memory.T, self.integers, memory.S, self.rows, self.lanes, n0, steps, memory.parts, memory.shares,
+                out, memory.kept, memory.extremes if anew else NONE,
+            )  # fmt: skip
+
+        return take
 
 
 class Runner:
@@ -96,17 +100,15 @@ class Runner:
         self.lanes = states.shape[1]
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
         self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
-        self.done, self.parts = 0, parts
+        self.done = 0
         self.S, self.spare = aligned(self.layout.rows * self.lanes), aligned(self.layout.rows * self.lanes)
         self.shares = aligned(self.lanes)
         self.shares[:] = 0.0 if shares is None else shares
         self.states[:] = states
         self.states[self.layout["c"]] = 1.0
-        self.take: Callable[[Advance], None]
-        if loop == "generated":
-            self.take = straight_line(topology, self.lanes)
-        else:
-            self.take = DataDriven(topology, self.lanes, loop == "interpreted")
+        self.memory = Memory(self.S, self.spare, self.functions, parts, self.shares, self.kept, self.extremes)
+        chosen = straight_line(topology, self.lanes) if loop == "generated" else DataDriven(topology, self.lanes, loop == "interpreted")
+        self.take = chosen(self.memory)
 
     @property
     def states(self) -> Rows:
@@ -119,9 +121,7 @@ class Runner:
         An interval between two outputs may be taken in several calls: the extremes begin ``anew`` in the first of them only, and the last alone
         has to ``record``.
         """
-        kept, extremes = self.kept if record else NONE, self.extremes if anew else NONE
-        out = np.zeros((outputs, len(kept), self.lanes))
-        state = (self.S, self.spare, self.functions)
-        self.take(Advance(*state, self.done, count, self.parts, self.shares, out, kept, extremes))
+        out = np.zeros((outputs, len(self.kept) if record else 0, self.lanes))
+        self.take(self.done, count, out, anew)
         self.done += count * outputs
         return out

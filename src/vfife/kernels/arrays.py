@@ -151,8 +151,7 @@ BLOCKS: tuple[Block, ...] = (
         event | 1 | whether something begins, ends or changes its regime in step n
         pivots | 1 | product of the pivots of constraints that close loops, over their diagonals, at step n
         pivots_before | 1 | the same at step n - 1
-        passing | 1 | 1 where these tell that the mechanism passes a singular position, else 0
-        left | m^2 | square of what the first correction of the reactions left open in the last step"""),
+        passing | 1 | 1 where these tell that the mechanism passes a singular position, else 0"""),
     *_blocks("extreme", "contact", """
         contact_force_squared_max | N^2 | largest squared joint force since the last output
         contact_penetration_max | m | largest signed penetration since the last output"""),

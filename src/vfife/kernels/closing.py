@@ -6,22 +6,26 @@ open at t_n is fed back by a ``GAIN``, a sixteenth a step, in which rounding is 
 
 The first correction uses the directions of t_n. But forces in these directions close constraints that have turned by t_(n+1): per unit of the angle
 of a step an error stays, which on a body of radius of gyration k on an arm r counts (r/k)^2 times, and which the next step has to make up for: it
-grows. How the rows turn is known after the first correction, and with it what is left. Where that is not next to nothing (a large step, a fast
-light body on a long arm) two steps of Newton's method with the turned rows follow; a run in coarse steps takes them always.
+grows. How the rows turn is known after the first correction, and with it what is left. A run in coarse steps corrects once or twice more with the
+same factors; where what is left is still not next to nothing (a fast light body on a long arm, a link that swings through in a few steps) Newton's
+method follows with the turned rows, and where that does not close either, the step is taken again in parts.
 """
 
 from .arrays import CONSTRAINT, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE, SYSTEM
 from .constraint import carry, lever, levers, placed, pull, relative_turn
-from .elementary import turned
-from .factors import equations, idle, solve
+from .elementary import sincos, turned
+from .factors import FLOOR, equations, factor, fill, idle, solve
 from .frame import chord
 from .geometry import arm, seldom
 from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
 from .turned import REDUNDANT, fill_turned, halves, solve_turned
 
-GAIN = 0.0625  # of what is open at t_n
-LEFT = 5e-11  # sizes of a mechanism that the first correction may leave open in a step
-MUCH = 1e-6  # sizes that a second step of Newton's method may have to close; what it leaves is of the order of the square
+GAIN = 0.0625  # of what is open at t_n, of which all is closed in coarse steps, where rounding over dt^2 is small
+LEFT = 5e-11  # sizes of a mechanism that the corrections along the rows of t_n may leave open in a step
+LEFT_COARSE = 5e-10  # the same in coarse steps, in which it does not add up
+LEFT_BY_CONTACTS = 1e-9  # the same where impacts change the reactions from step to step: next to nothing beside a penetration
+STEEP = 3  # of the kinds of coarse steps, that in which the turned rows are always used
+MUCH = 1e-6  # sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
 
 
 def ahead(S, I, dt):
@@ -103,6 +107,7 @@ def turning(S, q, nx, ny, jb, jk):
 
 def residual(S, I):
     """What opens in each constraint from t_n to t_(n+1), with a share of what is open; and how its row turns."""
+    gain = 1.0 if I[HEADER.coarse] != 0 else GAIN
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         i = I[r + JOINT_INDEX.row]
@@ -128,12 +133,12 @@ def residual(S, I):
             dx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + (dkx - dbx)
             dy = (S[k + PARTICLE.step_y] - S[b + PARTICLE.step_y]) + (dky - dby)
             if place == PINNED:
-                S[y] = dx + GAIN * ex
-                S[y + 1] = dy + GAIN * ey
+                S[y] = dx + gain * ex
+                S[y + 1] = dy + gain * ey
                 turning(S, q, 0.0, 0.0, -dby, -dky)
                 turning(S, q + CONSTRAINT.SIZE, 0.0, 0.0, dbx, dkx)
             else:
-                guided(S, I, r, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move)
+                guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move)
         if turn != FREE:
             q = q + CONSTRAINT.SIZE * (I[r + JOINT_INDEX.rows] - 1)
             y = y + (I[r + JOINT_INDEX.rows] - 1)
@@ -141,12 +146,12 @@ def residual(S, I):
             c = I[r + JOINT_INDEX.carrier]
             apart = relative_turn(S[b + PARTICLE.theta], S[k + PARTICLE.theta], ratio, S[c + PARTICLE.theta] if c != 0 else 0.0) - aim
             turned_by = relative_turn(S[b + PARTICLE.step_turn], S[k + PARTICLE.step_turn], ratio, S[c + PARTICLE.step_turn] if c != 0 else 0.0)
-            S[y] = (turned_by - move) + GAIN * apart
+            S[y] = (turned_by - move) + gain * apart
             turning(S, q, 0.0, 0.0, 0.0, 0.0)
 
 
-def guided(S, I, r, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
-    """The same for a guide, a path or a massless link: the journal's pin is at (ex, ey) from the bearing's and goes (dx, dy) further."""
+def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
+    """The same for a guide, a path or a massless link: the journal's pin is (ex, ey) from the bearing's, goes (dx, dy), and a share is closed."""
     i = I[r + JOINT_INDEX.row]
     b = I[r + JOINT_INDEX.bearing]
     k = I[r + JOINT_INDEX.journal]
@@ -170,14 +175,14 @@ def guided(S, I, r, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
         after, _, mx, my = chord(ex + dx, ey + dy)
         dnx = mx - nx
         dny = my - ny
-        S[y] = ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length) - move + GAIN * (length - aim)
+        S[y] = ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length) - move + gain * (length - aim)
     else:
         apart = ex * nx + ey * ny
         opens = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny)
         if place == ALONG:
             apart = apart - aim
             opens = opens - move
-        S[y] = opens + GAIN * apart
+        S[y] = opens + gain * apart
     rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
     ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
     mx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + dkx
@@ -214,6 +219,16 @@ def gone(S, i, dt, k):
 
 def correct(S, I, dt, k):
     """Adds corrections to the reactions, and to the bodies' forces, that are solved for."""
+    bring(S, I, dt, k)
+    scale = -1.0 / (dt * k)
+    for m in range(I[HEADER.joint_count]):
+        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+        for c in range(I[r + JOINT_INDEX.rows]):
+            S[I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE + CONSTRAINT.force] += scale * S[I[r + JOINT_INDEX.y] + c]
+
+
+def bring(S, I, dt, k):
+    """Adds to the bodies' forces the corrections that are solved for."""
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for i in (I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal]):
@@ -240,8 +255,7 @@ def correct(S, I, dt, k):
 
 
 def tug(S, q, b, k, force):
-    """Adds to a reaction, and to what has been added to the forces of its bodies."""
-    S[q + CONSTRAINT.force] += force
+    """Adds a reaction to what has been added to the forces of its bodies."""
     px = force * S[q + CONSTRAINT.nx]
     py = force * S[q + CONSTRAINT.ny]
     S[k + PARTICLE.change_x] += px
@@ -273,29 +287,71 @@ def newton(S, I, dt, b, k):
     return total
 
 
-def close(S, I, dt, b, k):
-    """Corrects the reactions so that the joints are closed at t_(n+1).
-
-    Whether Newton's method is needed is told by what the first correction of the step before has left: a test that waits for nothing.
-    """
+def once_more(S, I, dt, b, k):
+    """Corrects once more with the turned rows of the correction before; returned: as :func:`newton` has it."""
     predict(S, I, dt, b, k)
     residual(S, I)
-    solve(S, I, I[HEADER.y])
+    total = 0.0
+    for q in range(I[HEADER.constraint_count]):
+        total += S[I[HEADER.y] + q] * S[I[HEADER.y] + q]
+    solve_turned(S, I, I[HEADER.y])
     correct(S, I, dt, k)
+    return total
+
+
+def repeat(S, I, dt, b, k, much):
+    """Newton's method where the corrections so far do not do; a coarse step that it does not close is one with an event."""
+    newton(S, I, dt, b, k)
+    left = newton(S, I, dt, b, k)
     if I[HEADER.coarse] != 0:
-        newton(S, I, dt, b, k)
-        much = MUCH * S[SYSTEM.size]
-        if seldom(newton(S, I, dt, b, k) > much * much):
-            newton(S, I, dt, b, k)
+        S[SYSTEM.event] = 1.0 if left > much else S[SYSTEM.event]
+
+
+def close(S, I, dt, b, k):
+    """Corrects the reactions so that the joints are closed at t_(n+1)."""
+    much = MUCH * S[SYSTEM.size] * (MUCH * S[SYSTEM.size])
+    for _ in range(1 + I[HEADER.coarse] if I[HEADER.coarse] < STEEP else 1):
+        predict(S, I, dt, b, k)
+        residual(S, I)
+        solve(S, I, I[HEADER.y])
+        correct(S, I, dt, k)
+    if I[HEADER.coarse] < STEEP:
+        left = LEFT_BY_CONTACTS if I[HEADER.contact_count] != 0 else LEFT_COARSE if I[HEADER.coarse] != 0 else LEFT
+        most = left * S[SYSTEM.size]
+        if seldom(lost(S, I, dt, k) > most * most):
+            repeat(S, I, dt, b, k, much)
     else:
-        before = S[SYSTEM.left]
-        S[SYSTEM.left] = lost(S, I, dt, k)
-        most = LEFT * S[SYSTEM.size]
-        if seldom(before > most * most):
-            newton(S, I, dt, b, k)
-            newton(S, I, dt, b, k)
+        newton(S, I, dt, b, k)
+        if seldom(once_more(S, I, dt, b, k) > much):
+            repeat(S, I, dt, b, k, much)
     if I[HEADER.redundant] != 0:
         share_out(S, I)
+
+
+def close_velocities(S, I, dt):
+    """Corrects the half-step velocities so that the joints are closed after a step of another size; the reactions are told as they were."""
+    for q in range(I[HEADER.trig_count]):
+        i = I[I[HEADER.trig] + q]
+        S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])
+    for q in range(I[HEADER.pinned_count]):
+        i = I[I[HEADER.pinned] + q]
+        S[i + PARTICLE.fx] = 0.0
+        S[i + PARTICLE.fy] = 0.0
+        S[i + PARTICLE.mz] = 0.0
+    levers(S, I)
+    ahead(S, I, dt)
+    fill(S, I)
+    factor(S, I, FLOOR if I[HEADER.redundant] != 0 else 0.0)
+    for _ in range(1 + 2 * I[HEADER.coarse]):
+        predict(S, I, dt, 1.0, 1.0)
+        residual(S, I)
+        solve(S, I, I[HEADER.y])
+        bring(S, I, dt, 1.0)
+    for q in range(I[HEADER.pinned_count]):
+        i = I[I[HEADER.pinned] + q]
+        S[i + PARTICLE.u] += S[i + PARTICLE.inverse_mass] * S[i + PARTICLE.fx]
+        S[i + PARTICLE.v] += S[i + PARTICLE.inverse_mass] * S[i + PARTICLE.fy]
+        S[i + PARTICLE.w] += S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]
 
 
 def hold(S, I, dt, b, k, start):

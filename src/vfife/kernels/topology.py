@@ -62,7 +62,7 @@ class Topology:
     damped: bool = False
     weightless: bool = False
     redundant: bool = False
-    coarse: bool = False
+    coarse: int = 0
     contact_laws: tuple[type, ...] = ()
     friction_laws: tuple[type, ...] = ()
 

@@ -78,6 +78,20 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
     return free + (jacobian.T @ multiplier) / mass, multiplier
 
 
+def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
+    """Multipliers [r] that load the bodies alike, of least norm, each weighed by its row's own diagonal of G M^-1 G^T, as a step weighs reactions.
+
+    ``mobility`` [c]: the diagonal of M^-1, 0 for what is driven. Multipliers that nothing leaves open stay as they are.
+    """
+    stress = self_stress(jacobian)
+    if not stress.shape[1]:
+        return multiplier
+    squares = jacobian**2 if isinstance(jacobian, np.ndarray) else jacobian.multiply(jacobian)
+    weight = np.asarray(squares @ mobility).ravel()
+    norm = stress.T @ (weight[:, None] * stress)
+    return np.asarray(multiplier - stress @ np.linalg.lstsq(norm, stress.T @ (weight * multiplier), rcond=None)[0])
+
+
 def self_stress(jacobian: Matrix) -> Array:
     """Orthonormal multipliers [r, k] that load nothing, G^T N = 0: one for each row that depends on the others."""
     count = jacobian.shape[0]

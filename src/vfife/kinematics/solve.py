@@ -6,13 +6,14 @@ length, (x, y, l theta) with l the body's own reach, so that one tolerance judge
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from .linalg import RANK_TOLERANCE, Matrix, constrained, damped_step, weighted
+from .linalg import RANK_TOLERANCE, Matrix, constrained, damped_step, shared_out, weighted
 from .system import RigidSystem, checked, equations, metric
 
 Array = NDArray[np.float64]
@@ -72,7 +73,8 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
 
     M a = F + G^T lambda with G a = gamma; force [n,3] is (N, N, N m) at the centres of mass.  A reaction (fx, fy, m)
     is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of both at the same
-    place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda is the solution of minimum norm.
+    place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda is the solution of least norm, each row weighed
+    by its own diagonal of G M^-1 G^T, without the bodies that drives turn against the ground: as a step shares reactions.
     Raises AssemblyError when no acceleration exists (a dead centre, or a velocity that parts the joints), ValueError
     on bad shapes.
     """
@@ -82,6 +84,9 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
     load = checked(system, force, "force")[1:].ravel() / lengths
     motion, multiplier = constrained(rows.jacobian, rows.gamma, mass, load / mass)
     _demand(system, rows.jacobian @ motion - rows.gamma, motion, "acceleration")
+    driven = [one.body_b for one in system.drives if one.turns and one.body_a == 0]
+    free = np.repeat(~np.isin(np.arange(1, len(system.names)), driven), 3)
+    multiplier = shared_out(rows.jacobian, free / mass, multiplier)
     reaction = [one.reaction(position, multiplier[system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
     driving = [system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
     acceleration = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
@@ -97,22 +102,28 @@ def _descend(system: RigidSystem, position: Array) -> Closure:
     pace = [LARGEST_TURN * (system.reach[d.body_b] if d.turns else scale) for d in system.drives]
     limit = np.concatenate([np.full(joints, np.inf), pace])
     (phi, jacobian), damping, taken = _open(system, position), 0.1, 0
+    least, refused = None, None
     while taken < STEPS:
         error = np.clip(phi, -limit, limit)  # the drives advance no faster than the joints can follow
         if np.abs(error).max(initial=0.0) <= finest:
             break
         floor = damping * (error @ error) / scale**2
-        step = _step(weighted(weight, jacobian), weight * error, lengths, floor)
+        least = least or damped_step(weighted(weight, jacobian), weight * error)
+        step = _step(least, lengths, floor)
         if np.abs(step * lengths).max() <= finest:
             break
         taken += 1
         trial = position.copy()
         trial[1:] += step.reshape(-1, 3)
+        if refused is not None and (trial == refused).all():  # near round-off the damping grows for long before a position feels it
+            damping *= 8.0
+            continue
         tried = _open(system, trial)
         if np.linalg.norm(weight * (tried[0] - phi + error)) < np.linalg.norm(weight * error):
             position, (phi, jacobian), damping = trial, tried, max(damping / 4.0, 1e-6)
+            least, refused = None, None
         else:
-            damping *= 8.0
+            damping, refused = 8.0 * damping, trial
     return Closure(position, float(np.abs(phi).max(initial=0.0)), taken)
 
 
@@ -121,13 +132,12 @@ def _open(system: RigidSystem, position: Array) -> tuple[Array, Matrix]:
     return rows.phi, rows.jacobian
 
 
-def _step(jacobian: Matrix, error: Array, lengths: Array, damping: float) -> Array:
-    """Return -(G^T G + damping)^-1 G^T error as a step in (x, y, theta), its turns limited.
+def _step(least: Callable[[float], Array], lengths: Array, damping: float) -> Array:
+    """Return -(G^T G + damping)^-1 G^T error, of which ``least`` is the negative, as a step in (x, y, theta), its turns limited.
 
     A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from a dead
     centre nearby, and is damped until the other directions get their part.
     """
-    least = damped_step(jacobian, error)
     while True:
         step: Array = -least(damping) / lengths
         excess = np.abs(step[2::3]).max() / LARGEST_TURN

@@ -53,6 +53,29 @@ class Polynomials:
         sizes = [max(abs(x) * length**k for end in ends for k, x in enumerate(end)), 1e-300]
         return any(abs(x - y) * length**k > KINK * max(sizes) for k, (x, y) in enumerate(zip(*ends, strict=True)))
 
+    @cached_property
+    def kinks(self) -> tuple[float, ...]:
+        """Begins of the pieces that meet the one before in a kink, those of the first period only."""
+        counts = self._table[-len(self.starts) :]
+        inside = [start for start, before, after in zip(self.starts[1:], counts[:-1], counts[1:], strict=True) if after > before]
+        again = self.period is not None and self._table[2] > counts[-1]
+        return (self.starts[0], *inside) if again else tuple(inside)
+
+    def sampled(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Value and first two derivatives at many times, shape (times, 3)."""
+        import numpy as np
+
+        if self.period is not None:
+            times = times - np.floor(times / self.period) * self.period
+        count = len(self.starts)
+        starts, c = self._table[-9 * count : -8 * count], self._table[-8 * count : -count].reshape(count, 7)
+        piece = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        x = times - starts[piece]
+        value, rate, half = (np.zeros(len(times)) for _ in range(3))
+        for k in range(6, -1, -1):
+            half, rate, value = half * x + rate, rate * x + value, value * x + c[piece, k]
+        return np.stack([value, rate, 2.0 * half], axis=1)
+
     def __call__(self, time: float) -> tuple[float, float, float]:
         """Value and first two derivatives, as the step evaluates them."""
         value, rate, second, _ = polynomial(self._table, 0, time)

@@ -5,11 +5,13 @@ window.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
 
+from ..errors import VfifeError, shown, suggestion
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .orbits import journals, orbits
@@ -21,25 +23,29 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 
-def figures(result: View, reference: View | None = None) -> dict[str, Figure]:
-    """Figures by name: ``mechanism``, ``orbits`` (with clearance joints), ``forces``, ``moments`` (of gears and
-    drivers), ``accelerations``.
+FIGURES: dict[str, Callable[[View, View | None], Figure | None]] = {
+    "mechanism": lambda result, reference: drawing(result),
+    "orbits": lambda result, reference: orbits(result) if journals(result) else None,
+    "forces": force_curves,
+    "moments": moment_curves,
+    "accelerations": lambda result, reference: None if result.record.static else acceleration_curves(result, reference),
+}
 
-    The reference, whose curves lie below those of the result, is the result's own unless another one is given.
+
+def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> dict[str, Figure]:
+    """Figures by name: ``mechanism``, ``orbits`` (with clearance joints), ``forces``, ``moments`` (of gears and
+    drivers), ``accelerations``; all that the result has, or those of ``names`` among them.
+
+    The reference, whose curves lie below those of the result, is the result's own unless another one is given. Raises
+    :class:`~vfife.errors.VfifeError` for a name that is no figure's.
     """
+    for name in names:
+        if name not in FIGURES:
+            raise VfifeError(f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}")
     reference = reference if reference is not None else result.reference
     with matplotlib.rc_context(STYLE):
-        found = {"mechanism": drawing(result)}
-        if journals(result):
-            found["orbits"] = orbits(result)
-        for name, figure in (
-            ("forces", force_curves(result, reference)),
-            ("moments", moment_curves(result, reference)),
-            ("accelerations", None if result.record.static else acceleration_curves(result, reference)),
-        ):
-            if figure is not None:
-                found[name] = figure
-    return found
+        found = {name: figure(result, reference) for name, figure in FIGURES.items() if not names or name in names}
+    return {name: figure for name, figure in found.items() if figure is not None}
 
 
 def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:

@@ -105,6 +105,8 @@ def freedom(assembly: Assembly) -> dict[str, Any]:
         "after_drives": mobility.after_drives,
         "redundant": mobility.redundant,
         "redundant_joints": list(mobility.redundant_joints),
+        "shared": list(assembly.shared),
         "singular": list(mobility.singular),
+        "blocked": mobility.blocked,
         "four_bar": grashof(assembly.mechanism),
     }

@@ -90,5 +90,8 @@ def print_static(console: Console, told: dict[str, Any]) -> None:
         table.add_row(*cells, *reactions)
     console.print(Text("Equilibria, reactions on the journals", style="bold"))
     console.print(table)
+    if told["not_unique"]:
+        named = ", ".join(name.removesuffix(".max") for name in told["not_unique"])
+        console.print(Text(f"Shared by least norm, not unique: {named}. Joints are redundant: rigid bodies leave open how these share the load."))
     for text in told["warnings"]:
         console.print(Text.assemble(("Warning: ", "bold yellow"), text))

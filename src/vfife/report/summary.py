@@ -35,9 +35,9 @@ JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
 def report(result: View, reference: View | None = None) -> dict[str, Any]:
     """All that the summary of a run says: texts, numbers, lists and dictionaries only.
 
-    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``measures``, their ``ranges`` over the companions and
-    ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are what the tables of
-    :func:`show` are made of. The reference is the result's own unless another one is given.
+    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``measures``, their ``ranges`` over the companions, names of
+    those that are ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are
+    what the tables of :func:`show` are made of. The reference is the result's own unless another one is given.
     """
     reference = reference if reference is not None else result.reference
     record, choice = result.record, result.record.assembly.choice
@@ -67,6 +67,7 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "ranges": {name: {"low": one.low, "high": one.high} for name, one in result.measures.items()}
         if record.companions or record.estimate
         else {},
+        "not_unique": [name for name, one in result.measures.items() if not one.unique],
         "trust": trusted(result),
     }
 

@@ -14,6 +14,7 @@ from ..analysis.forces import MODES
 from .trust import lines, verdict
 
 NOISE = 1e-6  # of the largest angular acceleration
+SHARED = "* shared by least norm, not unique: joints are redundant, and rigid bodies leave open how these reactions share the load."
 
 
 def print_report(console: Console, told: dict[str, Any]) -> None:
@@ -39,6 +40,8 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
         if there:
             console.print(Text(title, style="bold"))
             console.print(table(told))
+    if told["not_unique"]:
+        console.print(Text(SHARED))
     for text in told["warnings"]:
         if text == leading:
             continue
@@ -99,7 +102,8 @@ def _torques(told: dict[str, Any]) -> Iterable[str]:
     for name, body in told["model"]["bodies"].items():
         if body["torque.max"] is not None:
             ideal = body["ideal_torque.max"]
-            yield f"{name}: largest torque {body['torque.max']:,.1f} N m" + (f", ideal {ideal:,.1f} N m" if ideal is not None else "")
+            largest = f"{body['torque.max']:,.1f} N m{_star(told, f'{name}.torque.max')}"
+            yield f"{name}: largest torque {largest}" + (f", ideal {ideal:,.1f} N m" if ideal is not None else "")
 
 
 def _law_lines(told: dict[str, Any]) -> Iterable[str]:
@@ -131,15 +135,21 @@ def _joint_table(told: dict[str, Any]) -> Table:
     headings = [*_heads(told, "reaction"), *(["ideal", "LIP(F)"] if compared else []), *(["moment"] if moments else [])]
     table = _grid("joint", *headings, *(["penetration"] if depths else []))
     for name, joint in joints.items():
-        cells = _with_range(told, f"{name}.force.max", _amount(_sound(joint["force.max"], joints), "N"), "N")
+        force = _amount(_sound(joint["force.max"], joints), "N") + _star(told, f"{name}.force.max")
+        cells = _with_range(told, f"{name}.force.max", force, "N")
         if compared:
             cells += [_amount(joint["ideal_force.max"], "N"), _percent(told["lip"].get(f"{name}.force"))]
         if moments:
-            cells.append(_amount(joint.get("moment.max"), "N m"))
+            cells.append(_amount(joint.get("moment.max"), "N m") + _star(told, f"{name}.moment.max"))
         if depths:
             cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
         table.add_row(Text(name), *cells)
     return table
+
+
+def _star(told: dict[str, Any], name: str) -> str:
+    """The mark of a reaction that redundant joints leave open."""
+    return " *" if name in told["not_unique"] else ""
 
 
 def _heads(told: dict[str, Any], what: str) -> list[str]:

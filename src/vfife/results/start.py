@@ -22,7 +22,7 @@ from ..laws import ContactLaw, FrictionLaw
 from ..model.mechanism import Mechanism
 from ..solvers.record import lasting_blocks, lasting_rows
 
-NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes")
+NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes", "shared")
 OF_LAWS = ("contact_laws", "friction_laws", "contact_form", "friction_form")  # follow from the laws that the model names
 
 # Names of blocks in run files of version 0.1 and before.
@@ -74,7 +74,7 @@ def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoic
     layout = Layout(topology)
     bodies = {body["name"]: BodyMap(**_known(BodyMap, body)) for body in told["bodies"]}
     mobility = None if told["mobility"] is None else Mobility(**_known(Mobility, told["mobility"]))
-    names = {name: told[name] for name in NAMES}
+    names = {name: told.get(name, ()) for name in NAMES}
     state = state_of(layout, told["blocks"], meta["start"], where)
     return Assembly(mechanism, topology, layout, state, meta["tables"], bodies, choice=choice, mobility=mobility, **names)
 

@@ -29,6 +29,7 @@ ANGLE = 0.4  # rad of the slowest motion between two looks
 SHORTEST, LONGEST, FEW = 8, 4000, 50  # iterations between two looks; few of them where contacts may begin
 BEYOND = 1.1  # of the mass for which iterations are stable, OMEGA being 3.6 of 4
 LOADED = 100.0  # what nothing but loads holds is moved by a hundredth of the size in the first iteration
+FLAT = 100.0  # times the masses where joints come apart
 NOISE = 1e-14  # of size and stiffness: forces that rounding alone makes
 REMEMBERED = ("frequency", "iterations", "kinetic", "kinetic_max", "between")
 HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffness has outgrown them
@@ -99,6 +100,21 @@ class Relaxation:
             rows = self.layout[f"particle_inverse_{name}"]
             self.state[rows] = np.where(self.state[rows] > 0.0, 1.0 / own, 0.0)
         return unstable
+
+    @property
+    def whole(self) -> bool:
+        """Whether all numbers are finite: what is loose goes far away, but what is held and flat comes apart at once."""
+        return bool(np.isfinite(self.state[self.places]).all())
+
+    def go_back(self, before: Array) -> None:
+        """Goes back to a state at rest, with masses so much larger that a flat structure is moved by less than its rise in one iteration."""
+        self.state[:] = before
+        self.rest()
+        for name in ("mass", "inertia"):
+            setattr(self, name, FLAT * getattr(self, name))
+            self.state[self.layout[f"particle_inverse_{name}"]] /= FLAT
+        self.frequency, self.kinetic, self.kinetic_max, self.between = 0.0, 0.0, 0.0, SHORTEST
+        self.state[self.layout["damping"]] = 0.0
 
     @property
     def remembered(self) -> dict[str, Any]:
@@ -180,11 +196,11 @@ class Relaxation:
         """How far from equilibrium the unbalanced forces (coordinates,) are."""
         noise = NOISE * np.where(self.turning, 10.0, self.size) / self.state[self.inverse]
         size = np.where(np.abs(pushes) > noise, np.abs(pushes), 0.0)
-        forces, moments = self._largest()
+        forces, moments = self.largest()
         turning, straight = size[self.turning], size[~self.turning]
         return Balance(float(straight.max(initial=0.0)), float(turning.max(initial=0.0)), forces, moments, self.size)
 
-    def _largest(self) -> tuple[float, float]:
+    def largest(self) -> tuple[float, float]:
         """Largest force (N) and moment (N m) among loads, elements, joints, contacts and springs."""
         layout, state = self.layout, self.state
 

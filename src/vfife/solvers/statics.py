@@ -32,6 +32,8 @@ FEWEST = 16  # iterations of one part
 TURN = 1e-3  # rad that a driver turns in one iteration
 TRAVEL = 1e-3  # of the shortest element, or of a hundredth of the size, that a driver moves in one iteration
 LOOK_SECONDS = 0.25  # between two progress lines
+TRIES = 4  # of a load factor, each with heavier masses, where joints came apart
+BEYOND_LOADS = 100.0  # times the loads: what links in line carry that are to hold anything across
 AWAY = 100.0  # sizes of the mechanism from its start where nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
@@ -74,8 +76,13 @@ def equilibrium(
     try:
         with halt:
             for k, factor in list(enumerate(factors))[len(rows) :]:
-                stage = Stage(relaxation, loading, k, old, factor, progress, began)
-                fault = stage.run(settings)
+                for again in range(TRIES):
+                    before = relaxation.state.copy()
+                    stage = Stage(relaxation, loading, k, old, factor, progress, began)
+                    fault = stage.run(settings)
+                    if again + 1 == TRIES or not fault or relaxation.whole:
+                        break
+                    relaxation.go_back(before)
                 if fault:
                     record.status, record.message = fault
                     break
@@ -149,7 +156,7 @@ class Stage:
             still = relaxation.still <= settings.kinetic_energy
             earlier = relaxation.balance(pushes[LAST]).ratio
             if max(self.ratio, earlier) <= settings.residual and still:
-                return None
+                return (Status.DIVERGED, self._apart()) if self._in_line() else None
 
     def _advance(self, before: float, after: float, count: int) -> None:
         self.loading.go(self.relaxation, before, after, count)
@@ -185,11 +192,24 @@ class Stage:
 
     def _runaway(self) -> str:
         assembly = self.loading.assembly
+        if not self.relaxation.whole:
+            return self._apart()
         free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
         loose = f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold. " if free else ""
         return (
             f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or turns: nothing holds it against the "
             f"loads. {loose}Add a joint, a spring or a driver, or check the supports (vfife check)."
+        )
+
+    def _in_line(self) -> bool:
+        """Whether what gives way at the start, to the first order only, is loaded: it came to rest where rounding has let it go."""
+        relaxation, mobility = self.relaxation, self.loading.assembly.mobility
+        return bool(mobility and mobility.blocked and relaxation.largest()[0] > BEYOND_LOADS * relaxation.force)
+
+    def _apart(self) -> str:
+        return (
+            f"At load factor {self.new:g} joints come apart: links lie in line, or as good as that, where nothing holds them across but "
+            "forces beyond all bounds along them. Give them more rise, or let them stretch (elastic links)."
         )
 
     def _unfinished(self, settings: Settings) -> str:

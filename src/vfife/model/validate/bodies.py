@@ -27,7 +27,8 @@ def check_bodies(checks: Checks) -> None:
         elif isinstance(body, Frame):
             check_section(checks, (*path, "section"), body.section)
             check_frame(checks, path, body)
-        if any(body.velocity or ()) and name in checks.turned:
+        driver = checks.drivers.get(checks.turned.get(name, ""))
+        if any(body.velocity or ()) and driver is not None and driver.against == "ground":  # against another body only their difference is set
             checks.add((*path, "velocity"), "a driven body has no initial velocity of its own", "remove it; the driver sets the velocity")
 
 
