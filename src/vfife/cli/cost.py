@@ -54,10 +54,12 @@ def estimate(assembly: Assembly, reference: Assembly | None = None) -> dict[str,
     With the ideal ``reference``, which is kept beside it, where there is one.
     """
     found = _alone(assembly)
+    every = found["bytes"]
     if reference is not None:
         ideal = _alone(reference)
-        found |= {"seconds": found["seconds"] + ideal["seconds"], "bytes": found["bytes"] + ideal["bytes"]}
-    return found | {"memory": MEMORY * found["bytes"] + LIBRARIES, "disk": PACKED * found["bytes"]}
+        found["seconds"] += ideal["seconds"]
+        every += ideal["bytes"]
+    return found | {"memory": MEMORY * every + LIBRARIES, "disk": PACKED * every}
 
 
 def _alone(assembly: Assembly) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..results.folder import FIGURES, find_run
+from ..results.lock import holder
 from ..solvers.status import Status
 from .options import JsonOption, RunArgument
 from .terminal import amount_of_bytes, errors, output, print_json, sentences, span, writing
@@ -40,7 +41,7 @@ def contents(path: Path) -> dict[str, Any]:
 
     with RunFile.open(path) as file:
         meta, steps, events, last = file.meta, file.steps, file.events, file.last_checkpoint()
-        reference = file.has_reference
+        reference, lost = file.has_reference, file.lost
     choice, model = meta.get("choice", {}), tomllib.loads(meta.get("model", ""))
     status = meta.get("status", "unknown")
     return {
@@ -59,6 +60,8 @@ def contents(path: Path) -> dict[str, Any]:
         "steps_planned": choice.get("outputs", 0) * choice.get("outputs_every", 0),
         "turn": choice.get("turn"),
         "outputs": len(steps),
+        "written_by": holder(path.parent),
+        "damage": list(lost),
         "channels": sorted({name for name, _ in meta.get("kept", ())}),
         "laws": meta.get("laws", {}),
         "own_laws": [{key: law[key] for key in ("name", "kind", "file", "text")} for law in meta.get("own_laws", ())],
@@ -74,7 +77,9 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The same for people: names and texts."""
     yield "Run file", f"{found['file']}, {amount_of_bytes(found['bytes'])}"
     yield "Model", f"{found['model']}" + (f", from {found['source']}" if found["source"] else "")
-    ending = f", finished {found['finished']}" if found["finished"] else ": killed, or still at work; what it wrote is whole"
+    ending = f", finished {found['finished']}" if found["finished"] else ": killed; what it wrote is whole, and vfife resume goes on with it"
+    if found["written_by"]:
+        ending = f"; {found['written_by']} is at work on it"
     yield "Status", f"{found['status']}; begun {found['created']}{ending}"
     if found["step"] and found["static"]:
         yield "Load factors", f"{found['steps']:,} of {found['steps_planned']:,}"
@@ -93,6 +98,8 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for law in found["own_laws"]:
         text = "its text is kept here (--json prints it)" if law["text"] else "its text could not be kept"
         yield "Own law", f"{law['name']} ({law['kind']}), from {law['file']}: {text}; reading this run does not run it"
+    if found["damage"]:
+        yield "Damage", f"{', '.join(found['damage'])} cannot be read"
     for event in found["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
     for name, value in ((found["summary"] or {}).get("measures") or {}).items():
