@@ -26,7 +26,7 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: demo test oldest coverage lint docs bench verify soak mutations clean help
 
 demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with figures, into runs/four_bar
-	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures
+	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures --force
 
 test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 
 import vfife
 from vfife import plots
-from vfife.cli import carried
+from vfife.cli import carried, cost
 from vfife.cli.app import app
 from vfife.codegen import cache
 from vfife.codegen.runner import Runner
@@ -137,6 +137,27 @@ def test_what_a_killed_process_began_is_tidied_up(command: Callable, pendulum: P
         assert not left.exists() and other.exists()
 
 
+FORECASTS = {
+    "time": (["--duration", "100000"], "h "),
+    "disk": ([], "left"),
+    "memory": ([], "of memory, of which there are 1 MB"),
+}
+
+
+@pytest.mark.parametrize("what", FORECASTS)
+def test_what_takes_too_much_is_asked_for_twice(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, what: str) -> None:
+    words, said = FORECASTS[what]
+    if what == "disk":
+        monkeypatch.setattr(tables, "free_bytes", lambda path: 150_000)
+    if what == "memory":
+        monkeypatch.setattr(cost, "physical_memory", lambda: 1_000_000)
+    done = command("run", pendulum, *words, "--step", "1e-6", "--json")
+    assert done.exit_code == 2 and "--yes" in done.stderr and said in done.stderr and not Path("runs").exists()
+    assert json.loads(done.stdout)["status"] == "refused"
+    if not words:
+        assert command("run", pendulum, "--yes", "--quiet").exit_code == 0
+
+
 # ----------------------------------------------------------------------------------------------------------------- writers
 
 
@@ -232,7 +253,9 @@ def test_resume_and_run_resume(command: Callable, pendulum: Path, monkeypatch: p
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
 def test_signals_are_heard_between_outputs(process: Callable, command: Callable, pendulum: Path, tmp_path: Path, name: str, code: int) -> None:
     """One output for a run of hours: it ends within two seconds, and goes on from where it was."""
-    began = process("run", pendulum, "--outputs", "1", "--step", "1e-6", "--duration", "20000", "-o", "long", "--json", "--companions", "0")
+    began = process(
+        "run", pendulum, "--outputs", "1", "--step", "1e-6", "--duration", "20000", "-o", "long", "--json", "--companions", "0", "--yes"
+    )
     until = time.monotonic() + 60.0
     while not (tmp_path / "long" / "run.sqlite").exists():
         assert began.poll() is None and time.monotonic() < until, began.communicate()[1]

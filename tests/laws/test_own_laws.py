@@ -276,3 +276,28 @@ def test_a_film_of_ones_own_is_tried_out_too(tmp_path):
             raise LawError("\n".join(fault for law in loaded(tmp_path, text.format(answer=answer)) for fault in faults(law)))
     with pytest.raises(LawError, match="static function film_force"):
         loaded(tmp_path, COPY + "\n    film: ClassVar[bool] = True\n")
+
+
+@pytest.mark.usefixtures("only_built_in_laws")
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("import os\nos._exit(3)\n", "line 2: SystemExit: it ends the process (os._exit(3))"),
+        ("import sys\n\nsys.exit('enough')\n", "line 3: SystemExit: enough"),
+        ("raise SystemExit\n", "line 1: SystemExit: nothing said"),
+        ("while True:\n    pass\n", "does not end; a file of laws defines them"),
+    ],
+)
+def test_what_a_file_does_instead_of_defining_laws_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, said: str) -> None:
+    import os
+    import signal
+
+    from vfife.laws import user
+
+    monkeypatch.setattr(user, "SECONDS", 0.2)
+    ends, hears = os._exit, signal.getsignal(signal.SIGALRM)
+    (tmp_path / "laws.py").write_text(text)
+    with pytest.raises(LawError) as told:
+        load_laws(tmp_path / "laws.py")
+    assert said in str(told.value)
+    assert os._exit is ends and signal.getsignal(signal.SIGALRM) is hears

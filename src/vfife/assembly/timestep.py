@@ -27,6 +27,7 @@ SAFETY = 0.9
 CONTACT_STEPS = 80  # steps in half a period of the stiffest contact, where nobody looks whether they are enough
 FIRST_CONTACT_STEPS = 20  # where companions do: with them a search for the step begins
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
+LONGEST_STEP = 2.0  # of the length of a run
 COARSE_STEPS = (1500, 500, 250)  # steps a turn below which ideal joints are corrected once more
 COARSEST_STEPS = 60  # steps a turn down to which ideal mechanisms hold
 MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
@@ -86,6 +87,10 @@ def choose_step(
             raise StepError(
                 f"a step of {size:.4g} s is too large: {culprit} allows {stable:.4g} s, and {SAFETY} of it ({SAFETY * stable:.4g} s) is the most "
                 f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step)'
+            )
+        if size > LONGEST_STEP * length and not force_step:
+            raise StepError(
+                f"a step of {size:.4g} s is longer than the whole run of {length:.4g} s; check the units of both, or leave the step out"
             )
         every = _divisor(max(1, round((turn or length) / size)), per)
     every = min(every, max(1, math.ceil(length / size * (1.0 - 1e-9))))  # a run may be shorter than the time between two outputs of a turn

@@ -37,7 +37,8 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from .cost import estimate
     from .filled import filled_in
 
-    expected = expected_forces(reference_of(mechanism))
+    ideal = reference_of(mechanism)
+    expected = expected_forces(ideal)
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
     choice = assembly.choice
@@ -56,7 +57,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "steps_between_outputs": choice.outputs_every,
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
-        "estimate": estimate(assembly),
+        "estimate": estimate(assembly, None if ideal is None else ideal.record.assembly),
         "defaults": filled_in(model, overrides(texts)),
         "notes": list(assembly.notes),
     }
@@ -199,7 +200,8 @@ def cost(found: Mapping[str, Any]) -> list[str]:
     return [
         f"Time, an estimate from a table of costs: {span(found['seconds'])} ({pace}),",
         f"  and some {compiling} to compile that loop if it was never used here.",
-        f"The record takes {amount_of_bytes(found['bytes'])}, which is packed to about half of it in the run file.",
+        f"The record takes {amount_of_bytes(found['bytes'])}, which is packed to about half of it in the run file; to be read, it takes",
+        f"  some {amount_of_bytes(found['memory'])} of memory.",
     ]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -13,11 +15,52 @@ NANOSECONDS = {
     "generated": {"step": 10.0, "clearance": 38.0, "ideal": 40.0, "element": 5.0},
 }
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
+PACKED = 0.5  # of the outputs' bytes, in the run file
 STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4  # s, and for each line of the step, once for all models of the same topology
 
 
-def estimate(assembly: Assembly) -> dict[str, Any]:
-    """Loop, time of a step (ns), time of all steps and of a first compilation (s), bytes of the record."""
+MEMORY = 2.5  # times the record that its readers take
+LIBRARIES = 2.5e8  # bytes that are taken before anything is computed
+LONG, SHARE = 3600.0, 0.5  # s, and share of memory or of the free disk, beyond which a run is asked for twice
+
+
+def too_much(found: dict[str, Any], place: Path) -> str:
+    """What of a forecast is so much that it may not be meant, in words; empty where nothing is."""
+    from ..results.tables import free_bytes
+    from .terminal import amount_of_bytes, span
+
+    free, memory = free_bytes(place), physical_memory()
+    said = []
+    if found["seconds"] > LONG:
+        said.append(f"some {span(found['seconds'])}")
+    if memory is not None and found["memory"] > SHARE * memory:
+        said.append(f"some {amount_of_bytes(found['memory'])} of memory, of which there are {amount_of_bytes(memory)}")
+    if free is not None and found["disk"] > SHARE * free:
+        said.append(f"some {amount_of_bytes(found['disk'])} on a disk that has {amount_of_bytes(free)} left")
+    return " and ".join(said)
+
+
+def physical_memory() -> int | None:
+    """Bytes of memory of this machine, None where nobody tells."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
+def estimate(assembly: Assembly, reference: Assembly | None = None) -> dict[str, Any]:
+    """Loop, time of a step (ns), time of all steps and of a first compilation (s), bytes of the record, in memory and on the disk.
+
+    With the ideal ``reference``, which is kept beside it, where there is one.
+    """
+    found = _alone(assembly)
+    if reference is not None:
+        ideal = _alone(reference)
+        found |= {"seconds": found["seconds"] + ideal["seconds"], "bytes": found["bytes"] + ideal["bytes"]}
+    return found | {"memory": MEMORY * found["bytes"] + LIBRARIES, "disk": PACKED * found["bytes"]}
+
+
+def _alone(assembly: Assembly) -> dict[str, Any]:
     from ..codegen.straight_line import about
     from ..solvers.record import recorded_rows
     from ..solvers.transient import choose_loop

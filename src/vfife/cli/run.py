@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from ..simulation import Prepared
     from ..solvers.record import Checkpoint
 
-PACKED = 0.5  # of the outputs' bytes, in the run file
 GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 
 
@@ -48,6 +47,7 @@ StartFrom = Annotated[
 BESIDE = "Runs with displaced steps beside it, 0 to 7, or auto: their range tells how far it can be trusted."
 Companions = Annotated[str | None, typer.Option(metavar="N", help=BESIDE, show_default=MODELS)]
 Force = Annotated[bool, typer.Option("--force", help="Replace the run that is in the folder.")]
+Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the memory or the disk.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder, if this model was begun there.")]
 LoopOption = Annotated[Loops, typer.Option(help="Loop that makes the steps; all give the same bits.")]
 
@@ -69,6 +69,7 @@ def run(
     start: StartFrom = None,
     force: Force = False,
     resume: Resume = False,
+    yes: Yes = False,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -93,7 +94,7 @@ def run(
         from ..solvers.arguments import Asked
 
         prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), reference, start)
-    refuse_no_room(prepared, place)
+    refuse_no_room(prepared, place, yes)
     try:
         result = carried(lambda: begun_in(place, prepared), place, quiet)
         concluded(result, place, figures, as_json, quiet)
@@ -114,12 +115,13 @@ def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, C
     return file, prepared, None
 
 
-def refuse_no_room(prepared: Prepared, place: RunFolder) -> None:
-    """Ends with exit code 5 where the disk has no room for the outputs."""
+def refuse_no_room(prepared: Prepared, place: RunFolder, yes: bool) -> None:
+    """Ends with exit code 5 where the disk has no room for the outputs, with 2 where the run takes more than may be meant and nobody said yes."""
     from ..results.tables import free_bytes
-    from .cost import estimate
+    from .cost import estimate, too_much
 
-    free, needed = free_bytes(place.target), PACKED * estimate(prepared.assembly)["bytes"]
+    found = estimate(prepared.assembly, None if prepared.reference is None else prepared.reference.record.assembly)
+    free, needed = free_bytes(place.target), found["disk"]
     if free is not None and needed > free:
         from .terminal import STORAGE
 
@@ -128,6 +130,8 @@ def refuse_no_room(prepared: Prepared, place: RunFolder) -> None:
             "name a folder on another disk. Nothing was begun, and nothing is touched.",
             STORAGE,
         )
+    if not yes and not prepared.static and (much := too_much(found, place.target)):
+        fail(f"this run takes {much}; add --yes if that is meant, or ask for less (--turns, --duration, --outputs). Nothing was begun.")
 
 
 def to_go_on(folder: Path | None, model: Path) -> Path | None:

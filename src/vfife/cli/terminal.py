@@ -151,8 +151,9 @@ def grid(*headings: str, title: str | None = None, right: tuple[int, ...] = ()) 
     """An empty table with little ink; columns ``right`` hold numbers."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(title=None if title is None else Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
     for index, heading in enumerate(headings):
         table.add_column(heading, justify="right" if index in right else "left", overflow="fold")
     return table

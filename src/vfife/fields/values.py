@@ -17,6 +17,17 @@ if TYPE_CHECKING:
     from .reading import Reading
 
 Json = dict[str, Any]
+# Least and largest size of a quantity, by SI unit: what is beyond can only be a slip of units.
+SIZES = {
+    "m": (1e-12, 1e12),
+    "s": (1e-15, 1e12),
+    "kg": (1e-18, 1e15),
+    "1": (1e-12, 1e12),
+    "rad": (1e-15, 1e12),
+    "rad/s": (1e-15, 1e9),
+    "m/s": (1e-15, 3e8),
+    "": (1e-40, 1e40),
+}
 
 
 @dataclass(frozen=True)
@@ -77,6 +88,9 @@ class Measure(Value):
         except QuantityError as error:
             remedy = error.remedy if error.remedy.startswith("give") else f"write {error.remedy}"
             raise Refused(f"this is {error.what}", shown(value), error.limit + other, remedy) from None
+        if fault := beyond(result, self.unit, self.above == 0.0):
+            remedy = f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")' if self.unit != "1" else "correct the value"
+            raise Refused(f"this is {fault[0]} for any mechanism", shown(value), fault[1], remedy)
         if not self.allows(result):
             low, high = self.above if self.above is not None else self.low, self.high
             what = "too large" if high is not None and result > high else "zero or negative" if not low else "too small"
@@ -202,6 +216,20 @@ class Switch(Value):
     def json(self) -> Json:
         """true or false."""
         return {"type": "boolean"}
+
+
+def beyond(value: float, unit: str, sized: bool) -> tuple[str, str] | None:
+    """What is wrong with the size of a quantity of a unit, and what is allowed; None where it can be meant.
+
+    What may be zero may be as small as rounding leaves it; what is ``sized`` may not.
+    """
+    least, most = SIZES.get(unit, SIZES[""])
+    size, said = abs(value), "" if unit == "1" else f" {unit}"
+    if size > most:
+        return "too large", f"at most {most:g}{said} in size"
+    if sized and 0.0 < size < least:
+        return "too small", f"at least {least:g}{said}"
+    return None
 
 
 def spoken_limit(unit: str) -> tuple[str, str]:

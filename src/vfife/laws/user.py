@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import importlib.util
 import linecache
+import os
 import re
+import signal
 import sys
 import threading
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import ModuleType
+from types import FrameType, ModuleType
+from typing import NoReturn
 
 from ..errors import LawError
 from .law import ContactLaw, FrictionLaw, Law, built_in
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
+SECONDS = 10.0  # that a file of laws may take
 LOADING = threading.RLock()  # one file at a time: what a file defines is told from what was there before
 
 
@@ -79,7 +85,10 @@ def executed(path: Path, text: str) -> ModuleType:
     sys.modules[name] = module  # dataclasses look their module up
     try:
         code = compile(text, str(path), "exec", dont_inherit=True)
-        exec(code, module.__dict__)  # the user named this file to have it run
+        with watched():
+            exec(code, module.__dict__)  # the user named this file to have it run
+    except Endless:
+        raise LawError(f"{path}: it has run for {SECONDS:g} s and does not end; a file of laws defines them, and computes nothing") from None
     except SyntaxError as error:
         line = f" in `{error.text.strip()}`" if error.text else ""
         raise LawError(f"{path}, line {error.lineno}: this is no Python: {error.msg}{line}; correct it") from None
@@ -91,6 +100,34 @@ def executed(path: Path, text: str) -> ModuleType:
         told = f"{path}, line {line_of(error, path)}: {said if isinstance(error, ValueError) else f'{type(error).__name__}: {said}'}"
         raise LawError(told) from None
     return module
+
+
+class Endless(BaseException):
+    """A file of laws does not end."""
+
+
+@contextmanager
+def watched() -> Iterator[None]:
+    """Ends what runs for too long, where signals are heard, and keeps it from ending the process without a word."""
+
+    def leave(status: int) -> NoReturn:
+        raise SystemExit(f"it ends the process (os._exit({status!r}))")
+
+    def late(number: int, frame: FrameType | None) -> NoReturn:
+        raise Endless
+
+    ends, hears = os._exit, hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
+    former = signal.signal(signal.SIGALRM, late) if hears else None
+    try:
+        os._exit = leave
+        if hears:
+            signal.setitimer(signal.ITIMER_REAL, SECONDS)
+        yield
+    finally:
+        os._exit = ends
+        if hears:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, former)
 
 
 def line_of(error: BaseException, path: Path) -> int | str:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
 INK, GREY, FAINT = "#222222", "#767676", "#d9d9d9"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 BODIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
 STYLE: Any = {  # matplotlib types its settings by their names
@@ -30,7 +31,8 @@ STYLE: Any = {  # matplotlib types its settings by their names
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "axes.formatter.use_mathtext": True,
+    "axes.formatter.use_mathtext": False,
+    "text.parse_math": False,  # names of bodies and joints are text, dollars and all
     "grid.color": FAINT,
     "grid.linewidth": 0.6,
     "xtick.color": GREY,
@@ -66,7 +68,7 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
     """Factor and unit in which a quantity reads well: kN and MN for newtons, powers of ten for other units."""
     for limit, power, prefix in ((2e6, 6, "M"), (2e3, 3, "k")):
         if size >= limit:
-            return 10.0**-power, f"{prefix}{unit}" if unit in ("N", "N m") else f"$10^{power}$ {unit}"
+            return 10.0**-power, f"{prefix}{unit}" if unit in ("N", "N m") else f"10{str(power).translate(RAISED)} {unit}"
     return 1.0, unit
 
 

@@ -77,7 +77,7 @@ def print_static(console: Console, told: dict[str, Any]) -> None:
     joints = list(factors[0]["reactions"])[:COLUMNS] if factors else []
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for heading in ("load factor", "iterations", "unbalanced", "displacement, m", *(f"{name}, N" for name in joints)):
-        table.add_column(heading, justify="right")
+        table.add_column(Text(heading), justify="right")
     most = max([0.0, *(abs(entry["reactions"][name][axis]) for entry in factors for name in joints for axis in ("force_x", "force_y"))])
 
     def pair(reaction: dict[str, float]) -> str:

@@ -143,7 +143,7 @@ def _joint_table(told: dict[str, Any]) -> Table:
             cells.append(_amount(joint.get("moment.max"), "N m") + _star(told, f"{name}.moment.max"))
         if depths:
             cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
-        table.add_row(name, *cells)
+        table.add_row(Text(name), *cells)
     return table
 
 
@@ -186,7 +186,7 @@ def _contact_table(told: dict[str, Any]) -> Table:
         if "impacts" in joint:
             shares = (f"{100.0 * joint[f'share.{mode}']:.3g} %" for mode in MODES)
             counts = (f"{joint[kind]:.0f}" for kind in ("impacts", "grazing", "deep"))
-            table.add_row(name, *shares, *counts, prefixed(joint["deepest"], "m"))
+            table.add_row(Text(name), *shares, *counts, prefixed(joint["deepest"], "m"))
     return table
 
 
@@ -202,7 +202,7 @@ def _body_table(told: dict[str, Any]) -> Table:
             if compared:
                 ideal = _amount(body["ideal_angular_acceleration.max"], "rad/s²")
                 cells += [ideal, _percent(told["lip"].get(f"{name}.angular_acceleration"))]
-            table.add_row(name, *cells)
+            table.add_row(Text(name), *cells)
     return table
 
 
