@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from physics.test_redundant_joints import beam
 from support import go, times, with_settings
 from vfife.analysis.forces import joint_force, joint_rows
+from vfife.kinematics.initial import ideal_motion
 from vfife.model.mechanism import Mechanism
 from vfife.simulation import simulate
 from vfife.solvers.record import Record
@@ -66,6 +68,38 @@ def test_links_in_line_are_told(bob: bool) -> None:
     result = simulate(with_settings(arch(0.0, bob=bob), analysis="static"))
     assert result.record.status == "diverged"
     assert "links lie in line" in result.record.message
+
+
+def test_links_in_line_carry_what_acts_along_them() -> None:
+    """Both supports together bear the weight; the hinge would give way, but nothing pushes it."""
+    m = dataclasses.replace(arch(0.0), gravity=(G, 0.0))
+    result = simulate(with_settings(m, analysis="static"))
+    assert result.record.status == "complete"
+    assert force(result.record, "A")[-1] - force(result.record, "B")[-1] == pytest.approx((-2.0 * BAR * G, 0.0), abs=1e-6)
+    assert not result.measures["A.force.max"].unique
+
+
+@pytest.mark.parametrize(("rise", "bob", "blocked"), [(0.0, False, True), (0.0, True, True), (2e-5, False, False), (2e-5, True, False)])
+def test_what_vanishes_is_told_from_what_is_small(rise: float, bob: bool, blocked: bool) -> None:
+    assert ideal_motion(arch(rise, bob=bob)).mobility.blocked == blocked
+
+
+def test_a_mechanism_that_branches_or_is_redundant_is_not_blocked() -> None:
+    """A parallelogram with all links in line goes on in two ways, and on three cranks it just goes on."""
+    for mechanism in (beam(2, 20.0, start=0.0), beam(3, 20.0, start=0.0), beam(3, 20.0)):
+        mechanism.drivers.clear()
+        assert not ideal_motion(mechanism).mobility.blocked
+
+
+def test_a_beam_on_three_cranks_rests_on_a_spring() -> None:
+    """Redundant joints at rest: a torque holds the crank, as virtual work has it."""
+    m = dataclasses.replace(beam(3, 20.0), gravity=(0.0, -G))
+    m.drivers.clear()
+    m.torsional_spring("hold", "ground", "crank1", stiffness=200.0, free_angle=0.7)
+    result = simulate(with_settings(m, analysis="static", residual=1e-9))
+    assert result.record.status == "complete"
+    a = result.record.block("particle_theta")[-1, 3]
+    assert 200.0 * (0.7 - a) == pytest.approx((3.0 + 1.5) * G * 0.1 * math.cos(a), rel=1e-6)
 
 
 def test_what_is_loose_is_told() -> None:

@@ -156,6 +156,8 @@ def freedom(found: Mapping[str, Any]) -> list[str]:
             f"The start is a singular position (a change point or dead centre), at {', '.join(found['singular'])}: beside it these hold "
             "something of their own. The branch that the motion takes from here is not determined; start a little aside."
         )
+    if found["blocked"]:
+        lines.append("A motion that the joints allow leads nowhere: links lie in line, where no force along them holds anything across.")
     if found["four_bar"]:
         lines.append(f"Four-bar: {found['four_bar']}.")
     return lines

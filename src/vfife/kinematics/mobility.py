@@ -18,6 +18,8 @@ from .system import RigidSystem, checked, equations, metric
 Array = NDArray[np.float64]
 
 ASIDE = 1e-2  # by how much of its reach, or rad, a mechanism is moved to see what holds nearby too
+FEW = 12  # free motions
+BENT = 1e-6  # of squares of velocities over the size of the largest body: less is rounding
 STARTS = 6  # tries to find a free motion that goes on
 
 
@@ -26,7 +28,8 @@ class Mobility:
     """Degrees of freedom with the drives released (`free`) and at work, and the joints' redundant constraints, all at the instant.
 
     `redundant_joints` names the joints whose rows depend on those of the joints before them; `singular` those joints and drives among
-    all whose rows do so here only, at a change point or a dead centre, and not beside it.
+    all whose rows do so here only, at a change point or a dead centre, and not beside it. `blocked`: a motion that joints and drives
+    allow to the first order leads nowhere, as that of a hinge between two links in line whose other ends stand still.
     """
 
     free: int
@@ -34,6 +37,7 @@ class Mobility:
     redundant: int
     redundant_joints: tuple[str, ...]
     singular: tuple[str, ...] = ()
+    blocked: bool = False
 
 
 def mobility(system: RigidSystem, position: Array) -> Mobility:
@@ -51,7 +55,8 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
     still = [] if beside is None else all_stuck if beside is position else _dependent(system, beside)[1]
     here, there = Counter(_owners(system, all_stuck)), Counter(_owners(system, still))
     singular = sorted((here - there).keys() or here.keys()) if len(still) < len(all_stuck) else []
-    return Mobility(free, after, len(stuck), _named(system, _owners(system, stuck)), _named(system, singular))
+    redundant = _named(system, _owners(system, stuck))
+    return Mobility(free, after, len(stuck), redundant, _named(system, singular), bool(all_stuck and after) and _blocked(system, position))
 
 
 def _dependent(system: RigidSystem, position: Array) -> tuple[list[int], list[int]]:
@@ -70,6 +75,35 @@ def _named(system: RigidSystem, owners: list[int]) -> tuple[str, ...]:
     """Names of joints and drives."""
     names = [*(joint.name for joint in system.joints), *(system.drive_name(drive) for drive in system.drives)]
     return tuple(dict.fromkeys(names[k] for k in owners))
+
+
+def _blocked(system: RigidSystem, position: Array) -> bool:
+    """Whether a motion v of the first order, G v = 0, bends away from all that self-stresses N allow: N^T gamma(v) of one sign, and not zero.
+
+    Where it has both signs two motions branch off, and where it is zero the mechanism goes on; Pellegrino and Calladine, Int. J. Solids Struct. 22
+    (1986) 409-428. Told of up to some 30 bodies and a dozen free motions.
+    """
+    now = equations(system, position)
+    if not isinstance(now.jacobian, np.ndarray):
+        return False
+    lengths, stress = metric(system)[0], self_stress(now.jacobian)
+    null = np.linalg.svd(now.jacobian)[2][len(now.jacobian) - stress.shape[1] :]
+    count = len(null)
+    if count > FEW:
+        return False
+
+    def bent(motion: Array) -> Array:
+        velocity = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
+        return np.asarray(stress.T @ (equations(system, position, velocity).gamma - now.gamma) * system.reach[1:].max())
+
+    alone = [bent(one) for one in null]
+    forms = np.zeros((stress.shape[1], count, count))
+    for i in range(count):
+        for j in range(i + 1):
+            forms[:, i, j] = forms[:, j, i] = alone[i] if i == j else 0.5 * (bent(null[i] + null[j]) - alone[i] - alone[j])
+    sizes = np.linalg.eigvalsh(forms)
+    some = [one for one in sizes if np.abs(one).max() > BENT]
+    return bool(some) and all(one.min() > -BENT or one.max() < BENT for one in some)
 
 
 def _aside(system: RigidSystem, position: Array) -> Array | None:

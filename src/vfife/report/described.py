@@ -107,5 +107,6 @@ def freedom(assembly: Assembly) -> dict[str, Any]:
         "redundant_joints": list(mobility.redundant_joints),
         "shared": list(assembly.shared),
         "singular": list(mobility.singular),
+        "blocked": mobility.blocked,
         "four_bar": grashof(assembly.mechanism),
     }

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
-from ..kernels.topology import PINNED
 from .fictitious_mass import demands, extent, floors
 from .pace import Pace
 
@@ -106,19 +105,6 @@ class Relaxation:
     def whole(self) -> bool:
         """Whether all numbers are finite: what is loose goes far away, but what is held and flat comes apart at once."""
         return bool(np.isfinite(self.state[self.places]).all())
-
-    def gap(self) -> float:
-        """Largest distance (m) of the two pins of an ideal joint."""
-        topology, state = self.assembly.topology, self.state
-        pinned = [k for k, (place, _) in enumerate(topology.held) if place == PINNED]
-        ends = []
-        for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
-            at = [bodies[k] for k in pinned]
-            x, y = (state[self.layout[f"joint_{side}_{axis}"]][pinned] for axis in "xy")
-            angle = np.where(np.array(at, dtype=int) > 0, state[self.layout["particle_theta"]][at], 0.0)
-            c, s = np.cos(angle), np.sin(angle)
-            ends.append((state[self.layout["particle_x"]][at] + c * x - s * y, state[self.layout["particle_y"]][at] + s * x + c * y))
-        return float(np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]).max(initial=0.0))
 
     def go_back(self, before: Array) -> None:
         """Goes back to a state at rest, with masses so much larger that a flat structure is moved by less than its rise in one iteration."""
@@ -210,11 +196,11 @@ class Relaxation:
         """How far from equilibrium the unbalanced forces (coordinates,) are."""
         noise = NOISE * np.where(self.turning, 10.0, self.size) / self.state[self.inverse]
         size = np.where(np.abs(pushes) > noise, np.abs(pushes), 0.0)
-        forces, moments = self._largest()
+        forces, moments = self.largest()
         turning, straight = size[self.turning], size[~self.turning]
         return Balance(float(straight.max(initial=0.0)), float(turning.max(initial=0.0)), forces, moments, self.size)
 
-    def _largest(self) -> tuple[float, float]:
+    def largest(self) -> tuple[float, float]:
         """Largest force (N) and moment (N m) among loads, elements, joints, contacts and springs."""
         layout, state = self.layout, self.state
 
