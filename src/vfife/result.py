@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError
 from .results.companions import beside, kept_companions, restored_companions
-from .results.opening import is_run_file
+from .results.header import is_run_file
 from .results.provenance import final_state, keep_reference, provenance, restored
 from .results.runfile import RunFile
 from .results.view import View

@@ -243,12 +243,12 @@ def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Check
         file.put(changed)
         other = "" if asked.get("sources") == sources_of_the_step().decode() else "; the step before was that of another version"
         file.event(last.step, f"goes on from here{other}")
-    return _prepared_again(former, asked), last
+    return _prepared_again(former, asked, meta.get("companions", {})), last
 
 
-def _prepared_again(former: Result, asked: dict[str, Any]) -> Prepared:
-    """What a file holds, as :func:`prepare` had it."""
-    record, left = former.record, former.record.companions
+def _prepared_again(former: Result, asked: dict[str, Any], beside: Mapping[str, Any]) -> Prepared:
+    """What a file holds, as :func:`prepare` had it. Of companions rows may be gone that were needed before the checkpoint, and are not after it."""
+    record = former.record
     mechanism, expected = record.assembly.mechanism, expected_forces(former.reference)
     length = Length(
         turns=asked.get("turns"), duration=asked.get("duration"), outputs=asked.get("outputs"), force_step=bool(asked.get("force_step"))
@@ -265,8 +265,9 @@ def _prepared_again(former: Result, asked: dict[str, Any]) -> Prepared:
 
     return Prepared(
         record.assembly, former.reference, record.loop, again,  # type: ignore[arg-type]
-        companions=0 if left is None else len(left.shifts), refined=bool(asked.get("refined")), asked=asked,
-        earlier={} if left is None else dict(left.earlier), searches=bool(asked.get("searches", True)),
+        companions=len(beside.get("shifts", ())), refined=bool(asked.get("refined")), asked=asked,
+        earlier={name: (float(low), float(high)) for name, (low, high) in beside.get("earlier", {}).items()},
+        searches=bool(asked.get("searches", True)),
     )  # fmt: skip
 
 

@@ -237,6 +237,9 @@ def _begun(path: Path) -> bool:
         return False
 
 
+LONGEST = 0.5  # s that a process is left alive; the first one of all may have to compile
+
+
 def killed_at_random(folder: Path, mechanism: vfife.Mechanism, asked: Asked, kills: int, longest: float) -> int:
     """Kills with -9 at random moments, the very first and last included, until the run is complete; how many there were."""
     path, done = folder / "run.sqlite", 0
@@ -266,7 +269,7 @@ def kill_and_compare(tmp_path: Path, kills: int) -> None:
         while left > 0:
             for old in (tmp_path / name).glob("run.*"):
                 old.unlink()
-            left -= killed_at_random(tmp_path / name, mechanism, asked, left, 1.2 * lasts)
+            left -= killed_at_random(tmp_path / name, mechanism, asked, left, min(1.2 * lasts, LONGEST))
             same(tmp_path / name / "whole.sqlite", tmp_path / name / "run.sqlite")
 
 
@@ -316,3 +319,24 @@ def test_a_disk_that_is_full_loses_the_last_transaction_only(tmp_path: Path, mon
         if vfife.load_result(path).record.status != "complete":
             vfife.resume(path)
         same(tmp_path / "whole.sqlite", path)
+
+
+def test_rows_of_companions_that_went_before_the_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Killed long after its only checkpoint, when the window over the last turn has left that behind."""
+    asked, mechanism = Asked(turns=3.0, step=1e-5, outputs=60, companions=3), four_bar("BC")
+    write(tmp_path / "whole.sqlite", mechanism, asked)
+    path = tmp_path / "run.sqlite"
+    with monkeypatch.context() as context:
+        context.setattr(transient, "CHECKPOINT_SHARE", 1e9)
+        context.setattr(transient, "CHUNK_BYTES", 2**16)
+        context.setattr(RunFile, "finish", killed)
+        assert killed_run(path, mechanism, asked)
+    with sqlite3.connect(path) as connection:
+        connection.execute("DELETE FROM checkpoints WHERE step > 0")
+        assert connection.execute("SELECT min(last) FROM companions").fetchone()[0] > 1
+    vfife.resume(path)
+    same(tmp_path / "whole.sqlite", path)
+
+
+def killed(*args: Any, **named: Any) -> None:
+    raise Killed

@@ -88,10 +88,7 @@ def choose_step(
                 f"a step of {size:.4g} s is too large: {culprit} allows {stable:.4g} s, and {SAFETY} of it ({SAFETY * stable:.4g} s) is the most "
                 f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step)'
             )
-        if size > LONGEST_STEP * length and not force_step:
-            raise StepError(
-                f"a step of {size:.4g} s is longer than the whole run of {length:.4g} s; check the units of both, or leave the step out"
-            )
+        _refuse_long(size, length, force_step)
         every = _divisor(max(1, round((turn or length) / size)), per)
     every = min(every, max(1, math.ceil(length / size * (1.0 - 1e-9))))  # a run may be shorter than the time between two outputs of a turn
     count = max(1, math.ceil(length / size / every * (1.0 - 1e-9)))
@@ -101,6 +98,11 @@ def choose_step(
             f"the step was {f'chosen for {culprit}' if wanted == 'auto' else 'given'}: check the units of lengths, masses, stiffnesses and speeds"
         )
     return StepChoice(size, stable, culprit, wanted == "auto", tuple(limits), turn, every, count)
+
+
+def _refuse_long(size: float, length: float, force: bool) -> None:
+    if size > LONGEST_STEP * length and not force:
+        raise StepError(f"a step of {size:.4g} s is longer than the whole run of {length:.4g} s; check their units, or leave the step out")
 
 
 def static_choice(mechanism: Mechanism) -> StepChoice:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
-import socket
 import sys
 import threading
 import time
@@ -41,6 +41,7 @@ class Signals:
     def __enter__(self) -> Signals:
         NOW.code, NOW.saved, NOW.last = 130, Ending.saved, []
         self.former: dict[int, Any] = {}
+        self.near = self.waker = -1
         if threading.current_thread() is not threading.main_thread():
             return self
         for number in CODES:
@@ -48,19 +49,19 @@ class Signals:
             if handler in (signal.SIG_DFL, signal.default_int_handler):  # what is ignored, as by nohup, stays so
                 self.former[number] = handler
                 signal.signal(number, _raise)
-        self.near, self.far = socket.socketpair()
-        self.near.setblocking(False)
-        self.waker = signal.set_wakeup_fd(self.near.fileno(), warn_on_full_buffer=False)
-        threading.Thread(target=_watch, args=(self.far,), daemon=True).start()
+        if self.former and os.name == "posix":
+            far, self.near = os.pipe()
+            os.set_blocking(self.near, False)
+            self.waker = signal.set_wakeup_fd(self.near, warn_on_full_buffer=False)
+            threading.Thread(target=_watch, args=(far,), daemon=True).start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if not self.former:
-            return
-        signal.set_wakeup_fd(self.waker)
         for number, handler in self.former.items():
             signal.signal(number, handler)
-        self.near.close()  # which ends the watch
+        if self.near >= 0:
+            signal.set_wakeup_fd(self.waker)
+            os.close(self.near)  # which ends the watch
 
 
 def _raise(number: int, frame: FrameType | None) -> NoReturn:
@@ -68,23 +69,21 @@ def _raise(number: int, frame: FrameType | None) -> NoReturn:
     raise KeyboardInterrupt
 
 
-def _watch(far: socket.socket) -> None:
+def _watch(far: int) -> None:
     """Waits for a signal, and then for the command to end."""
-    with far:
-        while heard := far.recv(1):
+    try:
+        while heard := os.read(far, 1):
             if heard[0] in CODES:
                 break
         else:
             return
         NOW.code = CODES[heard[0]]
         until = time.monotonic() + GRACE
-        far.settimeout(GRACE)
-        while time.monotonic() < until:
-            try:
-                if not far.recv(64):
-                    return  # the command has ended
-            except TimeoutError:
-                break
+        while (left := until - time.monotonic()) > 0.0:
+            if select.select([far], [], [], left)[0] and not os.read(far, 64):
+                return  # the command has ended
+    finally:
+        os.close(far)
     _end_at_once()
 
 

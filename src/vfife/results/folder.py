@@ -10,8 +10,8 @@ from itertools import count
 from pathlib import Path
 
 from ..errors import RunFileError
+from .header import RUN_FILE, is_run_file
 from .lock import LOCK, holder
-from .opening import RUN_FILE, is_run_file
 
 MODEL, SUMMARY, FIGURES = "model.toml", "summary.json", "figures"
 SQLITE_TRACES = tuple(f"{RUN_FILE}{end}" for end in ("-wal", "-shm", "-journal"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import json
 import os
-import socket
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,7 +25,7 @@ class Lock:
         self.stream: IO[str] | None = _held(self.path)
         self.stream.seek(0)
         self.stream.truncate()
-        told = {"process": os.getpid(), "host": socket.gethostname(), "since": datetime.now(UTC).isoformat(timespec="seconds")}
+        told = {"process": os.getpid(), "host": _host(), "since": datetime.now(UTC).isoformat(timespec="seconds")}
         self.stream.write(json.dumps(told))
         self.stream.flush()
 
@@ -49,6 +48,14 @@ class Lock:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.release()
+
+
+def _host() -> str:
+    if hasattr(os, "uname"):
+        return os.uname().nodename
+    import platform  # pragma: no cover
+
+    return platform.node()  # pragma: no cover
 
 
 def holder(folder: Path) -> str | None:

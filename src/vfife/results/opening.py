@@ -1,4 +1,4 @@
-"""Files that are run files, and connections to them: one that writes, one that reads whatever a killed writer left."""
+"""Connections to run files: one that writes, one that reads whatever a killed writer left."""
 
 from __future__ import annotations
 
@@ -7,25 +7,8 @@ import sqlite3
 from pathlib import Path
 
 from ..errors import RunFileError
-from .tables import APPLICATION, FORMAT, HEADER, damaged
-
-RUN_FILE = "run.sqlite"  # its name in a run folder
-
-
-def is_run_file(path: Path) -> bool:
-    """Whether a file is one that this program made: SQLite's header with our application id."""
-    return head_of(path) is not None
-
-
-def head_of(path: Path) -> bytes | None:
-    """The header of a run file; None for any other file."""
-    try:
-        with path.open("rb") as stream:
-            head = stream.read(HEADER)
-    except OSError:
-        return None
-    own = head.startswith(b"SQLite format 3\0") and int.from_bytes(head[68:72], "big") == APPLICATION
-    return head if own else None
+from .header import FORMAT, RUN_FILE, head_of
+from .tables import damaged
 
 
 def run_file_at(path: str | Path) -> Path:

@@ -25,10 +25,11 @@ from numpy.typing import NDArray
 from ..errors import RunFileError, StorageError
 from ..solvers.record import Checkpoint
 from . import formerfile, tables
-from .opening import connected, is_run_file, readable, run_file_at
+from .header import APPLICATION, FORMAT, is_run_file
+from .opening import connected, readable, run_file_at
 from .packing import packed, unpacked
 from .space import space
-from .tables import APPLICATION, FORMAT, damaged, told, unwritten
+from .tables import damaged, told, unwritten
 
 if TYPE_CHECKING:
     from ..solvers.companions import Beside

@@ -15,10 +15,6 @@ from typing import Any, ParamSpec, TypeVar
 from ..errors import RunFileError, StorageError
 from .packing import seal
 
-APPLICATION = 0x56464946  # "VFIF", in the header of the file
-FORMAT = 3  # 1 had no arrays, and so no start; 1 and 2 had no seals
-HEADER = 100  # bytes of SQLite's header
-
 # Of each table its columns but the seal, which is the last; the first is the key.
 COLUMNS = {
     "meta": ("key TEXT PRIMARY KEY", "json TEXT NOT NULL"),

@@ -1,0 +1,26 @@
+"""What tells a run file from any other file; it loads nothing, for every command asks it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+RUN_FILE = "run.sqlite"  # its name in a run folder
+APPLICATION = 0x56464946  # "VFIF", in the header of the file
+FORMAT = 3  # 1 had no arrays, and so no start; 1 and 2 had no seals
+HEADER = 100  # bytes of SQLite's header
+
+
+def is_run_file(path: Path) -> bool:
+    """Whether a file is one that this program made: SQLite's header with our application id."""
+    return head_of(path) is not None
+
+
+def head_of(path: Path) -> bytes | None:
+    """The header of a run file; None for any other file."""
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(HEADER)
+    except OSError:
+        return None
+    own = head.startswith(b"SQLite format 3\0") and int.from_bytes(head[68:72], "big") == APPLICATION
+    return head if own else None
