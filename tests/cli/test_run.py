@@ -192,7 +192,7 @@ def written(path: Path) -> bool:
 
 def long_run(process: Callable, folder: Path) -> "subprocess.Popen[str]":
     """A run of an hour that has written some of its outputs."""
-    began = process("run", CASE_C, "--turns", "1000000", "--outputs", "4", "--yes", "-o", folder, "--companions", "0", "--json")
+    began = process("run", CASE_C, "--turns", "100000", "--outputs", "30", "--yes", "-o", folder, "--companions", "0", "--json")
     until = time.monotonic() + 120.0
     while not written(folder / "run.sqlite"):
         assert began.poll() is None, began.communicate()[1]

@@ -1,0 +1,137 @@
+"""What ideal joints open by in a step and how their rows turn, against the joints' own equations in complex numbers, one kind beside the other."""
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from vfife.codegen.graph import tables
+from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, HEADER, JOINT_INDEX, PARTICLE
+from vfife.kernels.closing import GAIN, lost, residual
+from vfife.kernels.constraint import levers
+from vfife.kernels.elementary import turned
+from vfife.kernels.topology import ACROSS, ALONG, APART, FREE, GEARED, KEPT, NOWHERE, ON_PATH, PINNED, Topology
+
+KINDS = ((PINNED, FREE), (ACROSS, KEPT), (ALONG, FREE), (ON_PATH, FREE), (APART, FREE), (NOWHERE, GEARED))
+MOVED = (2, 4)  # joints with a function
+AIM, FROM, TO = 0.03, 0.11, 0.16  # offset of all, value of their function at t_n and at t_(n+1)
+RATIO, RADIUS = -0.7, 0.8  # of the gears; of the path, an arc about (0, RADIUS) of the bearing's frame
+PINS = {
+    joint: (complex(0.1 + 0.05 * joint, -0.2), complex(-0.15, 0.1 + 0.03 * joint), cmath.rect(1.0, 0.4 + 0.2 * joint))
+    for joint in range(len(KINDS))
+}
+AT = np.array([[0.0, 0.0, 0.0], [0.3, -0.2, 0.7], [0.9, 0.5, -0.4], [0.2, 0.1, 0.3]])  # (x, y, angle) of ground, bearing, journal, carrier
+BY = np.array([[0.0, 0.0, 0.0], [0.04, 0.03, 0.09], [-0.05, 0.02, -0.11], [0.01, -0.02, 0.05]])
+
+
+@dataclass
+class Model:
+    """The kernels' arrays with all kinds of joints between bodies 1 and 2, gears on body 3."""
+
+    S: list[float]
+    I: list[int]
+    first: list[int]
+    y: list[int]
+
+
+@pytest.fixture
+def model() -> Model:
+    topology = Topology(
+        particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(1,) * 6, joint_journal=(2,) * 6, joint_place=tuple(p for p, _ in KINDS),
+        joint_turn=tuple(t for _, t in KINDS), joint_path=(-1, -1, -1, 0, -1, -1), joint_carrier=(0,) * 5 + (3,), path_pieces=(1,),
+        joint_function=tuple(0 if k in MOVED else -1 for k in range(6)), function_start=(0,), function_argument=((0, 0, 0),),
+    )  # fmt: skip
+    integers, layout, rows = tables(topology)
+    S, I = [0.0] * rows, integers.tolist()
+    for i, (x, y, angle) in enumerate(AT.tolist()):
+        step = [*BY[i].tolist(), *turned(BY[i, 2])]
+        values = (x, y, angle, math.cos(angle), math.sin(angle), *step, 0.8 + 0.1 * i, 3.0 + i)
+        names = ("x", "y", "theta", "c", "s", "step_x", "step_y", "step_turn", "step_sine", "step_versine", "inverse_mass", "inverse_inertia")
+        for name, value in zip(names, values, strict=True):
+            if i or name in ("c",):
+                S[layout.record("particle", i) + getattr(PARTICLE, name)] = value
+    for k, (bearing, journal, along) in PINS.items():
+        for name, z in (("bearing", bearing), ("journal", journal), ("direction", along)):
+            S[layout.row(f"joint_{name}_x", k)], S[layout.row(f"joint_{name}_y", k)] = z.real, z.imag
+        S[layout.row("joint_offset", k)], S[layout.row("joint_ratio", k)] = AIM, RATIO
+    S[layout.row("function_value")], S[layout.row("function_next")] = FROM, TO
+    for name, value in (("x", 0.0), ("y", 0.0), ("cosine", 1.0), ("sine", 0.0), ("curvature", 1.0 / RADIUS)):
+        S[layout.row(f"piece_{name}")] = value
+    starts = [I[HEADER.joint] + JOINT_INDEX.SIZE * k for k in range(6)]
+    return Model(S, I, [I[r + JOINT_INDEX.first] for r in starts], [I[r + JOINT_INDEX.y] for r in starts])
+
+
+def measured(q: np.ndarray, joint: int) -> list[float]:
+    """What the rows of a joint measure at (x, y, angle) of all bodies."""
+    bearing, journal, along = PINS[joint]
+    place, turn = KINDS[joint]
+    turns = [cmath.rect(1.0, angle) for angle in q[:, 2]]
+    pin = complex(*q[1, :2]) + bearing * turns[1]
+    apart = complex(*q[2, :2]) + journal * turns[2] - pin
+    seen = apart / turns[1]
+    kept = {
+        PINNED: [apart.real, apart.imag], ACROSS: [(seen / along).imag], ALONG: [(seen / along).real], APART: [abs(apart)],
+        ON_PATH: [RADIUS - abs(seen - 1j * RADIUS)], NOWHERE: [],
+    }[place]  # fmt: skip
+    relative = q[2, 2] - q[1, 2] if turn == KEPT else (q[2, 2] - q[3, 2]) - RATIO * (q[1, 2] - q[3, 2])
+    return kept + ([] if turn == FREE else [relative])
+
+
+@pytest.mark.parametrize("joint", range(len(KINDS)))
+def test_what_a_joint_opens_by(model, joint):
+    levers(model.S, model.I)
+    residual(model.S, model.I)
+    before, after = measured(AT, joint), measured(AT + BY, joint)
+    place, turn = KINDS[joint]
+    for c, (old, new) in enumerate(zip(before, after, strict=True)):
+        aimed = place in (ALONG, APART) or (turn != FREE and c == len(before) - 1)
+        aim, move = (AIM + FROM * (joint in MOVED), (TO - FROM) * (joint in MOVED)) if aimed else (0.0, 0.0)
+        expected = new if place == ON_PATH else new - old - move + GAIN * (old - aim)
+        assert model.S[model.y[joint] + c] == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+def gradient(joint: int, row: int, body: int) -> list[float]:
+    """By (x, y, angle) of a body, where the step leads to."""
+    found = []
+    for axis in range(3):
+        small = np.zeros_like(AT)
+        small[body, axis] = 1e-6
+        found.append((measured(AT + BY + small, joint)[row] - measured(AT + BY - small, joint)[row]) / 2e-6)
+    return found
+
+
+@pytest.mark.parametrize("joint", range(len(KINDS)))
+def test_how_its_rows_turn(model, joint):
+    levers(model.S, model.I)
+    residual(model.S, model.I)
+    for row in range(len(measured(AT, joint))):
+        q = model.first[joint] + row * CONSTRAINT.SIZE
+        now = {name: model.S[q + getattr(CONSTRAINT, name)] for name in ("nx", "ny", "jb", "jk", "jc")}
+        more = {name: model.S[q + getattr(CONSTRAINT, f"turn_{name[1]}")] for name in now}
+        after = {name: now[name] + more[name] for name in now}
+        assert (after["nx"], after["ny"], after["jk"]) == pytest.approx(gradient(joint, row, 2), abs=1e-8)
+        assert (-after["nx"], -after["ny"], -after["jb"]) == pytest.approx(gradient(joint, row, 1), abs=1e-8)
+        assert (0.0, 0.0, -after["jc"]) == pytest.approx(gradient(joint, row, 3), abs=1e-8)
+
+
+def test_what_a_correction_leaves_open(model):
+    """The change of the rows times what the correction displaces, all places together."""
+    S, I = model.S, model.I
+    levers(S, I)
+    residual(S, I)
+    change = np.random.default_rng(3).uniform(-1.0, 1.0, (4, 3))
+    change[0] = 0.0
+    dt, k, total = 1e-2, 7e-3, 0.0
+    particles = [I[I[HEADER.constraint] + getattr(CONSTRAINT_INDEX, side)] for side in ("bearing", "journal")]
+    moved = []
+    for body, i in zip((1, 2), particles, strict=True):
+        S[i + PARTICLE.change_x], S[i + PARTICLE.change_y], S[i + PARTICLE.change_m] = change[body].tolist()
+        moved.append(dt * k * change[body] * np.array([0.8 + 0.1 * body, 0.8 + 0.1 * body, 3.0 + body]))
+    for joint in range(5):
+        for row in range(2 if KINDS[joint][0] == PINNED else 1):
+            q = model.first[joint] + row * CONSTRAINT.SIZE
+            x, y, b, j = (S[q + getattr(CONSTRAINT, f"turn_{name}")] for name in "xybk")
+            total += (np.dot([x, y, j], moved[1]) - np.dot([x, y, b], moved[0])) ** 2
+    assert lost(S, I, dt, k) == pytest.approx(total, rel=1e-12)
