@@ -89,10 +89,14 @@ def taken(one: Drawn, steps: int, loop: str) -> Record:
     return record
 
 
-def fitting(seed: int, family: str) -> tuple[Drawn, dict[str, Array]]:
-    """The first mechanism of a seed whose motion leads nowhere singular, and where it leads by the plain equations."""
+def fitting(seed: int, family: str, often: int = 1) -> tuple[Drawn, dict[str, Array]]:
+    """The first mechanism of a seed whose motion leads nowhere singular, and where it leads by the plain equations.
+
+    These look for contacts in steps of a length of their own, and so many times as ``often``.
+    """
     for again in range(20):
         one = drawn(seed, family, again)
+        one.system.longest /= often
         try:
             return one, truth(one)
         except Unfit:
@@ -106,6 +110,6 @@ def stepped(one: Drawn, exact: dict[str, Array], steps: int, loop: str) -> Compa
     return Compared(one, exact, *(seen(one, taken(one, n * one.finer, loop)) for n in (steps, 2 * steps)))
 
 
-def compared(seed: int, family: str, steps: int, loop: str = "data-driven") -> Compared:
+def compared(seed: int, family: str, steps: int, loop: str = "data-driven", often: int = 1) -> Compared:
     """The mechanism of a seed by both."""
-    return stepped(*fitting(seed, family), steps, loop)
+    return stepped(*fitting(seed, family, often), steps, loop)

@@ -54,13 +54,21 @@ def test_against_the_constrained_equations(family: str, seed: int) -> None:
 @pytest.mark.soak
 @pytest.mark.parametrize("family", FAMILIES)
 def test_thousands(family: str) -> None:
-    """Other seeds each time; those that fail are told together, and ``VFIFE_SEED`` draws them again."""
+    """Other seeds each time; those that fail are told together, and ``VFIFE_SEED`` draws them again.
+
+    One in some seven hundred is off because the step is not yet fine or the plain equations have passed over a contact: it is tried once more with
+    half the step and equations that look sixteen times as often, and has to agree then.
+    """
     first = int(os.environ.get("VFIFE_SEED") or random.SystemRandom().randrange(10**9))
     print(f"{family}: seeds from {first} on; VFIFE_SEED={first} VFIFE_MECHANISMS={MANY} draws them again")
     wrong = []
     for seed in range(first, first + MANY // len(FAMILIES)):
         try:
-            check(compared(seed, family, STEPS))
+            try:
+                check(compared(seed, family, STEPS))
+            except AssertionError:
+                print(f"{family} {seed}: once more")
+                check(compared(seed, family, 2 * STEPS, often=16))
         except Exception as error:  # what a seed leads to is told with all others
             wrong.append(f"seed {seed}: {error}")
     assert not wrong, "\n".join([f"{len(wrong)} of {MANY // len(FAMILIES)}", *wrong])
