@@ -14,8 +14,8 @@ from vfife.kernels.constraint import levers
 from vfife.kernels.elementary import turned
 from vfife.kernels.topology import ACROSS, ALONG, APART, FREE, GEARED, KEPT, NOWHERE, ON_PATH, PINNED, Topology
 
-KINDS = ((PINNED, FREE), (ACROSS, KEPT), (ALONG, FREE), (ON_PATH, FREE), (APART, FREE), (NOWHERE, GEARED))
-MOVED = (2, 4)  # joints with a function
+KINDS = ((PINNED, FREE), (ACROSS, KEPT), (ALONG, FREE), (ON_PATH, FREE), (APART, FREE), (NOWHERE, GEARED), (PINNED, KEPT))
+MOVED = (2, 4, 6)  # joints with a function
 AIM, FROM, TO = 0.03, 0.11, 0.16  # offset of all, value of their function at t_n and at t_(n+1)
 RATIO, RADIUS = -0.7, 0.8  # of the gears; of the path, an arc about (0, RADIUS) of the bearing's frame
 PINS = {
@@ -39,9 +39,10 @@ class Model:
 @pytest.fixture
 def model() -> Model:
     topology = Topology(
-        particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(1,) * 6, joint_journal=(2,) * 6, joint_place=tuple(p for p, _ in KINDS),
-        joint_turn=tuple(t for _, t in KINDS), joint_path=(-1, -1, -1, 0, -1, -1), joint_carrier=(0,) * 5 + (3,), path_pieces=(1,),
-        joint_function=tuple(0 if k in MOVED else -1 for k in range(6)), function_start=(0,), function_argument=((0, 0, 0),),
+        particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(1,) * len(KINDS), joint_journal=(2,) * len(KINDS),
+        joint_place=tuple(p for p, _ in KINDS), joint_turn=tuple(t for _, t in KINDS),
+        joint_path=(-1, -1, -1, 0, -1, -1, -1), joint_carrier=(0, 0, 0, 0, 0, 3, 0), path_pieces=(1,),
+        joint_function=tuple(0 if k in MOVED else -1 for k in range(len(KINDS))), function_start=(0,), function_argument=((0, 0, 0),),
     )  # fmt: skip
     integers, layout, rows = tables(topology)
     S, I = [0.0] * rows, integers.tolist()
@@ -59,7 +60,7 @@ def model() -> Model:
     S[layout.row("function_value")], S[layout.row("function_next")] = FROM, TO
     for name, value in (("x", 0.0), ("y", 0.0), ("cosine", 1.0), ("sine", 0.0), ("curvature", 1.0 / RADIUS)):
         S[layout.row(f"piece_{name}")] = value
-    starts = [I[HEADER.joint] + JOINT_INDEX.SIZE * k for k in range(6)]
+    starts = [I[HEADER.joint] + JOINT_INDEX.SIZE * k for k in range(len(KINDS))]
     return Model(S, I, [I[r + JOINT_INDEX.first] for r in starts], [I[r + JOINT_INDEX.y] for r in starts])
 
 
@@ -129,8 +130,8 @@ def test_what_a_correction_leaves_open(model):
     for body, i in zip((1, 2), particles, strict=True):
         S[i + PARTICLE.change_x], S[i + PARTICLE.change_y], S[i + PARTICLE.change_m] = change[body].tolist()
         moved.append(dt * k * change[body] * np.array([0.8 + 0.1 * body, 0.8 + 0.1 * body, 3.0 + body]))
-    for joint in range(5):
-        for row in range(2 if KINDS[joint][0] == PINNED else 1):
+    for joint in range(len(KINDS)):
+        for row in range(0 if KINDS[joint][0] == NOWHERE else 2 if KINDS[joint][0] == PINNED else 1):
             q = model.first[joint] + row * CONSTRAINT.SIZE
             x, y, b, j = (S[q + getattr(CONSTRAINT, f"turn_{name}")] for name in "xybk")
             total += (np.dot([x, y, j], moved[1]) - np.dot([x, y, b], moved[0])) ** 2

@@ -1,9 +1,15 @@
 """Damping and friction are stiff and are solved at step n: there, with the velocities that their own forces make, the printed laws hold."""
 
+import math
+
 import numpy as np
 import pytest
 
 from support import go, onsets, particle, pin, with_settings
+from vfife.codegen.graph import tables
+from vfife.kernels import contact
+from vfife.kernels.arrays import CONTACT, HEADER, PARTICLE
+from vfife.kernels.topology import Topology
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 from vfife.model.mechanism import Mechanism
 
@@ -19,8 +25,8 @@ def two_bodies(arms: bool, friction) -> Mechanism:
     far = 0.15 if arms else 0.0
     m.rigid_body("a", mass=2.0, inertia=8e-3, pins={"eye": (far, 0.3 * far)}, angle=0.4, velocity=(1.0, 0.3, -6.0), position=(0.0, 0.0))
     m.rigid_body("b", mass=0.7, inertia=3e-3, pins={"eye": (-0.6 * far, 0.5 * far)}, angle=-1.0, velocity=(-1.0, 1.4, 9.0))
-    contact = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS)
-    m.clearance("J", "a.eye", "b.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=contact, friction=friction)
+    law = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS)
+    m.clearance("J", "a.eye", "b.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=law, friction=friction)
     return m
 
 
@@ -80,3 +86,25 @@ def test_friction_feeds_back_on_the_normal_force_from_the_last_step():
     c = Contact(True, Ambrosio(coefficient=COEFFICIENT, v0=V0, v1=V1))
     left_out = np.abs(c.normal - c.expected).max() / c.normal.max()
     assert 1e-9 < left_out < 1e-5
+
+
+@pytest.mark.parametrize("spin", [3.0, -3.0])
+def test_a_film_takes_the_sense_of_its_surfaces(monkeypatch, spin):
+    """Bearing and journal that turn about the origin as one do not slide on each other: what runs into the film has the sense of their turn."""
+    topology = Topology(
+        particles=3, free=(1, 2), trig=(1, 2), contact_bearing=(1,), contact_journal=(2,), contact_form=(0,), friction_form=(0,),
+        contact_laws=(LankaraniNikravesh,), friction_laws=(Frictionless,),
+    )  # fmt: skip
+    integers, layout, rows = tables(topology)
+    S, j = [0.0] * rows, int(integers[integers[HEADER.contact]])
+    b, k = layout.record("particle", 1), layout.record("particle", 2)
+    (bx, by), (kx, ky), (nx, ny), touch = (0.3, -0.2), (0.1, 0.4), (0.6, 0.8), 0.5
+    for i, x, y in ((b, bx, by), (k, kx, ky)):
+        S[i + PARTICLE.u], S[i + PARTICLE.v], S[i + PARTICLE.w] = -spin * y, spin * x, spin
+    S[j + CONTACT.nx], S[j + CONTACT.ny], S[j + CONTACT.size], S[j + CONTACT.penetration] = nx, ny, 1e-4, -2e-5
+    S[j + CONTACT.jt] = touch - (kx * nx + ky * ny)
+    S[j + CONTACT.bt] = touch - (bx * nx + by * ny)
+    seen = []
+    monkeypatch.setattr(contact, "film_law", lambda law, depth, turning, sense, S, at: seen.append((turning, sense)) or (0.0,) * 5)
+    contact.film_coefficients(S, 0, j, b, k, 1e-6)
+    assert seen == [(pytest.approx(8e-5 * 2.0 * spin), math.copysign(1.0, spin))]

@@ -38,7 +38,9 @@ QUICK = [("contact", k) for k in range(4)] + [("loop", 1), ("chain", 0), ("gears
 # Files of tests of a kernel by itself, which need no compilation.
 OWN = {
     "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_friction_solutions.py"],
-    "frame": ["tests/kernels/test_frame.py"],
+    "frame": ["tests/kernels/test_frame.py", "tests/assembly/test_stiffness.py"],
+    "closing": ["tests/kernels/test_closing.py"],
+    "constraint": ["tests/kernels/test_closing.py", "tests/kernels/test_constraint.py"],
     "path": ["tests/physics/test_curved_slot.py"],
     "polynomial": ["tests/model/test_functions.py"],
     "spring": ["tests/physics/test_loads_and_drivers.py"],
@@ -56,14 +58,25 @@ CLOSE = {
     "contact": ["tests/kernels/test_contact_step.py", "tests/physics/test_journal_in_bearing.py", "tests/physics/test_accounts.py",
                 "tests/physics/test_sticking.py", "tests/physics/test_lubricated_journal.py"],
     "constraint": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
-    "closing": ["tests/physics/test_massless_links.py", "tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
+    "closing": ["tests/assembly/test_timestep.py", "tests/physics/test_massless_links.py",
+                "tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
     "factors": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
     "central_difference": ["tests/kernels/test_central_difference.py"],
     "geometry": ["tests/kernels"],
     "step": ["tests/kernels", "tests/physics/test_accounts.py", "tests/physics/test_machinery.py"],
-    "advance": ["tests/kernels", "tests/physics/test_accounts.py"],
+    "advance": ["tests/kernels", "tests/physics/test_accounts.py", "tests/solvers/test_companions.py"],
 }  # fmt: skip
-REST = ["tests/kernels", "tests/kinematics", "tests/physics", "tests/solvers", "tests/analysis", "tests/model", "tests/codegen", "tests/golden"]
+REST = [
+    "tests/kernels",
+    "tests/kinematics",
+    "tests/physics",
+    "tests/solvers",
+    "tests/analysis",
+    "tests/model",
+    "tests/codegen",
+    "tests/golden",
+    "tests/assembly",
+]
 
 
 class Quick:

@@ -12,12 +12,15 @@ import pytest
 
 import vfife
 from support import TURN, four_bar, journal_in_bearing
+from support import lanes as beside
 from vfife.analysis.ranges import Measured, band, companion_records, ranged
 from vfife.analysis.trust import trust
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.kernels.arrays import Layout
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
+from vfife.model.drivers import Harmonic
+from vfife.model.mechanism import Mechanism
 from vfife.report.trust import verdict
 from vfife.result import Result
 from vfife.solvers.companions import SENSITIVE, Gathering, Watch, displacements, lanes
@@ -80,6 +83,24 @@ def test_a_displaced_journal_lands_elsewhere() -> None:
     coarse = (steps + shares) * step - clearance  # of a step; in eight parts the first of them beyond the wall
     parts = coarse - np.floor(coarse / (step / 8.0)) * step / 8.0
     assert every == pytest.approx(parts, abs=1e-12)
+
+
+@pytest.mark.parametrize("loop", ["generated", "data-driven"])
+def test_a_displaced_first_step_follows_what_is_prescribed(loop: str) -> None:
+    """After it a body turned by a law of time is where the law has it at that part of a step, and turns as fast."""
+    m = Mechanism("prescribed")
+    m.point("O", 0.0, 0.0)
+    m.link("rod", length=0.3, mass=1.0)
+    m.revolute("O", "ground.O", "rod.start")
+    m.drivers["rod"] = Harmonic(body="rod", amplitude=0.4, frequency=20.0)
+    a = assemble(m, 1e-3, duration=0.01)
+    runner = beside([a] * 4, loop, shares=[0.0, 0.25, 0.5, 0.75])
+    runner.advance(1, 1)
+    i = a.bodies["rod"].particles[0]
+    t = np.array([0.0, 0.25, 0.5, 0.75]) * 1e-3
+    swing = 2.0 * math.pi * 20.0
+    assert runner.states[a.layout.row("particle_theta", i)] == pytest.approx(0.4 * np.sin(swing * t), abs=1e-7)
+    assert runner.states[a.layout.row("particle_w", i)] == pytest.approx(0.4 * swing * np.cos(swing * t), rel=1e-5)
 
 
 # --------------------------------------------------------------------------------------------------------------- ranges
