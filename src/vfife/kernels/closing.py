@@ -193,7 +193,7 @@ def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
 
 
 def lost(S, I, dt, k):
-    """Square (m^2) of what the first correction leaves open, because the rows turn from t_n to t_(n+1) while its forces do not."""
+    """Square (m^2) of what the last correction along the rows of t_n leaves open, because they turn to t_(n+1) while its forces do not."""
     total = 0.0
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
@@ -273,13 +273,19 @@ def take_in(S, i):
     S[i + PARTICLE.mz] += S[i + PARTICLE.change_m]
 
 
-def newton(S, I, dt, b, k):
-    """Corrects the reactions with the rows turned to t_(n+1); returned: the square (m^2 and rad^2) of what was to be closed."""
+def opened(S, I, dt, b, k):
+    """What is to be closed under the forces so far; returned: its square (m^2 and rad^2)."""
     predict(S, I, dt, b, k)
     residual(S, I)
     total = 0.0
     for q in range(I[HEADER.constraint_count]):
         total += S[I[HEADER.y] + q] * S[I[HEADER.y] + q]
+    return total
+
+
+def newton(S, I, dt, b, k):
+    """Corrects the reactions with the rows turned to t_(n+1); returned: as :func:`opened` has it, of before."""
+    total = opened(S, I, dt, b, k)
     fill_turned(S, I)
     halves(S, I, S[SYSTEM.share] + (REDUNDANT if I[HEADER.redundant] != 0 else 0.0))
     solve_turned(S, I, I[HEADER.y])
@@ -289,11 +295,7 @@ def newton(S, I, dt, b, k):
 
 def once_more(S, I, dt, b, k):
     """Corrects once more with the turned rows of the correction before; returned: as :func:`newton` has it."""
-    predict(S, I, dt, b, k)
-    residual(S, I)
-    total = 0.0
-    for q in range(I[HEADER.constraint_count]):
-        total += S[I[HEADER.y] + q] * S[I[HEADER.y] + q]
+    total = opened(S, I, dt, b, k)
     solve_turned(S, I, I[HEADER.y])
     correct(S, I, dt, k)
     return total
