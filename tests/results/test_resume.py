@@ -52,6 +52,11 @@ def kill_at(monkeypatch: pytest.MonkeyPatch, call: int) -> Callable[[], None]:
     return lambda: monkeypatch.setattr(Runner, "advance", advance)
 
 
+def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
+    """So many steps a call on every machine: by the clock, a fast one would come to its end before the call at which it is killed."""
+    monkeypatch.setattr(pace.Pace, "room", property(lambda self: steps, lambda self, value: None), raising=False)
+
+
 def killed_run(path: Path, mechanism: vfife.Mechanism, asked: Asked, reference: bool = True) -> bool:
     """A run that is killed: what was not committed is gone. False where it came to its end before."""
     prepared = prepare(mechanism, asked, reference)
@@ -101,10 +106,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("call", [10, 30, 45, 60])
+@pytest.mark.parametrize("call", [10, 60, 110, 180])
 def test_companions_and_steps_tried_go_on(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     """Killed in the first try of the step or a later one, in the middle of an interval between two outputs too."""
-    monkeypatch.setattr(pace, "SECONDS", 2e-3)
+    paced(monkeypatch, 2000)
     mechanism = four_bar("BCD", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2))
     path = tmp_path / "run.sqlite"
     restore = kill_at(monkeypatch, call)
@@ -121,7 +126,7 @@ def test_between_two_outputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lo
     write(tmp_path / "whole.sqlite", journal_in_bearing(), asked)
     path = tmp_path / "run.sqlite"
     with monkeypatch.context() as context:
-        context.setattr(pace, "SECONDS", 1e-5)
+        paced(context, 30)
         context.setattr(transient, "CHECKPOINT_SECONDS", 0.0)
         kill_at(context, 30)
         assert killed_run(path, journal_in_bearing(), asked)
@@ -163,7 +168,7 @@ def test_a_started_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         prepared = prepare(mechanism, Asked(**options), True, first)
         files[name] = RunFile.create(tmp_path / f"{name}.sqlite", prepared.kept)
         if name == "run":
-            monkeypatch.setattr(pace, "SECONDS", 1e-3)
+            paced(monkeypatch, 500)
             restore = kill_at(monkeypatch, 6)
         try:
             result = carry_out(prepared, file=files[name])
@@ -304,7 +309,7 @@ def test_a_disk_that_is_full_loses_the_last_transaction_only(tmp_path: Path, mon
     asked = Asked(duration=1e-3, step=1e-6, outputs=40)
     write(tmp_path / "whole.sqlite", journal_in_bearing(), asked)
     insert = runfile.tables.insert
-    monkeypatch.setattr(pace, "SECONDS", 1e-5)
+    paced(monkeypatch, 30)
     for fails in range(60, 200, 35):
         path = tmp_path / f"{fails}.sqlite"
         monkeypatch.setattr(runfile.tables, "insert", full_at(fails))
