@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model.bodies import PointMass
 from ..solvers.record import Record
+from .deflection import measures_of_deflection
 from .equilibria import static_measures
 from .forces import joint_force_max, joint_rows, shares
+from .ground import measures_of_ground
+from .guides import measures_of_sliders
 from .influence import influence
+from .losses import measures_of_losses
+from .machine import measures_of_drivers, measures_of_efficiency
+from .pressure import measures_of_pressure
+from .sliding import measures_of_sliding
+from .stress import measures_of_stress
+
+# Families of measures, each a function of a record and a window of its outputs.
+FAMILIES: tuple[Callable[[Record, NDArray[np.bool_]], dict[str, float]], ...] = (
+    measures_of_losses, measures_of_sliding, measures_of_pressure, measures_of_sliders, measures_of_ground, measures_of_drivers,
+    measures_of_efficiency, measures_of_stress, measures_of_deflection,
+)  # fmt: skip
 
 
 def last_turn(record: Record) -> NDArray[np.bool_]:
@@ -39,7 +53,7 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers), ``<joint>.penetration.max`` (m),
     ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
     ``<joint>.deepest`` (m), ``.fastest`` (m/s), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
-    ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
+    ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); what each of ``FAMILIES`` tells; with the measures of a
     ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
     """
     if record.static:
@@ -53,6 +67,8 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
         if (moment := record.block("joint_moment_max")[window, index].max()) > 0.0:
             found[f"{name}.moment.max"] = float(moment)
     found |= _clearances(record, window) | _bodies(record, window)
+    for family in FAMILIES:
+        found |= family(record, window)
     if reference is not None:
         driven = [body.name for body in record.assembly.bodies.values() if body.driven is not None]
         found |= influence(found, reference, driven)
