@@ -119,7 +119,7 @@ def test_a_crank_without_losses_does_the_work_of_the_brake() -> None:
     found = measures(record)
     assert found["crank.torque.mean"] == pytest.approx(600.0, rel=1e-4)
     assert found["crank.power.mean"] == pytest.approx(600.0 * CRANK_SPEED / 5.0, rel=1e-4)
-    assert found["efficiency"] == pytest.approx(1.0, abs=1e-9)
+    assert found["mechanism.efficiency"] == pytest.approx(1.0, abs=1e-9)
     torque = record.block("driven_torque")[-720:, 0]
     assert found["crank.torque.ripple"] == pytest.approx((torque.max() - torque.min()) / 600.0, rel=1e-4)
 
@@ -128,23 +128,23 @@ def test_a_braked_engine_turned_round_gives_what_its_driver_takes() -> None:
     """The follower drives and the crank is held to its speed: the driver takes it."""
     found = measures(go(braked(torque=600.0), 2e-5, turns=1.5))
     assert found["crank.torque.mean"] == pytest.approx(-600.0, rel=1e-4)
-    assert found["efficiency"] == pytest.approx(1.0, abs=1e-9)
+    assert found["mechanism.efficiency"] == pytest.approx(1.0, abs=1e-9)
 
 
 def test_friction_costs_efficiency() -> None:
     record = go(braked("BCD"), 4e-6, turns=2.0)
     found = measures(record)
-    lost = sum(value for name, value in found.items() if name.endswith((".friction.energy", ".impact.energy")))
+    lost = sum(value for name, value in found.items() if name.endswith((".friction_energy.total", ".impact_energy.total")))
     out = 600.0 * 2.0 * math.pi
-    assert 0.9 < found["efficiency"] < 0.995
-    assert found["efficiency"] == pytest.approx(out / (out + lost), rel=2e-3)
+    assert 0.9 < found["mechanism.efficiency"] < 0.995
+    assert found["mechanism.efficiency"] == pytest.approx(out / (out + lost), rel=2e-3)
     put_in = found["crank.power.mean"] * 2.0 * math.pi / (CRANK_SPEED / 5.0)
-    assert found["efficiency"] == pytest.approx(out / put_in, rel=2e-2)
+    assert found["mechanism.efficiency"] == pytest.approx(out / put_in, rel=2e-2)
 
 
 def test_a_machine_that_gives_nothing_off_has_no_efficiency() -> None:
-    assert "efficiency" not in measures(go(four_bar(), 4e-6, turns=1.0))
-    assert "efficiency" not in measures(go(braked(), 2e-5, turns=0.5))
+    assert "mechanism.efficiency" not in measures(go(four_bar(), 4e-6, turns=1.0))
+    assert "mechanism.efficiency" not in measures(go(braked(), 2e-5, turns=0.5))
 
 
 def test_damping_slows_what_a_point_does() -> None:

@@ -34,10 +34,10 @@ def test_losses_of_the_joints_are_those_of_the_ledger(name, request) -> None:
     first = len(record.steps) - 1 - round(record.assembly.choice.turn / (times(record)[1] - times(record)[0]))
     for kind, term in (("friction", "friction_loss"), ("impact", "contact_loss")):
         over = terms[term][-1] - terms[term][first]
-        joints = [value for key, value in found.items() if key.endswith(f".{kind}.energy")]
+        joints = [value for key, value in found.items() if key.endswith(f".{kind}_energy.total")]
         assert len(joints) == len(record.assembly.mechanism.contacts)
         assert sum(joints) == pytest.approx(over, rel=1e-9)
-        powers = [value for key, value in found.items() if key.endswith(f".{kind}.power")]
+        powers = [value for key, value in found.items() if key.endswith(f".{kind}_power.mean")]
         assert sum(powers) == pytest.approx(over / (times(record)[-1] - times(record)[first]), rel=1e-9)
         np.testing.assert_allclose(lost(record, kind).sum(axis=1), terms[term], rtol=1e-12, atol=1e-12)
         summed = (mean_power(record, kind)[1:] * np.diff(times(record))[:, None]).sum()
@@ -93,11 +93,11 @@ def test_measures_of_pressure_hold_the_outputs(record) -> None:
     found, window = measures(record), last_turn(record)
     pressure, half, load = (one[window] for one in pressures(record))
     for k, name in enumerate("BCD"):
-        assert pressure[:, k].max() <= found[f"{name}.pressure.max"] <= 1.01 * pressure[:, k].max()
-        assert half[:, k].max() <= found[f"{name}.half_width.max"] <= 1.01 * half[:, k].max()
+        assert pressure[:, k].max() <= found[f"{name}.contact_pressure.max"] <= 1.01 * pressure[:, k].max()
+        assert half[:, k].max() <= found[f"{name}.contact_half_width.max"] <= 1.01 * half[:, k].max()
         product = load_times_speed(record)[window, k]
-        assert found[f"{name}.pv.max"] == product.max()
-        assert found[f"{name}.pv.mean"] == pytest.approx(product.mean(), rel=0.01)
+        assert found[f"{name}.pressure_velocity.max"] == product.max()
+        assert found[f"{name}.pressure_velocity.mean"] == pytest.approx(product.mean(), rel=0.01)
     assert load.max() == pytest.approx(record.block("contact_normal_force")[window].max() / (2 * 0.0098 * 0.02), rel=1e-9)
 
 

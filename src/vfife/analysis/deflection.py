@@ -9,6 +9,7 @@ from ..kernels import frame
 from ..model.bodies import Link
 from ..model.lumping import mesh
 from ..solvers.record import Record
+from .losses import of_window
 
 Array = NDArray[np.float64]
 
@@ -63,8 +64,10 @@ def off_the_start(record: Record, name: str) -> Array:
     return np.asarray(np.cos(angle) * dy - np.sin(angle) * dx, dtype=float)
 
 
-def measures_of_deflection(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+def largest_deflections(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     """``<link>.deflection.max`` (m), the largest size across the line through the link's ends, at the outputs."""
-    if not record.keeps("frame_moment_1") or not record.keeps("particle_x"):
+    names = elastic_links(record)
+    if not names or not record.keeps("frame_moment_1") or not record.keeps("particle_x"):
         return {}
-    return {f"{name}.deflection.max": float(np.abs(largest_off_the_chord(record, name))[window].max()) for name in elastic_links(record)}
+    part, inside = of_window(record, window)
+    return {f"{name}.deflection.max": float(np.abs(largest_off_the_chord(part, name))[inside].max()) for name in names}

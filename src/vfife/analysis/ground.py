@@ -11,6 +11,7 @@ from ..kernels.topology import GEARED
 from ..kinematics.forces import Datum, actions, driven_body
 from ..solvers.record import Record
 from .forces import contact_force
+from .losses import of_window
 from .motion import seen
 from .sliding import places
 
@@ -104,11 +105,12 @@ def _motors(record: Record) -> Array:
     return total
 
 
-def measures_of_ground(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+def largest_shaking(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     """``ground.shaking_force.max`` (N) and ``ground.shaking_moment.max`` (N m, about the ground's origin), largest sizes at the outputs."""
     if not record.keeps("particle_x"):
         return {}
-    load = ground_load(record)[window]
+    part, inside = of_window(record, window)
+    load = ground_load(part)[inside]
     return {
         "ground.shaking_force.max": float(np.hypot(load[:, 0], load[:, 1]).max()),
         "ground.shaking_moment.max": float(np.abs(load[:, 2]).max()),

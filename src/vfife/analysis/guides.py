@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..kinematics.drives import guide_of
 from ..solvers.record import Record
+from .losses import of_window
 from .motion import accelerations, velocities
 
 Array = NDArray[np.float64]
@@ -98,13 +99,17 @@ def slider_motion(record: Record, name: str) -> tuple[Array, Array, Array]:
     return position, velocity, acceleration
 
 
-def measures_of_sliders(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<slider>.position.min`` and ``.max`` (m, their difference is the stroke), ``.velocity.max`` (m/s) and ``.acceleration.max`` (m/s^2),
+def largest_strokes(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<slider>.position.low`` and ``.high`` (m, their difference is the stroke), ``.velocity.max`` (m/s) and ``.acceleration.max`` (m/s^2),
     largest sizes at the outputs, along the guide.
     """
     found: dict[str, float] = {}
-    for name in sliders(record) if record.keeps("particle_u") else ():
-        position, velocity, acceleration = (one[window] for one in slider_motion(record, name))
-        found |= {f"{name}.position.min": float(position.min()), f"{name}.position.max": float(position.max())}
+    names = sliders(record) if record.keeps("particle_u") else []
+    if not names:
+        return found
+    part, inside = of_window(record, window)
+    for name in names:
+        position, velocity, acceleration = (one[inside] for one in slider_motion(part, name))
+        found |= {f"{name}.position.low": float(position.min()), f"{name}.position.high": float(position.max())}
         found |= {f"{name}.velocity.max": float(np.abs(velocity).max()), f"{name}.acceleration.max": float(np.abs(acceleration).max())}
     return found

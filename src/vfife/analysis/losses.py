@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,10 +35,14 @@ def between(work: Array, time: Array) -> Array:
     return found
 
 
-def span(window: NDArray[np.bool_]) -> tuple[int, int]:
-    """First and last output of a window of intervals, each of which begins at the output before its own."""
+def of_window(record: Record, window: NDArray[np.bool_]) -> tuple[Record, slice]:
+    """The outputs of a window with the one before it, as a record of their own, and which of them are the window's: what a measure of a turn
+    needs is then as long as that turn, however long the run.
+    """
     inside = np.flatnonzero(window)
-    return max(int(inside[0]) - 1, 0), int(inside[-1])
+    first, last = max(int(inside[0]) - 1, 0), int(inside[-1]) + 1
+    part = dataclasses.replace(record, steps=record.steps[first:last], source=record.rows[first:last], companions=None)
+    return part, slice(int(inside[0]) - first, None)
 
 
 def per_joint(record: Record, values: Array) -> dict[str, Array]:
@@ -47,17 +53,17 @@ def per_joint(record: Record, values: Array) -> dict[str, Array]:
     return found
 
 
-def measures_of_losses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<joint>.friction.energy``, ``<joint>.impact.energy`` (J) over the window, and ``.power`` (W), the mean over it."""
+def losses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<joint>.friction_energy.total``, ``.impact_energy.total`` (J) over the window, ``.friction_power.mean``, ``.impact_power.mean`` (W)."""
     found: dict[str, float] = {}
     if not record.assembly.contacts or not record.keeps("contact_friction_work"):
         return found
-    first, last = span(window)
-    time = times(record)
+    part, _ = of_window(record, window)
+    length = float(times(part)[-1] - times(part)[0])
     for kind in KINDS:
-        work = lost(record, kind)
-        for name, energy in per_joint(record, work[last] - work[first]).items():
-            found[f"{name}.{kind}.energy"] = float(energy)
-            if last > first:
-                found[f"{name}.{kind}.power"] = float(energy / (time[last] - time[first]))
+        work = lost(part, kind)
+        for name, energy in per_joint(record, work[-1] - work[0]).items():
+            found[f"{name}.{kind}_energy.total"] = float(energy)
+            if length > 0.0:
+                found[f"{name}.{kind}_power.mean"] = float(energy) / length
     return found

@@ -7,50 +7,51 @@ from numpy.typing import NDArray
 
 from ..solvers.record import Record
 from .energy import LOST, ledger
-from .losses import span
+from .losses import of_window
 from .motion import times
 
 IDLE = 1e-3  # of what is given off and lost together: a machine that gives off less does no work
 STILL = 1e-6  # of the torque's range: a mean below it is none
 
 
-def measures_of_drivers(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+def driving(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     """``<driven body>.torque.mean`` (N m), work over angle; ``.torque.ripple`` (1), highest less lowest at the outputs over the size of the mean;
     ``.power.mean`` (W). The work is that of every step.
     """
     found: dict[str, float] = {}
-    if not record.keeps("driven_work") or not record.keeps("particle_theta"):
+    if not record.assembly.topology.driven or not record.keeps("driven_work") or not record.keeps("particle_theta"):
         return found
-    first, last = span(window)
-    half, time = 0.5 * record.assembly.choice.step, times(record)
+    part, inside = of_window(record, window)
+    half, time = 0.5 * part.assembly.choice.step, times(part)
     for name, body in record.assembly.bodies.items():
-        if body.driven is None or last == first:
+        if body.driven is None or len(time) < 2:
             continue
-        p, k = record.assembly.topology.driven[body.driven], body.driven
-        work = record.block("driven_work")[:, k] - half * record.block("driven_power")[:, k]
-        torque, angle = record.block("driven_torque")[window, k], record.block("particle_theta")[:, p]
-        found[f"{name}.power.mean"] = float((work[last] - work[first]) / (time[last] - time[first]))
-        if abs(angle[last] - angle[first]) > 1e-9:
-            mean = float((work[last] - work[first]) / (angle[last] - angle[first]))
-            found[f"{name}.torque.mean"] = mean
+        work = part.block("driven_work")[:, body.driven] - half * part.block("driven_power")[:, body.driven]
+        torque = part.block("driven_torque")[inside, body.driven]
+        angle = part.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
+        found[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
+        if abs(turned := float(angle[-1] - angle[0])) > 1e-9:
+            mean = found[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
             if abs(mean) > STILL * (reach := float(torque.max() - torque.min())):
                 found[f"{name}.torque.ripple"] = reach / abs(mean)
     return found
 
 
-def measures_of_efficiency(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``efficiency`` (1) over a full turn: work given off over the same and all losses; nothing for a machine that gives off none.
+def efficiency(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``mechanism.efficiency`` (1) over a full turn: work given off over the same and all losses; nothing for a machine that gives off none.
 
     Drivers and loads (weight with them) each put in what they do in all over the window, or take it: a press is driven and its load takes,
     an engine's gas drives and its driver takes. In a motion that repeats, given off + lost = put in.
     """
-    turn, (first, last) = record.assembly.choice.turn, span(window)
-    time = times(record)
-    if turn is None or not record.keeps("driven_work") or time[last] - time[first] < (1.0 - 1e-9) * turn:
+    turn = record.assembly.choice.turn
+    if turn is None or not record.keeps("driven_work"):
         return {}
-    terms = ledger(record).terms
-    done = {name: float(values[last] - values[first]) for name, values in terms.items()}
+    part, _ = of_window(record, window)
+    time = times(part)
+    if time[-1] - time[0] < (1.0 - 1e-9) * turn:
+        return {}
+    done = {name: float(values[-1] - values[0]) for name, values in ledger(part).terms.items()}
     given, lost = sum(max(-done[name], 0.0) for name in ("driver", "external")), sum(done[name] for name in LOST)
     if not given > IDLE * (given + lost) or lost < 0.0:
         return {}
-    return {"efficiency": given / (given + lost)}
+    return {"mechanism.efficiency": given / (given + lost)}

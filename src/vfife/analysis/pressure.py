@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..laws import Pair
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
-from .losses import span
+from .losses import of_window
 from .motion import times
 from .sliding import sliding_speed
 
@@ -71,24 +71,22 @@ def largest(record: Record, window: NDArray[np.bool_]) -> tuple[Array, Array]:
     return np.array([float(p) for p, _ in found]), np.array([float(a) for _, a in found])
 
 
-def measures_of_pressure(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<contact>.pressure.max`` (Pa) and ``.half_width.max`` (m), extremes between outputs with them; ``.pv.max`` and ``.pv.mean`` (W/m^2).
-
-    The mean of p v is that over time, the time apart with it; both are taken at the outputs.
+def largest_pressures(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<contact>.contact_pressure.max`` (Pa), ``.contact_half_width.max`` (m), extremes between outputs with them, and
+    ``.pressure_velocity.max`` and ``.mean`` (W/m^2), at the outputs; the mean is that over time, the time apart with it.
     """
     found: dict[str, float] = {}
     if not record.assembly.contacts:
         return found
     pressure, width = largest(record, window)
     for k, name in enumerate(record.assembly.contacts):
-        found |= {f"{name}.pressure.max": float(pressure[k]), f"{name}.half_width.max": float(width[k])}
+        found |= {f"{name}.contact_pressure.max": float(pressure[k]), f"{name}.contact_half_width.max": float(width[k])}
     if not record.keeps("particle_u"):
         return found
-    product = load_times_speed(record)
-    first, last = span(window)
-    time = times(record)
+    part, inside = of_window(record, window)
+    product, time = load_times_speed(part), times(part)
     for k, name in enumerate(record.assembly.contacts):
-        found[f"{name}.pv.max"] = float(product[window, k].max())
-        if last > first:
-            found[f"{name}.pv.mean"] = float(np.trapezoid(product[first : last + 1, k], time[first : last + 1]) / (time[last] - time[first]))
+        found[f"{name}.pressure_velocity.max"] = float(product[inside, k].max())
+        if len(time) > 1:
+            found[f"{name}.pressure_velocity.mean"] = float(np.trapezoid(product[:, k], time) / (time[-1] - time[0]))
     return found

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..solvers.record import Record
 from .forces import eccentricity, normals
-from .losses import per_joint, span
+from .losses import of_window, per_joint
 from .motion import velocities
 
 Array = NDArray[np.float64]
@@ -49,8 +49,8 @@ def places(record: Record, stepped: bool = False) -> tuple[Array, Array]:
 def sliding_speed(record: Record) -> Array:
     """Velocity (m/s) of the journal's surface on the bearing's at the place of contact, along t = n turned anticlockwise, (outputs, contacts).
 
-    n is that of the normal force (:func:`~vfife.analysis.forces.normals`). With friction F_T along t, friction takes the power -F_T v. Where the
-    surfaces are apart it is that of the two places nearest to each other.
+    n is that of the normal force (:func:`~vfife.analysis.forces.normals`). With friction F_T along t, friction takes the power -F_T v. It is 0
+    where the surfaces are apart and no film is between them.
     """
     topology, moving = record.assembly.topology, velocities(record)
     if not record.assembly.contacts:
@@ -65,7 +65,9 @@ def sliding_speed(record: Record) -> Array:
         c, s = np.cos(angle), np.sin(angle)
         rx, ry, w = c * x - s * y + reach[..., 0], s * x + c * y + reach[..., 1], moving["w"][:, body]
         total += sign * np.stack([moving["u"][:, body] - w * ry, moving["v"][:, body] + w * rx], axis=2)
-    return np.asarray((total * t).sum(axis=2), dtype=float)
+    contacts = record.assembly.mechanism.contacts
+    film = np.array([contacts[name].contact.film for name in record.assembly.contact_joints])
+    return np.where(film | (record.block("contact_penetration") > 0.0), (total * t).sum(axis=2), 0.0)
 
 
 def contact_time(record: Record) -> Array:
@@ -73,21 +75,17 @@ def contact_time(record: Record) -> Array:
     return np.diff(record.block("contact_duration"), axis=0, prepend=0.0)
 
 
-def measures_of_sliding(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<joint>.sliding.max`` (m/s), the fastest at an output in contact, and ``.sliding.distance`` (m) slid in contact over the window.
+def largest_sliding(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<contact>.sliding_velocity.max`` (m/s), the largest size at an output, and ``<joint>.sliding_distance.total`` (m) over the window.
 
-    The distance is sum of |v| at the outputs times the time in contact before them.
+    The distance is the sum of the sizes at the outputs times the time in contact before them.
     """
     found: dict[str, float] = {}
     if not record.assembly.contacts or not record.keeps("particle_u"):
         return found
-    speed, touching = np.abs(sliding_speed(record)), record.block("contact_penetration") > 0.0
-    first, last = span(window)
-    inside = slice(first + 1, last + 1)
-    way = (speed * contact_time(record))[inside].sum(axis=0)
-    fastest = np.where(touching, speed, 0.0)[window].max(axis=0)
-    for name, distance in per_joint(record, way).items():
-        own = [k for k, one in enumerate(record.assembly.contact_joints) if one == name]
-        found[f"{name}.sliding.max"] = float(fastest[own].max())
-        found[f"{name}.sliding.distance"] = float(distance)
-    return found
+    part, inside = of_window(record, window)
+    speed = np.abs(sliding_speed(part))
+    for k, name in enumerate(record.assembly.contacts):
+        found[f"{name}.sliding_velocity.max"] = float(speed[inside, k].max())
+    way = speed[1:] * np.diff(part.block("contact_duration"), axis=0)
+    return found | {f"{name}.sliding_distance.total": float(one) for name, one in per_joint(record, way.sum(axis=0)).items()}

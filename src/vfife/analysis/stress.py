@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ..model.bodies import Body, Frame, Link, Section
 from ..model.lumping import mesh
 from ..solvers.record import Record
+from .losses import of_window
 
 Array = NDArray[np.float64]
 
@@ -62,23 +63,32 @@ def along(record: Record) -> Array:
     return np.array(found).reshape(-1, 2)
 
 
-def measures_of_stress(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<body>.stress.max`` and ``.stress.min`` (Pa, tension positive), and ``.stress.at`` (m), where the larger of both is along the link.
+def extremes(record: Record, name: str) -> tuple[Array, Array]:
+    """Largest tension and largest compression (Pa, both positive, 0 where there is none) anywhere in an elastic body, shape (outputs,) each."""
+    own = list(record.assembly.bodies[name].elements)
+    tension, compression = (one[:, own] for one in fibres(record))
+    if np.isnan(tension).all():
+        return np.full(len(tension), np.nan), np.full(len(tension), np.nan)
+    return np.maximum(np.nanmax(tension, axis=(1, 2)), 0.0), np.maximum(-np.nanmin(compression, axis=(1, 2)), 0.0)
 
-    Largest and smallest at the outputs, in all elements whose extreme fibre is known.
+
+def largest_stresses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<body>.tension.max`` and ``<body>.compression.max`` (Pa) at the outputs, and ``<body>.stress.place`` (m): where the larger of both is
+    along the link from its start, or along its member of a frame.
     """
     found: dict[str, float] = {}
     if not record.keeps("frame_axial_force") or not known(record):
         return found
-    tension, compression = (one[window] for one in fibres(record))
+    part, inside = of_window(record, window)
+    tension, compression = (one[inside] for one in fibres(part))
     places = along(record)
     for name, where in record.assembly.bodies.items():
         own = list(where.elements)
         if not own or np.isnan(tension[:, own]).all():
             continue
-        high, low = np.nanmax(tension[:, own], axis=0), np.nanmin(compression[:, own], axis=0)
-        sizes = np.nan_to_num(np.maximum(np.abs(high), np.abs(low)), nan=-1.0)
-        worst = np.unravel_index(int(sizes.argmax()), sizes.shape)
-        found |= {f"{name}.stress.max": float(np.nanmax(high)), f"{name}.stress.min": float(np.nanmin(low))}
-        found[f"{name}.stress.at"] = float(places[own][worst])
+        found |= {
+            f"{name}.{kind}.max": float(one[inside].max()) for kind, one in zip(("tension", "compression"), extremes(part, name), strict=True)
+        }
+        sizes = np.nan_to_num(np.maximum(np.abs(tension[:, own]), np.abs(compression[:, own])).max(axis=0), nan=-1.0)
+        found[f"{name}.stress.place"] = float(places[own][np.unravel_index(int(sizes.argmax()), sizes.shape)])
     return found

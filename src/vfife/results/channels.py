@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis import deflection, forces, guides, motion, stress
+from ..analysis import forces, guides, motion, stress
 from ..analysis.energy import Ledger
 from ..analysis.equilibria import displacement
 from ..kernels.arrays import BY_NAME
 from ..solvers.record import Record
 from .channel import GLOBAL, Channel
-from .designed import ground_channels, link_channels, slider_channels, stress_channels, wear_channels
+from .designed import elastic_channels, ground_channels, slider_channels, stress_channels, wear_channels
 
 # Channel = block of the record, per entity: unit and meaning are those of the block.
 RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
@@ -24,7 +24,7 @@ RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("penetration_max", "contact_penetration_max"),
         ("normal_force", "contact_normal_force"),
         ("friction_force", "contact_friction_force"),
-        ("onsets", "contact_onsets"),
+        ("impacts", "contact_onsets"),
         ("grazing", "contact_grazing"),
     ),
     "element": tuple((f"element_{name}", f"frame_{name}") for name in ("axial_force", "moment_1", "moment_2")),
@@ -33,7 +33,7 @@ RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("spring_force_y", "spring_fy"),
         ("spring_moment", "spring_moment"),
     ),
-    "driver": (("driver_torque", "driven_torque"), ("driver_torque_max", "driven_torque_max")),
+    "driver": (("driver_torque", "driven_torque"), ("driver_torque_max", "driven_torque_max"), ("driver_power", "driven_power")),
 }
 
 ENERGIES: Mapping[str, tuple[str, str]] = {
@@ -59,9 +59,9 @@ MOVING = frozenset(
     (
         *(f"particle_{name}" for name in ("u", "v", "w", "ax", "ay", "aw")),
         "body_angular_velocity", "body_angular_acceleration", "body_angular_acceleration_max",
-        "onsets", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
+        "impacts", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
         "friction_energy", "impact_energy", "friction_power", "impact_power", "sliding_velocity", "pressure_velocity",
-        "slider_velocity", "slider_acceleration",
+        "slider_velocity", "slider_acceleration", "driver_power",
     )
 )  # fmt: skip
 
@@ -76,7 +76,7 @@ def entities(record: Record) -> dict[str, list[str]]:
         "spring": list(assembly.springs),
         "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],
         "slider": guides.sliders(record),
-        "link": deflection.elastic_links(record),
+        "elastic": [name for name, where in assembly.bodies.items() if where.elements],
         "element": motion.element_names(record),
         "particle": motion.particle_names(record),
     }
@@ -180,5 +180,5 @@ MADE: Mapping[str, Callable[[Record], dict[str, Channel]]] = {
     "particle": _particles,
     "element": _elements,
     "slider": slider_channels,
-    "link": link_channels,
+    "elastic": elastic_channels,
 }

@@ -21,7 +21,7 @@ def wear_channels(record: Record) -> dict[str, Channel]:
         "impact_energy": (lost(record, "impact"), "J", "energy lost in normal damping since the start"),
         "friction_power": (mean_power(record, "friction"), "W", "power lost in friction, mean since the last output"),
         "impact_power": (mean_power(record, "impact"), "W", "power lost in normal damping, mean since the last output"),
-        "sliding_velocity": (slide, "m/s", "velocity of the journal's surface on the bearing's, along the normal turned anticlockwise"),
+        "sliding_velocity": (slide, "m/s", "velocity of the journal's surface on the bearing's, along the normal turned anticlockwise; 0 apart"),
         "contact_pressure": (pressures[0], "Pa", "largest pressure of Hertz' line contact, 0 apart"),
         "contact_half_width": (pressures[1], "m", "half-width of Hertz' line contact"),
         "bearing_pressure": (pressures[2], "Pa", "normal force over diameter and length of the journal; beside a round or a line over the contact"),
@@ -46,11 +46,12 @@ def slider_channels(record: Record) -> dict[str, Channel]:
 
 def ground_channels(record: Record) -> dict[str, Channel]:
     """What the mechanism does to the ground."""
-    load = ground_load(record)
+    load, said = ground_load(record), "force of the mechanism on the ground"
     return {
-        "ground_force_x": Channel(load[:, 0], None, "N", "force of the mechanism on the ground: the shaking force", GLOBAL),
-        "ground_force_y": Channel(load[:, 1], None, "N", "force of the mechanism on the ground: the shaking force", GLOBAL),
-        "ground_moment": Channel(load[:, 2], None, "N m", "moment of the mechanism on the ground about its origin", GLOBAL),
+        "ground_shaking_force": Channel(np.hypot(load[:, 0], load[:, 1]), None, "N", f"size of the {said}"),
+        "ground_shaking_force_x": Channel(load[:, 0], None, "N", said, GLOBAL),
+        "ground_shaking_force_y": Channel(load[:, 1], None, "N", said, GLOBAL),
+        "ground_shaking_moment": Channel(load[:, 2], None, "N m", "moment of the mechanism on the ground about the ground's origin", GLOBAL),
     }
 
 
@@ -65,14 +66,22 @@ def stress_channels(record: Record) -> dict[str, Channel]:
     }
 
 
-def link_channels(record: Record) -> dict[str, Channel]:
-    """How elastic links bend and stretch."""
+def elastic_channels(record: Record) -> dict[str, Channel]:
+    """Largest stresses of elastic bodies; how links bend and stretch, no number for frames."""
+    bodies, links = [name for name, where in record.assembly.bodies.items() if where.elements], deflection.elastic_links(record)
+    none = np.full(len(record.steps), np.nan)
     of = {
         "deflection": (deflection.largest_off_the_chord, "largest deflection along the link from the line through its ends", "chord"),
         "end_deflection": (deflection.off_the_start, "deflection of the end from the direction at the start", "start"),
         "elongation": (deflection.elongation, "distance of the ends less that without forces", "link"),
     }
-    return {
-        f"link_{name}": Channel(np.column_stack([one(record, link) for link in deflection.elastic_links(record)]), "link", "m", said, frame)
+    found = {
+        f"elastic_{name}": Channel(np.column_stack([one(record, link) if link in links else none for link in bodies]), "elastic", "m", said, frame)
         for name, (one, said, frame) in of.items()
     }
+    if stress.known(record):
+        every = [stress.extremes(record, name) for name in bodies]
+        for k, kind in enumerate(("tension", "compression")):
+            values = np.column_stack([one[k] for one in every])
+            found[f"elastic_{kind}"] = Channel(values, "elastic", "Pa", f"largest {kind} in the outermost fibres of the body", "link")
+    return found
