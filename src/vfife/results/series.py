@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from ..errors import suggestion
-from .channels import Channel
+from .channel import Channel
 
 if TYPE_CHECKING:
     import xarray
