@@ -13,6 +13,7 @@ from .compare import compare
 from .ended import export, info, plot
 from .laws import laws
 from .materials import materials
+from .modes import modes
 from .new import new
 from .paper import paper
 from .plainly import Command, Plainly, UsageError
@@ -64,5 +65,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, resume, check, compare, info, plot, export, laws, materials, schema, paper, verify):
+for command in (new, run, resume, check, modes, compare, info, plot, export, laws, materials, schema, paper, verify):
     app.command(cls=Command)(command)
