@@ -10,7 +10,8 @@ from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
 from ..solvers.status import Status
 from .energy import ledger, own_floor
-from .ranges import Measured, ranged, spreads
+from .measured import Measured
+from .ranges import ranged, spreads
 
 HALVINGS = 3  # of an automatic step for companions that lie apart, or errors that are too large, at the most
 DEEP_HALVINGS = 3, 5  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
