@@ -11,6 +11,8 @@ from scipy.interpolate import PchipInterpolator
 from support import SHARE, bits, go, lanes, particle, times
 from vfife.assembly.assemble import assemble
 from vfife.codegen.python import straight_line
+from vfife.kernels.arrays import FUNCTION, PARTICLE
+from vfife.kernels.step import travel
 from vfife.model.loads import GuideForce, PointForce
 from vfife.model.mechanism import Mechanism
 
@@ -183,11 +185,12 @@ def test_a_leap_where_the_way_turns_is_an_event_and_told():
     assert not [note for note in assemble(cylinder(pressure_back=BACK), 1e-4, duration=0.1).notes if "leaps" in note]
 
 
-def test_the_speed_along_a_guide_that_turns_is_the_rate_of_the_travel():
-    record = go(sled(force=(40.0, -40.0), speeds=(-4.0, 4.0), interpolation="linear"), 1e-4, duration=0.4, outputs=400)
-    a, b = particle(record, "rail"), particle(record, "block")
-    along = (b["x"] - a["x"]) * np.cos(a["theta"]) + (b["y"] - a["y"]) * np.sin(a["theta"])
-    rate = np.gradient(along, times(record))
-    assert record.block("function_value")[1:-1, 0] == pytest.approx(-10.0 * rate[1:-1], abs=2e-4)
-    across = -(b["u"] - a["u"]) * np.sin(a["theta"]) + (b["v"] - a["v"]) * np.cos(a["theta"])
-    assert np.ptp(rate) > 0.01 and np.abs(across).max() > 0.05
+def test_the_rate_of_a_travel_is_its_derivative():
+    """Of two bodies that move and turn freely, pins off their centres and off the guide."""
+    rng, step = np.random.default_rng(7), 1e-5
+    S = rng.uniform(-1.0, 1.0, 2 * PARTICLE.SIZE + FUNCTION.SIZE).tolist()
+    for body in (0, PARTICLE.SIZE):
+        S[body + PARTICLE.ax] = S[body + PARTICLE.ay] = S[body + PARTICLE.aw] = 0.0
+    before, now, after = (travel(S, 0, PARTICLE.SIZE, 2 * PARTICLE.SIZE, dt) for dt in (-step, 0.0, step))
+    assert now[1] == pytest.approx((after[0] - before[0]) / (2.0 * step), rel=1e-8)
+    assert abs(now[1]) > 0.1
