@@ -86,6 +86,14 @@ class GuideForce(Tabular):
             return tuple(one - self.ambient for one in pressure)
         return None if pressure is None else pressure - self.ambient
 
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        values = self.values
+        largest = abs(self.unit) * max(map(abs, values), default=0.0) if isinstance(values, Sequence) else abs(self.unit * (values or 0.0))
+        what = "force" if self.pressure is None else f"pressure on a bore of {self.bore:.6g} m,"
+        return f"{what} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
+
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """The force on the journal, and its opposite on the bearing, which is the guide's own."""
         joint = joints[self.slider]

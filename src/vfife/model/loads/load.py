@@ -42,6 +42,16 @@ class Load(Kind):
 
     registry: ClassVar[dict[str, type[Load]]] = {}
 
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return self.kind
+
+    @property
+    def place(self) -> str:
+        """Where it acts: a pin, "body.pin", or the joint along whose guide it does."""
+        return self.slider
+
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """On which bodies it acts, and how, where its function is 1."""
         raise NotImplementedError

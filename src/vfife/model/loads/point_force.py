@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -44,6 +45,19 @@ class PointForce(Tabular):
     def values_back(self) -> Values:
         """The factors of the way back."""
         return self.factors_back
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        size = math.hypot(*self.force)
+        parts = [f"force {size:.6g} N"] if size or not self.moment else []
+        parts += [f"moment {self.moment:.6g} N m"] if self.moment else []
+        return " and ".join(parts) + (", turning with the body" if self.follow and size else "") + self.by
+
+    @property
+    def place(self) -> str:
+        """The pin, "body.pin"."""
+        return self.at
 
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """Force and moment at the pin."""

@@ -74,6 +74,12 @@ class Tabular(Load):
         """Those of the way back where they differ; None else."""
         return None
 
+    @property
+    def by(self) -> str:
+        """By what its table goes, in words; nothing where it has none."""
+        ways = "" if self.values_back is None else ", with a way back"
+        return f", by {self.over}{ways}{', repeated' if self.repeats else ''}" if self.axis else ""
+
     def cautions(self) -> tuple[str, ...]:
         """Sentences on two ways whose values do not meet where the way turns."""
         out, back, places = self.values, self.values_back, self.travels

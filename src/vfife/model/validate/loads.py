@@ -26,15 +26,24 @@ def check_loads(checks: Checks) -> None:
         elif load.at is not None:
             follows = "a load that follows the ground stays where it is, and moves nothing"
             checks.side((*path, "at"), load.at, ground=follows if load.follow is True else "a load on the ground moves nothing")
-        if not any(checks.told((*path, key)) for key in (*load.keys, "bore")):
-            for one in load.conflicts():
-                checks.add((*path, one.key), one.what, one.remedy, one.limit)
-        if isinstance(load, Tabular):
-            check_table(checks, path, load)
+        check_alone(checks, path, load)
+        if isinstance(load, Tabular) and load.axis == "angles":
+            check_crank(checks, path, load)
+        if isinstance(load, Tabular) and load.axis in ("travels", "speeds") and not load.along:
+            check_guide(checks, path, load.slider)
+
+
+def check_alone(checks: Checks, path: Path, load: Any) -> None:
+    """What can be wrong with a load by itself."""
+    if not checks.told(path):
+        for one in load.conflicts():
+            checks.add((*path, one.key), one.what, one.remedy, one.limit)
+    if isinstance(load, Tabular):
+        check_table(checks, path, load)
 
 
 def check_table(checks: Checks, path: Path, load: Any) -> None:
-    """The table is over one thing, which there is; its lists are alike, and its ends where it repeats."""
+    """The table is over one thing; its lists are alike, and its ends where it repeats."""
     axes = [key for key in OVER if getattr(load, key) is not None]
     value, back = load.keys
     if len(axes) > 1:
@@ -50,10 +59,6 @@ def check_table(checks: Checks, path: Path, load: Any) -> None:
             checks.series(path, (back, getattr(load, back)), (axis, getattr(load, axis)))
     if getattr(load, back) is not None and axis != "travels":
         checks.add((*path, back), "only a table over travels has a way back", "remove it, or give the table travels")
-    if axis == "angles" and axes:
-        check_crank(checks, path, load)
-    if axis in ("travels", "speeds") and axes and not load.along:
-        check_guide(checks, path, load.slider)
     check_repeat(checks, path, load, axis if axes else "", value)
 
 
