@@ -14,8 +14,9 @@ from ..analysis.guides import PointMotion, point_motion
 from ..analysis.impacts import Impacts, impacts
 from ..analysis.motion import times
 from ..analysis.stress import along
+from ..assembly.assembled import Assembly
 from ..modelfile import dump
-from ..solvers.record import Record
+from ..solvers.record import Record, recorded_rows
 from .channel import Channel
 from .channels import channels, entities
 from .provenance import sources, versions
@@ -165,3 +166,9 @@ class View:
         if len(text.encode()) < LONGEST_ATTRIBUTE:
             found["model_file"] = text
         return found
+
+
+def standing(assembly: Assembly) -> View:
+    """A mechanism as it starts, of which nothing was run."""
+    kept = recorded_rows(assembly)
+    return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept))
