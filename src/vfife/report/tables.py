@@ -12,6 +12,7 @@ from rich.text import Text
 
 from ..analysis.forces import MODES
 from .trust import lines, verdict
+from .wear import CONFORMAL, machine_lines, wear_table, worn
 
 NOISE = 1e-6  # of the largest angular acceleration
 SHARED = "* shared by least norm, not unique: joints are redundant, and rigid bodies leave open how these reactions share the load."
@@ -35,11 +36,14 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     for title, there, table in (
         (f"Largest reactions ({_over(told)})", bool(told["joints"]), _joint_table),
         ("Contact (whole run)", contact, _contact_table),
+        (f"Losses and pressures ({_over(told)})", bool(worn(told)), wear_table),
         (f"Largest angular accelerations ({_over(told)})", turning, _body_table),
     ):
         if there:
             console.print(Text(title, style="bold"))
             console.print(table(told))
+    if told["conformal"]:
+        console.print(Text(CONFORMAL))
     if told["not_unique"]:
         console.print(Text(SHARED))
     for text in told["warnings"]:
@@ -57,7 +61,8 @@ def _facts(told: dict[str, Any]) -> Table:
         *(("Trust" if k == 0 else "", line) for k, line in enumerate(lines(told))),
         ("Energy", _energy(told)),
         *(("Driver", line) for line in _torques(told)),
-        *(("Laws" if k == 0 else "", line) for k, line in enumerate(_law_lines(told))),
+        *machine_lines(told),
+        *(("Laws" if k == 0 else "", line) for k, line in enumerate((*_law_lines(told), *told["remarks"]))),
     ):
         table.add_row(Text(name, style="cyan"), Text(text))
     return table
