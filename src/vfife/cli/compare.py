@@ -12,7 +12,8 @@ from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .progress import ProgressLine
 from .run import Companions, Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
-from .terminal import DIVERGED, INTERRUPTED, grid, json_text, output, print_json, row, sentences, tell
+from .signals import NOW
+from .terminal import DIVERGED, grid, json_text, output, print_json, row, sentences, tell
 
 if TYPE_CHECKING:
     from ..results.comparison import Comparison
@@ -136,6 +137,6 @@ def end(found: Comparison) -> None:
             tell(Status.DIVERGED, f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step for it", "bold red")
     if len(found.rows) < found.planned:
         tell(Status.INTERRUPTED, f"{len(found.rows)} of {found.planned} runs are complete and kept.")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(NOW.code)
     if any(one["status"] != Status.COMPLETE for one in found.rows):
         raise typer.Exit(DIVERGED)
