@@ -91,7 +91,7 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
     return {name.removesuffix(".force.max"): value for name, value in reference.measures.items() if name.endswith(".force.max")}
 
 
-def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+def ideal_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Assembly | None:
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
     if mechanism.settings.analysis == "static":
         return None
@@ -100,7 +100,19 @@ def reference_of(mechanism: Mechanism, turns: float | None = None, duration: flo
         return None
     if all(driver.steady_speed is not None for driver in moving):
         turns, duration = 1.0, None
-    record = run(assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration))
+    return assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration)
+
+
+def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+    """What the ideal mechanism does (:func:`ideal_of`). Raises KeyboardInterrupt where it is interrupted."""
+    return referred(ideal_of(mechanism, turns, duration))
+
+
+def referred(ideal: Assembly | None) -> Result | None:
+    """The result of an ideal mechanism, if there is one. Raises KeyboardInterrupt where it is interrupted."""
+    if ideal is None:
+        return None
+    record = run(ideal)
     if record.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return Result(record)
