@@ -6,8 +6,11 @@ command line hears signals from its first line on; numba, xarray and matplotlib 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from sys import modules as _modules
 from typing import TYPE_CHECKING, Any
+
+from .model import above as _above
 
 if TYPE_CHECKING:
     from . import errors, gallery
@@ -28,7 +31,7 @@ if TYPE_CHECKING:
     from .model.loads import *  # noqa: F403
     from .model.mechanism import Mechanism, Settings, StartSettings
     from .model.springs import *  # noqa: F403
-    from .modelfile.files import load_model, save_model
+    from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
     from .simulation import resume, simulate
@@ -47,6 +50,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "ensemble": "solvers.ensemble",
     "errors": "",
     "gallery": "",
+    "load": "modelfile.files",
     "load_laws": "laws.user",
     "load_model": "modelfile.files",
     "load_result": "result",
@@ -65,7 +69,26 @@ _ROOMS = {  # of nouns and laws: the public names in each, or None for all that 
     "model.loads": None,
     "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
 }
-_FORMER = {"Start": "StartSettings", "load": "load_model"}  # what a name of version 0.1 is called now
+_FORMER = {"Start": "StartSettings"}  # what a name of version 0.1 is called now
+
+
+def _later(module: str, name: str) -> Callable[..., Any]:
+    """A function of a room that is loaded when it is first called."""
+
+    def answer(*given: Any) -> Any:
+        from importlib import import_module
+
+        return getattr(import_module(f".{module}", __name__), name)(*given)
+
+    return answer
+
+
+_above.ANSWERS |= {
+    "to_toml": _later("modelfile", "dump"),
+    "check": _later("report.checked", "checked"),
+    "plot": _later("plots", "at_start"),
+    "html": _later("plots.notebook", "mechanism_html"),
+}
 
 
 _LISTED: list[str] = []  # the public names that no room lists
@@ -134,6 +157,7 @@ __all__ = [
     "ensemble",
     "errors",
     "gallery",
+    "load",
     "load_laws",
     "load_model",
     "load_result",
