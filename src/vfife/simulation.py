@@ -26,7 +26,7 @@ from .results.companions import kept_companions
 from .results.lock import Lock
 from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
-from .results.restart import extended, refuse_ended, restart_record, restarted, same_layout
+from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout
 from .results.runfile import RunFile
 from .results.start_from import States, initial_state
 from .results.view import View
@@ -335,4 +335,6 @@ def assembled_at(
     given = initial_state(start, mechanism, time)
     assembly = assemble(mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length)
     record = restart_record(start, time)
+    if isinstance(start, View) and time is None:
+        refuse_stateless(start.record, start.name, same_layout(assembly, start.record))
     return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly

@@ -1,5 +1,5 @@
-"""What a file knows of its run: entries that JSON can say, and arrays, each sealed. A second copy of each lies elsewhere in the file, and one of the
-first output, from which energies count: damage to one place loses none of them.
+"""What a file knows of its run: entries that JSON can say, and arrays, each sealed. A second copy of each lies elsewhere in the file, and one
+of the first output, from which energies count: damage to one place loses none of them.
 """
 
 from __future__ import annotations

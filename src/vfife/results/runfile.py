@@ -104,7 +104,7 @@ class RunFile:
         except sqlite3.Error as error:
             raise StorageError(unwritten(str(path), str(error))) from error
         file.close()
-        raise RunFileError(f"{path}: a former version wrote this run, without all it takes to go on; start a new one --start-from it")
+        raise RunFileError(f"{path}: a former version wrote this run, without all it takes to go on; run the model again (vfife run)")
 
     def __enter__(self) -> RunFile:
         return self
