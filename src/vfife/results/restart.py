@@ -44,10 +44,10 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
         return
     last, topology = int(record.steps[-1]), record.assembly.topology
     if record.reached > last and (gone := [what for what in record.lost if what.startswith("output")]):
-        raise ResumeError(f"the run of {name!r} is damaged ({', '.join(gone)}): where it ended is not known; run the model again, or start elsewhere")
+        raise ResumeError(f"the run of {name!r} is damaged ({', '.join(gone)}): where it ended is not known; run the model again")
     if alike and (topology.contact_bearing or topology.frame_nodes):
         raise ResumeError(
-            f"the run of {name!r} ({record.status}) has no whole state at its last output, and without the forces in its contacts and elastic links "
+            f"the run of {name!r} ({record.status}) has no whole state at its last output; without the forces in its contacts and elastic links "
             "a new run would begin another motion; bring it to its end first (vfife resume), or start from another run"
         )
 
