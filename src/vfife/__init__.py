@@ -37,12 +37,14 @@ if TYPE_CHECKING:
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
+    from .study.stepped import Simulation
 
 __version__ = "0.1.0"
 
 _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
     "Result": "result",
+    "Simulation": "study.stepped",
     "Status": "solvers.status",
     "VfifeError": "errors",
     "compare": "study.compare",
@@ -119,6 +121,7 @@ __all__ = [
     "RigidBody",
     "Section",
     "Settings",
+    "Simulation",
     "StartSettings",
     "Status",
     "VfifeError",
