@@ -17,12 +17,14 @@ from ..analysis.stress import along
 from ..assembly.assembled import Assembly
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
+from . import wide
 from .channel import Channel
 from .channels import channels, entities
 from .provenance import sources, versions
 from .series import Series
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 LONGEST_ATTRIBUTE = 60000  # bytes; HDF5 takes no attribute beyond 64 KiB
@@ -145,6 +147,26 @@ class View:
     def series(self) -> Series:
         """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which ``C.force.max`` is a measure."""
         return Series(self.channels, entities(self.record), lambda: self.data)
+
+    def joint(self, name: str) -> xarray.Dataset:
+        """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a name that no joint has."""
+        return wide.about(self, name, "joint", wide.JOINTS)
+
+    def body(self, name: str) -> xarray.Dataset:
+        """All about one body over time, by quantity, its elements and particles with it. Raises VfifeError for a name that no body has."""
+        return wide.about(self, name, "body", wide.BODIES)
+
+    def spring(self, name: str) -> xarray.Dataset:
+        """All about one spring, stop or bushing over time, by quantity. Raises VfifeError for a name that none has."""
+        return wide.about(self, name, "spring", wide.SPRINGS)
+
+    def to_dataframe(self, *names: str, units: bool = True, fine: bool = False) -> pandas.DataFrame:
+        """One table for pandas: a row an output, the time as its index, a column a series, ``C.force [N]``; without ``units``, ``C.force``.
+
+        ``names``: joints, bodies and springs; all of them unless some are named. ``fine``: elements and particles too. Units and meanings by column
+        are in ``attrs``. Raises VfifeError for a name that nothing has.
+        """
+        return wide.frame(self, names, units, fine)
 
     @property
     def attributes(self) -> dict[str, Any]:
