@@ -37,11 +37,12 @@ oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the
 coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines the tests run
 	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=src/vfife/kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)
 
-lint: $(VENV)/.dev  ## style, types, import contracts
+lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 	@$(PYTHON) -m ruff check .
 	@$(PYTHON) -m ruff format --check src tests benchmarks examples
 	@$(PYTHON) -m mypy
 	@$(VENV)/bin/lint-imports
+	@$(VENV)/bin/biome check --error-on-warnings
 
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
 	@$(PYTHON) -m sphinx -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html
