@@ -28,7 +28,7 @@ def test_each_run_is_the_run_of_its_law() -> None:
         alone = vfife.simulate(vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6), *laws]), companions=0, **SHORT)
         for joint in "BCD":
             assert row["joints"][joint]["force.max"] == alone.measures[f"{joint}.force.max"]
-            assert row["joints"][joint]["lip_force"] == alone.measures[f"lip.{joint}.force"]
+            assert row["joints"][joint]["lip_force"] == alone.measures[f"{joint}.force.lip"]
         assert row["impacts"] == sum(alone.measures[f"{joint}.impacts"] for joint in "BCD")
         lost = alone.ledger.terms["contact_loss"][-1] + alone.ledger.terms["friction_loss"][-1]
         assert row["energy_lost"] == lost

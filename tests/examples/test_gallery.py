@@ -298,7 +298,7 @@ NUMBERS: dict[str, Callable[[], tuple[float, float, float]]] = {
 
 # Of independent references with located onsets, and of the ideal motion; see the files.
 MEASURED = {
-    "four_bar": ("lip.follower.angular_acceleration", 31.6, 0.5),
+    "four_bar": ("follower.angular_acceleration.lip", 31.6, 0.5),
     "four_bar_ideal": ("follower.angular_acceleration.max", 22816.05, 5.0),
     "four_bar_case_b": ("C.force.max", 65794.78, 70.0),
     "four_bar_case_c": ("follower.angular_acceleration.max", 38153.31, 190.0),

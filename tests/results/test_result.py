@@ -68,7 +68,7 @@ def test_sizes_agree(result: Result) -> None:
 
 def test_modes_are_those_of_the_samples_and_onsets(result: Result) -> None:
     data = result.data
-    began = data.onsets.diff("time") > 0
+    began = data.impacts.diff("time") > 0
     assert ((data.mode[1:] == 1) == began).all()
     assert set(np.unique(data.mode)) == {0, 1, 2}
     assert (data.penetration.values[data.mode.values == 2] > 0.0).all()
@@ -134,7 +134,7 @@ def test_summary_is_for_scripts(result: Result) -> None:
     assert {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "measures"} <= set(told)
     assert told["steps"] == 40000
     assert told["joints"]["C"]["ideal_force.max"] == pytest.approx(65338.1, rel=1e-3)
-    assert told["lip"]["C.force"] == told["measures"]["lip.C.force"]
+    assert told["lip"]["C.force"] == told["measures"]["C.force.lip"]
     assert told["laws"]["C"]["contact"]["derived"]["stiffness"] == "6.6e+10"
     (warning,) = told["warnings"]  # the impacts of this model are faster than the law's theory allows
     assert warning.startswith("Joints B, C, D: lankarani-nikravesh, impacts of up to 2.69 m/s are faster than")
@@ -150,7 +150,7 @@ def test_summary_is_for_people(result: Result) -> None:
 
 def test_deep_landings_are_a_warning_with_a_remedy() -> None:
     coarse = Result(go(journal_in_bearing(landing_depth=1e-9), 1.3e-6, duration=1e-3))
-    assert coarse.summary["joints"]["J"]["deep"] == 1.0
+    assert coarse.summary["joints"]["J"]["deep_landings"] == 1.0
     warning, _ = coarse.summary["warnings"]
     assert "Joint J: 1 of 1 first contacts landed deeper than 0.001 µm" in warning
     assert "halve the step (6.5e-07 s)" in warning

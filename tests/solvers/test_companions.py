@@ -13,7 +13,8 @@ import pytest
 import vfife
 from support import TURN, four_bar, journal_in_bearing
 from support import lanes as beside
-from vfife.analysis.ranges import Measured, band, companion_records, ranged
+from vfife.analysis.measured import Measured
+from vfife.analysis.ranges import band, companion_records, ranged
 from vfife.analysis.trust import trust
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError

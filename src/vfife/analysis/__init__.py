@@ -2,7 +2,8 @@
 
 from .energy import Ledger, ledger
 from .influence import influence, lip
+from .measured import Measured, Measures
 from .measures import last_turn, measures
-from .ranges import Measured, ranged
+from .ranges import ranged
 
-__all__ = ["Ledger", "Measured", "influence", "last_turn", "ledger", "lip", "measures", "ranged"]
+__all__ = ["Ledger", "Measured", "Measures", "influence", "last_turn", "ledger", "lip", "measures", "ranged"]

@@ -13,7 +13,7 @@ def lip(largest: float, ideal: float) -> float:
 
 
 def influence(own: Mapping[str, float], ideal: Mapping[str, float], driven: Iterable[str] = ()) -> dict[str, float]:
-    """``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent) for what both mechanisms have.
+    """``<joint>.force.lip`` and ``<body>.angular_acceleration.lip`` (per cent) for what both mechanisms have.
 
     Driven bodies are left out, their motion is prescribed; so is what does not move or carry anything in the ideal
     mechanism.
@@ -26,5 +26,5 @@ def influence(own: Mapping[str, float], ideal: Mapping[str, float], driven: Iter
         floor = NEGLIGIBLE * max((ideal[name + ending] for name in names), default=0.0)
         for name in names:
             if name not in prescribed and ideal[name + ending] > floor:
-                found[f"lip.{name}.{kind}"] = lip(own[name + ending], ideal[name + ending])
+                found[f"{name}.{kind}.lip"] = lip(own[name + ending], ideal[name + ending])
     return found

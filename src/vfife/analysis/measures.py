@@ -1,9 +1,14 @@
-"""The numbers a run is judged by, as one flat map of names to floats."""
+"""The numbers a run is judged by, as one flat map of names to floats: ``<joint or body>.<quantity>.<statistic>``.
+
+A measure is a function from a record and a window, a choice of its outputs, to numbers by name. Those of a turn are taken turn by turn, of the run
+and of its companions; those of a run are counted over all of it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +19,14 @@ from .equilibria import static_measures
 from .forces import joint_force_max, joint_rows, shares
 from .influence import influence
 
+Window: TypeAlias = NDArray[np.bool_]
+Measure: TypeAlias = Callable[[Record, Window], dict[str, float]]
+COUNTS = {
+    "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest", "approach_speed.max": "fastest"
+}  # fmt: skip
 
-def last_turn(record: Record) -> NDArray[np.bool_]:
+
+def last_turn(record: Record) -> Window:
     """Outputs whose intervals make up the last full crank turn, shape (outputs,): the turn that ends with the run.
 
     All outputs where there is no crank, or where the run is shorter than a turn.
@@ -37,14 +48,45 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     the whole run.
 
     ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers), ``<joint>.penetration.max`` (m),
-    ``<joint>.impacts``, ``.grazing``, ``.deep`` (1),
-    ``<joint>.deepest`` (m), ``.fastest`` (m/s), ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1),
-    ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); with the measures of a
-    ``reference`` also ``lip.<joint>.force`` and ``lip.<body>.angular_acceleration`` (per cent).
+    ``<body>.angular_acceleration.max`` (rad/s^2), ``<driven body>.torque.max`` (N m); of the whole run
+    ``<joint>.impacts``, ``.grazing``, ``.deep_landings`` (1), ``<joint>.landing_depth.max`` (m), ``.approach_speed.max`` (m/s),
+    ``<joint>.share.free_flight``, ``.impact``, ``.continuous_contact`` (1); with the measures of a
+    ``reference`` also ``<joint>.force.lip`` and ``<body>.angular_acceleration.lip`` (per cent).
     """
     if record.static:
         return static_measures(record)
-    window = last_turn(record)
+    found = over_turn(record, last_turn(record))
+    return found | compared(record, found, reference) | over_run(record)
+
+
+def over_turn(record: Record, window: Window) -> dict[str, float]:
+    """The measures of a turn."""
+    return taken(OVER_TURN, record, window)
+
+
+def over_run(record: Record) -> dict[str, float]:
+    """The measures of a whole run, up to its last output."""
+    return taken(OVER_RUN, record, np.ones(len(record.steps), dtype=bool))
+
+
+def taken(every: tuple[Measure, ...], record: Record, window: Window) -> dict[str, float]:
+    """Measures over a window; what is not finite is left out."""
+    found: dict[str, float] = {}
+    for measure in every:
+        found |= measure(record, window)
+    return {name: value for name, value in found.items() if math.isfinite(value)}
+
+
+def compared(record: Record, found: Mapping[str, float], reference: Mapping[str, float] | None) -> dict[str, float]:
+    """Local influence parameters of measures of a turn against those of the ideal mechanism; nothing without any."""
+    if reference is None:
+        return {}
+    driven = [body.name for body in record.assembly.bodies.values() if body.driven is not None]
+    return influence(found, reference, driven)
+
+
+def largest_loads(record: Record, window: Window) -> dict[str, float]:
+    """Largest force of each joint (N), and largest moment (N m) of those that have one."""
     found: dict[str, float] = {}
     forces = joint_force_max(record)[window]
     for k, name in enumerate(joint_rows(record)):
@@ -52,29 +94,19 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     for index, name in enumerate(record.assembly.ideals):
         if (moment := record.block("joint_moment_max")[window, index].max()) > 0.0:
             found[f"{name}.moment.max"] = float(moment)
-    found |= _clearances(record, window) | _bodies(record, window)
-    if reference is not None:
-        driven = [body.name for body in record.assembly.bodies.values() if body.driven is not None]
-        found |= influence(found, reference, driven)
-    return {name: value for name, value in found.items() if math.isfinite(value)}
-
-
-def _clearances(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    found: dict[str, float] = {}
-    if not record.assembly.contacts:
-        return found
-    depth = record.block("contact_penetration_max")[window]
-    counts = {"impacts": "onsets", "grazing": "grazing", "deep": "deep", "deepest": "deepest", "fastest": "fastest"}
-    totals = {name: record.block(f"contact_{row}")[-1] for name, row in counts.items() if record.keeps(f"contact_{row}")}
-    parts = shares(record)
-    for k, name in enumerate(record.assembly.contacts):
-        found[f"{name}.penetration.max"] = float(depth[:, k].max())
-        found |= {f"{name}.{kind}": float(values[k]) for kind, values in totals.items()}
-        found |= {f"{name}.share.{mode}": float(values[k]) for mode, values in parts.items()}
     return found
 
 
-def _bodies(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+def deepest_penetrations(record: Record, window: Window) -> dict[str, float]:
+    """Deepest penetration of each contact (m)."""
+    if not record.assembly.contacts:
+        return {}
+    depth = record.block("contact_penetration_max")[window]
+    return {f"{name}.penetration.max": float(depth[:, k].max()) for k, name in enumerate(record.assembly.contacts)}
+
+
+def largest_accelerations(record: Record, window: Window) -> dict[str, float]:
+    """Largest angular acceleration of each body (rad/s^2), and largest torque of each driver (N m)."""
     found: dict[str, float] = {}
     turning = record.block("body_alpha_max")[window]
     for name, body in record.assembly.bodies.items():
@@ -84,3 +116,20 @@ def _bodies(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
         if body.driven is not None:
             found[f"{name}.torque.max"] = float(record.block("driven_torque_max")[window, body.driven].max())
     return found
+
+
+def contact_counts(record: Record, window: Window) -> dict[str, float]:
+    """How often contacts began, and how: counts of the whole run, and the shares of its time in each mode."""
+    found: dict[str, float] = {}
+    if not record.assembly.contacts:
+        return found
+    totals = {name: record.block(f"contact_{row}")[-1] for name, row in COUNTS.items() if record.keeps(f"contact_{row}")}
+    parts = shares(record)
+    for k, name in enumerate(record.assembly.contacts):
+        found |= {f"{name}.{kind}": float(values[k]) for kind, values in totals.items()}
+        found |= {f"{name}.share.{mode}": float(values[k]) for mode, values in parts.items()}
+    return found
+
+
+OVER_TURN: tuple[Measure, ...] = (largest_loads, deepest_penetrations, largest_accelerations)
+OVER_RUN: tuple[Measure, ...] = (contact_counts,)

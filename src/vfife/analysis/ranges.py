@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
+from .measured import Measured, Measures
 from .measures import measures
 
 Array = NDArray[np.float64]
@@ -19,36 +20,6 @@ LOADS = (".force.max", ".moment.max", ".torque.max")
 NOISE = 1e-9  # of the largest load: what rounding leaves of one that is zero
 ROUNDING = 16.0 * 2.2e-16  # of an angle (rad)
 LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that, so that an idle joint makes no run sensitive
-
-
-class Measured(float):
-    """A measure of a run: a number that knows its range, ``low`` to ``high``, over the run and its companions.
-
-    ``value`` is the run's own, and what it counts as wherever a number is expected. Without companions all three are the same. ``unique`` is False
-    of a reaction of redundant joints, which rigid bodies leave open: its value is that of the distribution of least norm, one of infinitely many.
-    """
-
-    low: float
-    high: float
-    unique: bool
-
-    def __new__(cls, value: float, low: float | None = None, high: float | None = None, unique: bool = True) -> Measured:
-        made = super().__new__(cls, value)
-        made.low, made.high, made.unique = (value if low is None else low), (value if high is None else high), unique
-        return made
-
-    def __getnewargs__(self) -> tuple[float, float, float, bool]:  # type: ignore[override]
-        return self.value, self.low, self.high, self.unique
-
-    @property
-    def value(self) -> float:
-        """The plain number."""
-        return float(self)
-
-    @property
-    def width(self) -> float:
-        """``high`` - ``low``."""
-        return self.high - self.low
 
 
 def companion_records(record: Record) -> Iterator[Record]:
@@ -61,14 +32,14 @@ def companion_records(record: Record) -> Iterator[Record]:
             yield dataclasses.replace(record, steps=found.steps, source=found.rows[:, :, k], kept=found.kept, companions=None)
 
 
-def ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
+def ranged(record: Record, reference: Mapping[str, float] | None = None) -> Measures:
     """The measures of a run (:func:`~vfife.analysis.measures.measures`) with their ranges over run and companions.
 
     Companions share the size of the step. Where a try with twice the step was given up, and its range does not hold what has come out now, it was
     that size which decided: then the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
-    return {name: Measured(one, one.low, one.high, name not in open_ones) for name, one in _ranged(record, reference).items()}
+    return Measures({name: Measured(one, one.low, one.high, name not in open_ones) for name, one in _ranged(record, reference).items()})
 
 
 def _ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:

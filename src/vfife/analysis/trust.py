@@ -9,8 +9,9 @@ import numpy as np
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
 from ..solvers.status import Status
-from .energy import ledger
-from .ranges import Measured, ranged, spreads
+from .energy import ledger, own_floor
+from .measured import Measured
+from .ranges import ranged, spreads
 
 HALVINGS = 3  # of an automatic step for companions that lie apart, or errors that are too large, at the most
 DEEP_HALVINGS = 3, 5  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
@@ -69,7 +70,8 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     if diverged:
         return None
     stopped = record.status == Status.ENERGY
-    unlike = (record.companions is not None or stopped) and len(choice.tried) < OPEN_HALVINGS and ledger(record).error > OPEN
+    closes = len(choice.tried) < OPEN_HALVINGS and not own_floor(record)
+    unlike = (record.companions is not None or stopped) and closes and ledger(record).error > OPEN
     if unlike or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]):
         return (*choice.tried, (choice.step, None))
     return None

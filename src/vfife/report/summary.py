@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..analysis.energy import own_floor
 from ..analysis.forces import MODES
+from ..analysis.measured import lips
 from ..analysis.trust import OPEN
-from ..kernels.topology import CURRENT
 from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status
+from .diverged import FLOOR
 from .statics import print_static, static_run, static_warnings
 from .trust import trusted, verdict
 
@@ -25,8 +27,8 @@ CONTACT_KEYS = (
     "penetration.max",
     "impacts",
     "grazing",
-    "deep",
-    "deepest",
+    "deep_landings",
+    "landing_depth.max",
     *(f"share.{mode}" for mode in MODES),
 )
 JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
@@ -60,7 +62,7 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "energy": {} if record.static else {"largest": result.ledger.largest, "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()}},
         "joints": _joints(result, measures, reference),
         "contacts": _contacts(result, measures),
-        "lip": {name.removeprefix("lip."): value for name, value in measures.items() if name.startswith("lip.")},
+        "lip": lips(measures),
         "laws": _laws(result),
         "warnings": list(static_warnings(result) if record.static else warnings(result)),
         "measures": measures,
@@ -157,11 +159,6 @@ def open_by(result: View) -> str:
     return f"{100.0 * result.ledger.error:.2g} %"
 
 
-def soft(result: View) -> bool:
-    """Whether there are elements whose stiffness counts on their present length: their moments belong to no energy."""
-    return CURRENT in result.record.assembly.topology.strains
-
-
 def missing(result: View) -> Iterable[str]:
     """A sentence about what was damaged in the file of a run."""
     if lost := result.record.lost:
@@ -180,19 +177,18 @@ def warnings(result: View) -> Iterable[str]:
             'take a smaller step, or "auto".'
         )
     for name, joint in record.assembly.mechanism.contacts.items():
-        deep, count = int(measures.get(f"{name}.deep", 0)), int(measures.get(f"{name}.impacts", 0))
+        deep, count = int(measures.get(f"{name}.deep_landings", 0)), int(measures.get(f"{name}.impacts", 0))
         if deep:
             yield (
                 f"Joint {name}: {deep} of {count} first contacts landed deeper than {1e6 * joint.landing:.4g} µm, "
-                f"the deepest at {1e6 * measures[f'{name}.deepest']:.4g} µm, so their impact speeds are coarse: "
+                f"the deepest at {1e6 * measures[f'{name}.landing_depth.max']:.4g} µm, so their impact speeds are coarse: "
                 f"halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth if that will do."
             )
     if sensitive := verdict({"trust": trusted(result), "measures": result.measures}):
         yield sensitive
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
-        own = "what elements of the present length leave open does not go with the step; take more elements" if soft(result) else ""
-        then = own or "take a smaller step and see whether it closes"
+        then = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
         yield f"The energy ledger is open by {open_by(result)} of the largest energy: {then}."
 
 

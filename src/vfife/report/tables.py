@@ -185,8 +185,8 @@ def _contact_table(told: dict[str, Any]) -> Table:
     for name, joint in told["contacts"].items():
         if "impacts" in joint:
             shares = (f"{100.0 * joint[f'share.{mode}']:.3g} %" for mode in MODES)
-            counts = (f"{joint[kind]:.0f}" for kind in ("impacts", "grazing", "deep"))
-            table.add_row(Text(name), *shares, *counts, prefixed(joint["deepest"], "m"))
+            counts = (f"{joint[kind]:.0f}" for kind in ("impacts", "grazing", "deep_landings"))
+            table.add_row(Text(name), *shares, *counts, prefixed(joint["landing_depth.max"], "m"))
     return table
 
 

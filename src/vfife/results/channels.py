@@ -40,7 +40,7 @@ RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("penetration_max", "contact_penetration_max"),
         ("normal_force", "contact_normal_force"),
         ("friction_force", "contact_friction_force"),
-        ("onsets", "contact_onsets"),
+        ("impacts", "contact_onsets"),
         ("grazing", "contact_grazing"),
     ),
     "element": tuple((f"element_{name}", f"frame_{name}") for name in ("axial_force", "moment_1", "moment_2")),
@@ -71,7 +71,7 @@ MOVING = frozenset(
     (
         *(f"particle_{name}" for name in ("u", "v", "w", "ax", "ay", "aw")),
         "body_angular_velocity", "body_angular_acceleration", "body_angular_acceleration_max",
-        "onsets", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
+        "impacts", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
     )
 )  # fmt: skip
 

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import Ledger, Measured, last_turn, ledger, ranged
+from ..analysis import Ledger, Measures, last_turn, ledger, ranged
 from ..analysis.motion import times
+from ..assembly.assembled import Assembly
 from ..modelfile import dump
-from ..solvers.record import Record
+from ..solvers.record import Record, recorded_rows
 from .channels import Channel, channels, entities
 from .provenance import sources, versions
+from .series import Series
 
 if TYPE_CHECKING:
     import xarray
@@ -79,10 +81,10 @@ class View:
         return ledger(self.record)
 
     @cached_property
-    def measures(self) -> dict[str, Measured]:
+    def measures(self) -> Measures:
         """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`.
 
-        Each is a number with ``value``, ``low`` and ``high``: its range over the run and its companions (:class:`~vfife.analysis.ranges.Measured`).
+        Each is a number with ``value``, ``low`` and ``high``, its range over run and companions: :class:`~vfife.analysis.measured.Measured`.
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)
 
@@ -113,6 +115,11 @@ class View:
             }
         return data
 
+    @cached_property
+    def series(self) -> Series:
+        """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which ``C.force.max`` is a measure."""
+        return Series(self.channels, entities(self.record), lambda: self.data)
+
     @property
     def attributes(self) -> dict[str, Any]:
         """Where the data come from: model, step, loop, version, laws with their sources."""
@@ -133,3 +140,9 @@ class View:
         if len(text.encode()) < LONGEST_ATTRIBUTE:
             found["model_file"] = text
         return found
+
+
+def standing(assembly: Assembly) -> View:
+    """A mechanism as it starts, of which nothing was run."""
+    kept = recorded_rows(assembly)
+    return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept))

@@ -17,7 +17,7 @@ from ..solvers.progress import Progress
 from ..solvers.status import Status
 
 Choice = str | Law | type[Law]
-PER_JOINT = ("force.max", "penetration.max", "impacts", "grazing", "deep", "share.continuous_contact")
+PER_JOINT = ("force.max", "penetration.max", "impacts", "grazing", "deep_landings", "share.continuous_contact")
 
 
 def compare(
@@ -143,11 +143,11 @@ def numbers_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
     noun = mechanism.clearances[joints[0]]
     each: dict[str, dict[str, Any]] = {
         name: {key: measures[f"{name}.{key}"] for key in PER_JOINT if f"{name}.{key}" in measures}
-        | {"lip_force": measures.get(f"lip.{name}.force")}
+        | {"lip_force": measures.get(f"{name}.force.lip")}
         for name in joints
     }
     ledger = result.ledger
-    lip = [value for key, value in measures.items() if key.startswith("lip.") and key.endswith(".angular_acceleration")]
+    lip = [value for key, value in measures.items() if key.endswith(".angular_acceleration.lip")]
     lips = [one["lip_force"] for one in each.values() if one["lip_force"] is not None]
     return {
         "contact": noun.contact.name,

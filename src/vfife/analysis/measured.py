@@ -1,0 +1,108 @@
+"""A measure of a run as a number that knows what is not known of it and what varies, and the map of all of them by name."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
+
+FORMER = {"deep": "deep_landings", "deepest": "landing_depth.max", "fastest": "approach_speed.max"}  # endings of names as they were before
+
+
+class Measured(float):
+    """A measure of a run: a number with what is not known of it, ``low`` to ``high``, and what varies, ``lowest`` to ``highest``.
+
+    ``value`` is what it counts as wherever a number is expected. ``low`` and ``high`` are its range over the run and its companions, ``lowest`` and
+    ``highest`` those of the turns that it is told of (:class:`~vfife.analysis.turns.Turns`). Where there is nothing to tell, all five are the
+    same. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave open: its value is that of the distribution of least norm,
+    one of infinitely many.
+    """
+
+    low: float
+    high: float
+    unique: bool
+    lowest: float
+    highest: float
+
+    def __new__(
+        cls,
+        value: float,
+        low: float | None = None,
+        high: float | None = None,
+        unique: bool = True,
+        lowest: float | None = None,
+        highest: float | None = None,
+    ) -> Measured:
+        made = super().__new__(cls, value)
+        made.low, made.high, made.unique = (value if low is None else low), (value if high is None else high), unique
+        made.lowest, made.highest = (value if lowest is None else lowest), (value if highest is None else highest)
+        return made
+
+    def __getnewargs__(self) -> tuple[float, float, float, bool, float, float]:  # type: ignore[override]
+        return self.value, self.low, self.high, self.unique, self.lowest, self.highest
+
+    @property
+    def value(self) -> float:
+        """The plain number."""
+        return float(self)
+
+    @property
+    def width(self) -> float:
+        """``high`` - ``low``."""
+        return self.high - self.low
+
+    @property
+    def variation(self) -> float:
+        """``highest`` - ``lowest``."""
+        return self.highest - self.lowest
+
+
+class Measures(dict[str, Measured]):
+    """Measures by name, ``<joint or body>.<quantity>.<statistic>``: ``C.force.max``, ``C.force.lip``; counts have none, ``C.impacts``.
+
+    A name of a former version, such as ``lip.C.force``, still finds its measure, with a DeprecationWarning that says the new one.
+    """
+
+    def __missing__(self, name: str) -> Measured:
+        new = self._present(name)
+        if new is None:
+            raise KeyError(name)
+        return self[new]
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (isinstance(name, str) and self._present(name) is not None)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The measure, or ``default`` where the run has none of that name."""
+        new = name if super().__contains__(name) else self._present(name)
+        return default if new is None else self[new]
+
+    def _present(self, name: str) -> str | None:
+        """What a measure of a former name is called now, said as a warning; None where there is no such measure."""
+        new = present_name(name)
+        if new is None or not super().__contains__(new):
+            return None
+        warnings.warn(f"the measure {name} is called {new} now; the old name goes with the next version", DeprecationWarning, stacklevel=3)
+        return new
+
+    def of(self, name: str) -> Iterator[tuple[str, Measured]]:
+        """What is known of a joint or body: quantities with their statistics, and measures."""
+        for key, one in self.items():
+            if key.startswith(f"{name}."):
+                yield key.removeprefix(f"{name}."), one
+
+
+def present_name(name: str) -> str | None:
+    """What a measure of a former name is called now; None where the name never meant anything else."""
+    if name.startswith("lip."):
+        with suppress(ValueError):
+            who, what = name.removeprefix("lip.").rsplit(".", 1)
+            return f"{who}.{what}.lip"
+    who, _, ending = name.rpartition(".")
+    return f"{who}.{FORMER[ending]}" if who and ending in FORMER else None
+
+
+def lips(measures: dict[str, Any]) -> dict[str, Any]:
+    """The local influence parameters among measures, by ``<joint or body>.<quantity>``."""
+    return {name.removesuffix(".lip"): value for name, value in measures.items() if name.endswith(".lip")}
