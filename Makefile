@@ -29,6 +29,7 @@ demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with fi
 	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures --force
 
 test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
+	@command -v chromium >/dev/null || echo "No chromium here: tests of pages in a browser are skipped (on Debian: apt-get install chromium)."
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
 
 oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the oldest that is allowed

@@ -10,8 +10,8 @@ function nice(value) {
 const ANGLES = [15, 30, 45, 60, 90, 120, 180, 360];
 
 class Axes {
-  // `x` and `y` are { low, high, label }, with `log` for decades and `angle` for degrees.
-  constructor(pen, width, height, x, y) {
+  // `x` and `y` are { low, high, label }, with `log` for decades and `angle` for degrees; `legend` says what lines mean: [text, colour, dash, width].
+  constructor(pen, width, height, x, y, legend = []) {
     Object.assign(this, { pen, x: { ...x }, y: { ...y } });
     if (!y.log && !y.exact) {
       const room = 0.06 * (this.y.high - this.y.low || 1);
@@ -22,6 +22,7 @@ class Axes {
     this.labels = this.ticks(this.y, height / 46).map((value) => [value, this.told(value, this.y)]);
     const widest = Math.max(10, ...this.labels.map(([, text]) => pen.measureText(text).width));
     this.box = { left: widest + 26, top: 8, right: width - 12, bottom: height - 34 };
+    if (legend.length > 1) this.legend(legend);
     this.frame();
   }
 
@@ -166,31 +167,31 @@ class Axes {
     this.inside(() => disc(this.pen, [this.across(x), this.up(y)], 4, colour, ink.card));
   }
 
-  // What lines mean, at the upper right: [text, colour, dash] each.
+  // Above the plot, in as many rows as it takes.
   legend(entries) {
     const { pen, box } = this;
-    pen.font = `11px ${FONT}`;
-    const width = Math.max(...entries.map(([text]) => pen.measureText(text).width)) + 34;
-    entries.forEach(([text, colour, dash = [], thick = 2], k) => {
-      const y = box.top + 10 + 15 * k;
-      pen.globalAlpha = 0.8;
-      pen.fillStyle = ink.card;
-      pen.fillRect(box.right - width, y - 8, width, 15);
-      pen.globalAlpha = 1;
+    let [x, y] = [box.left, 10];
+    pen.textAlign = "left";
+    pen.textBaseline = "middle";
+    for (const [text, colour, dash = [], thick = 2] of entries) {
+      const width = pen.measureText(text).width + 46;
+      if (x > box.left && x + width > box.right + 14) [x, y] = [box.left, y + 16];
       pen.strokeStyle = colour;
       pen.lineWidth = thick;
+      pen.globalAlpha = thick > 4 ? 0.25 : 1;
       pen.setLineDash(dash);
       trail(pen, [
-        [box.right - width + 4, y],
-        [box.right - width + 26, y],
+        [x, y],
+        [x + 24, y],
       ]);
       pen.stroke();
       pen.setLineDash([]);
+      pen.globalAlpha = 1;
       pen.fillStyle = ink.ink;
-      pen.textAlign = "left";
-      pen.textBaseline = "middle";
-      pen.fillText(text, box.right - width + 31, y);
-    });
+      pen.fillText(text, x + 30, y);
+      x += width;
+    }
+    box.top = y + 12;
   }
 }
 

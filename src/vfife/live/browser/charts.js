@@ -4,13 +4,18 @@
 function turnsOf(running) {
   const { store } = running;
   if (!perTurn) return store.end > 1 ? [{ first: 0, count: store.end - 1 }] : [];
-  return running.turns.done.filter((turn) => turn.first >= store.begin).map((turn) => ({ first: turn.first, count: perTurn }));
+  return running.turns.shown
+    .filter((turn) => turn.first >= store.begin && turn.last - turn.first === perTurn)
+    .map(({ first }) => ({ first, count: perTurn }));
 }
 
 // The turn that the head is in where it is there whole, else the last one that is.
 function turnAt(running, head) {
-  const turns = turnsOf(running);
-  return turns.find((turn) => head >= turn.first && head < turn.first + turn.count) ?? turns.at(-1);
+  const { store } = running;
+  if (!perTurn) return turnsOf(running)[0];
+  const first = perTurn * Math.floor(Math.min(head, store.end - 1) / perTurn);
+  const whole = [first, first - perTurn].find((begin) => begin >= store.begin && begin + perTurn < store.end);
+  return whole === undefined ? turnsOf(running).at(-1) : { first: whole, count: perTurn };
 }
 
 // Where outputs of a turn lie on the axis: degrees of the crank since its begin, or seconds.
@@ -40,7 +45,11 @@ function drawForces(pen, width, height, running, head, other) {
   const largest = largestOf([now, ...turns, ...(others ? [others] : []), ...(without ? [without.ys] : [])]);
   const [factor, unit] = scaleOf(largest, "N");
   const scaled = (list) => Array.from(list, (value) => factor * value);
-  const axes = new Axes(pen, width, height, x, { low: 0, high: factor * largest || 1, label: `force (${unit})` });
+  const legend = [["this setting", ink.accent]];
+  if (turns.length > 1) legend.push([`range over ${running.turns.words}`, ink.accent, [], 7]);
+  if (without) legend.push(["ideal", ink.ideal, [8, 4]]);
+  if (others) legend.push(["kept setting", ink.other, [3, 2]]);
+  const axes = new Axes(pen, width, height, x, { low: 0, high: factor * largest || 1, label: `force (${unit})` }, legend);
   if (turns.length > 1) {
     const lows = xs.map((_, k) => factor * Math.min(...turns.map((one) => one[k])));
     const highs = xs.map((_, k) => factor * Math.max(...turns.map((one) => one[k])));
@@ -50,11 +59,6 @@ function drawForces(pen, width, height, running, head, other) {
   axes.line(xs, scaled(now), { colour: ink.accent });
   if (without) axes.line(without.xs, scaled(without.ys), { colour: ink.ideal, width: 2.2, dash: [8, 4] });
   axes.cursor(x.of(perTurn ? (((head - turn.first) % perTurn) + perTurn) % perTurn : head));
-  const legend = [["this setting", ink.accent]];
-  if (turns.length > 1) legend.push([`range of ${turns.length} turns`, ink.accent, [], 7]);
-  if (without) legend.push(["ideal", ink.ideal, [8, 4]]);
-  if (others) legend.push(["kept setting", ink.other, [3, 2]]);
-  axes.legend(legend);
 }
 
 // The ideal turn's forces of the joint that is chosen; it turns as the mechanism does, in steps of its own.
@@ -128,7 +132,7 @@ function drawPhase(pen, width, height, running, head, other) {
 
 // ------------------------------------------------------------------------------------------------------------- spectrum
 
-// Amplitudes of a series over whole turns at the orders of the crank, one for each share of a turn; a Hann window where there is no crank.
+// Amplitudes of a series at whole numbers of waves in it; a Hann window where it does not repeat itself.
 function amplitudes(values, window) {
   const count = values.length;
   const most = Math.min(Math.floor(count / 2), 1400);
@@ -138,7 +142,7 @@ function amplitudes(values, window) {
     let [re, im] = [0, 0];
     for (let k = 0, at = 0; k < count; k++) {
       re += weighed[k] * cosines[at];
-      im += weighed[k] * cosines[(at + 3 * (count >> 2)) % count];
+      im += weighed[k] * cosines[(at + 3 * (count >> 2)) % count]; // the sine, where a quarter of the count is whole
       at += order;
       if (at >= count) at -= count;
     }
@@ -146,25 +150,23 @@ function amplitudes(values, window) {
   });
 }
 
-function seriesOf({ reader, store }, turns) {
-  const values = [];
-  for (const { first, count } of turns) {
-    for (let k = 1; k <= count; k++) values.push(Math.hypot(...reader.force(store.data, store.offset(first + k), selected.joint)));
-  }
-  return Float64Array.from(values.slice(0, values.length - (values.length % 4)));
+function seriesOf({ reader, store }, { first, count }) {
+  const four = count - (count % 4);
+  return Float64Array.from({ length: four }, (_, k) => Math.hypot(...reader.force(store.data, store.offset(first + 1 + k), selected.joint)));
 }
 
 const spectra = new Map(); // what was found for a run, until it goes on
 
+// Orders of the crank, or frequencies, and amplitudes there: the root of the mean square over the turns shown.
 function spectrumOf(running) {
-  const turns = turnsOf(running).slice(-2);
+  const turns = turnsOf(running).slice(-4);
   if (!turns.length || (!perTurn && turns[0].count < 16)) return null;
   const key = `${running.id} ${turns[0].first} ${turns.at(-1).first + turns.at(-1).count} ${selected.joint}`;
   if (spectra.get(running)?.key !== key) {
-    const ys = amplitudes(seriesOf(running, turns), !perTurn);
-    const span = turns.reduce((sum, turn) => sum + turn.count, 0) * running.reader.interval;
-    const xs = Array.from(ys, (_, k) => (perTurn ? k / turns.length : k / span));
-    spectra.set(running, { key, xs, ys, turns: turns.length });
+    const each = turns.map((turn) => amplitudes(seriesOf(running, turn), !perTurn));
+    const ys = each[0].map((_, k) => Math.sqrt(each.reduce((sum, one) => sum + one[k] ** 2, 0) / each.length));
+    const span = perTurn ? 1 : turns[0].count * running.reader.interval;
+    spectra.set(running, { key, xs: Array.from(ys, (_, k) => k / span), ys });
   }
   return spectra.get(running);
 }
@@ -219,7 +221,8 @@ function drawEnergy(pen, width, height, running, head) {
   const all = lines.flatMap(([, values]) => values);
   const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)];
   const [factor, unit] = scaleOf(Math.max(high, -low), "J");
-  const axes = new Axes(pen, width, height, x, { low: factor * low, high: factor * high || 1, label: `energy (${unit})` });
+  const legend = lines.map(([name], k) => [k > 1 && perTurn ? `${name} in the turn` : name, ink.bodies[k], DASHES[k]]);
+  const axes = new Axes(pen, width, height, x, { low: factor * low, high: factor * high || 1, label: `energy (${unit})` }, legend);
   lines.forEach(([, values], k) => {
     axes.line(
       xs,
@@ -228,7 +231,6 @@ function drawEnergy(pen, width, height, running, head) {
     );
   });
   axes.cursor(x.of(perTurn ? (((head - turn.first) % perTurn) + perTurn) % perTurn : head));
-  axes.legend(lines.map(([name], k) => [k > 1 && perTurn ? `${name} in the turn` : name, ink.bodies[k], DASHES[k]]));
 }
 
 function waiting(pen, width, height) {

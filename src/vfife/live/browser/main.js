@@ -13,7 +13,8 @@ selected.body = (turning.at(-1) ?? given.bodies.at(-1)).name;
 const scene = new Scene();
 const running = new Running();
 let other = null; // the setting that is kept to compare with
-const clock = { head: 0, playing: true, speed: 1, last: 0, dragged: false, sized: false };
+const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+const clock = { head: perTurn ?? 0, wanted: 0, playing: !still, speed: 1, last: 0, dragged: false, sized: false };
 const wholeTurns = perTurn ?? wholeRun;
 const firstUntil = perTurn ? (TURNS - 1) * perTurn + 1 : wholeRun + 1;
 const sliders = new Sliders($("slides"), changed);
@@ -21,6 +22,7 @@ const sliders = new Sliders($("slides"), changed);
 function changed(setting) {
   if (perTurn) clock.head = perTurn * Math.min(Math.floor(clock.head / perTurn), 1) + (clock.head % perTurn);
   else clock.head = Math.min(clock.head, wholeRun);
+  clock.wanted = clock.head;
   told("");
   running.begin(setting, Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns)));
   dirty(true);
@@ -121,18 +123,19 @@ function frame(time) {
   clock.last = time;
   const { store, reader } = running;
   const newest = store.end - 1;
-  if (clock.playing && !clock.dragged) {
+  const behind = newest < clock.wanted && running.sound; // the moment that is looked at is still to come
+  if (clock.playing && !clock.dragged && !behind) {
     clock.head += (passed * clock.speed) / reader.interval;
     if (!perTurn && clock.head > wholeRun) clock.head = 0;
   }
-  if (clock.head > newest && newest > 0 && clock.playing) clock.head = newest; // as fast as it can be stepped
-  if (clock.head < store.begin) clock.head = store.begin;
+  if (clock.head > newest && newest > 0 && clock.playing && !behind) clock.head = newest; // as fast as it can be stepped
+  if (clock.head < store.begin && !behind) clock.head = store.begin;
   const until = perTurn ? Math.ceil(clock.head + AHEAD * perTurn) : wholeRun + 1;
   running.ask(until);
   other?.ask(until);
   scene.look(running, 60);
   if (!clock.sized && scene.seen > 0.5 * wholeTurns) begun();
-  const made = canvasFor($("scene"));
+  const made = behind ? null : canvasFor($("scene"));
   if (made && store.end) scene.draw(made.pen, made.width, made.height, running, Math.min(clock.head, newest), other?.store.end ? other : null);
   drawStale(time);
   if (frames.count % 6 === 0) tellTime();
@@ -144,7 +147,7 @@ function frame(time) {
 
 function tellTime() {
   const { store, reader } = running;
-  const head = Math.max(0, Math.min(clock.head, store.end - 1));
+  const head = Math.max(0, clock.wanted < store.end ? Math.min(clock.head, store.end - 1) : clock.head);
   const time = head * reader.interval;
   $("time").textContent = perTurn
     ? `turn ${Math.floor(head / perTurn) + 1}, ${((360 * (head % perTurn)) / perTurn).toFixed(0).padStart(3)}°, ${quantity(time, "s", 5)}`
@@ -168,6 +171,7 @@ function play(on = !clock.playing) {
 // To an output: one before or after, or a tenth of a turn.
 function step(by) {
   play(false);
+  clock.wanted = 0;
   clock.head = Math.max(running.store.begin, Math.min(Math.round(clock.head) + by, Math.max(running.store.end - 1, 0)));
 }
 
@@ -220,6 +224,7 @@ $("speed").oninput = () => setSpeed(Number($("speed").value));
 $("magnify").oninput = () => setMagnify(Number($("magnify").value));
 $("scrub").oninput = () => {
   clock.dragged = true;
+  clock.wanted = 0;
   clock.head = Number($("scrub").value);
   staleAt = Math.min(staleAt, performance.now() - 150);
 };
@@ -276,10 +281,15 @@ const KEYS = {
   "?": () => $("keys").showModal(),
 };
 
+// Keys that what has the focus takes for itself.
+function taken({ target, key }) {
+  if (target.tagName === "SELECT") return true;
+  if (target.tagName === "INPUT") return target.type === "checkbox" ? key === " " : /^(Arrow|Home|End|Page)/.test(key);
+  return key === " " && ["BUTTON", "SUMMARY"].includes(target.tagName);
+}
+
 document.addEventListener("keydown", (event) => {
-  const where = event.target.tagName;
-  const own = where === "SELECT" || (where === "INPUT" && event.key.startsWith("Arrow")) || (where === "BUTTON" && event.key === " ");
-  if (own || event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key] || $("keys").open) return;
+  if (taken(event) || event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key] || $("keys").open) return;
   event.preventDefault();
   KEYS[event.key](event);
 });
@@ -298,12 +308,17 @@ document.title = `${given.name}: running`;
 $("name").textContent = given.name;
 $("note").textContent = given.note;
 for (const note of given.notes) $("notes").append(Object.assign(document.createElement("li"), { textContent: note }));
+if (still) play(false);
 $("version").textContent = `vfife ${given.version}`;
 $("panel").hidden = given.slides.length === 0;
 $("magnify-row").hidden = !given.contacts.some((contact) => contact.kind === "bearing");
+clock.wanted = clock.head;
 running.begin(sliders.setting, firstUntil);
 {
   const span = (perTurn ?? wholeRun) * running.reader.interval; // a turn in four seconds, a run in ten, and never faster than real
   setSpeed(Math.max(-3, Math.min(0, Math.round(4 * Math.log10(span / (perTurn ? 4 : 10))) / 4)));
 }
 requestAnimationFrame(frame);
+
+// For whoever looks into the page with the browser's own tools; nothing in it uses this.
+window.live = { running, scene, clock, sliders, selected, frames };

@@ -16,7 +16,8 @@ function grouped(contacts) {
 }
 
 function drawOrbits(pen, width, height, running, head, other) {
-  const columns = Math.min(loose.length, Math.max(1, Math.round(Math.sqrt((loose.length * width) / height))));
+  const room = (columns) => Math.min(width / columns, height / Math.ceil(loose.length / columns) - 14);
+  const columns = loose.map((_, k) => k + 1).reduce((best, count) => (room(count) > room(best) ? count : best));
   const rows = Math.ceil(loose.length / columns);
   const [w, h] = [width / columns, height / rows];
   loose.forEach((one, k) => {

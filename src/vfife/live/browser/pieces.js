@@ -53,7 +53,9 @@ class Setting {
 
   // What is moved, in words; the model's own setting where nothing is.
   get words() {
-    const told = given.slides.map((slide, s) => (this.positions[s] === slide.here ? "" : `${slide.name} ${shownValue(slide, this.positions[s])}`));
+    const told = given.slides.map((slide, s) =>
+      this.positions[s] === slide.here ? "" : `${friendly(slide.name)} ${shownValue(slide, this.positions[s])}`,
+    );
     return told.filter(Boolean).join(", ") || "as in the model";
   }
 

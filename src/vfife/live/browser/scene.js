@@ -68,16 +68,14 @@ class Scene {
     pen.lineJoin = "round";
     pen.lineCap = "round";
     this.ruler(pen, width, height);
-    if (other) {
-      const ghost = Pose.at(other, Math.min(head, other.store.end - 1));
-      if (ghost) this.ghost(pen, to, ghost);
-    }
+    const ghost = other && Pose.at(other, Math.min(head, other.store.end - 1));
+    if (ghost) this.ghost(pen, to, ghost);
     if (this.show.traces) this.trace(pen, to, running, head, pose);
     this.under(pen, to, pose);
     for (const body of given.bodies) this.body(pen, to, pose, body);
     this.over(pen, to, pose);
     this.loads(pen, to, pose);
-    this.play(pen, to, pose);
+    this.play(pen, to, pose, ghost);
     if (this.show.forces) this.forces(pen, to, running, pose);
     if (this.show.names) this.names(pen, to, pose);
   }
@@ -238,7 +236,7 @@ class Scene {
   // ------------------------------------------------------------------------------------------------------ play, forces
 
   // Clearance circles magnified, with the journal's centre in each, coloured by the force that the joint carries.
-  play(pen, to, pose) {
+  play(pen, to, pose, ghost) {
     given.contacts.forEach((contact, k) => {
       if (contact.kind !== "bearing") return;
       const joint = given.joints.find((one) => one.name === contact.joint);
@@ -253,6 +251,15 @@ class Scene {
       pen.lineWidth = 1;
       trail(pen, [at, [at[0] + away[0], at[1] - away[1]]]);
       pen.stroke();
+      if (ghost) {
+        const there = ghost.reader.eccentricity(ghost.data, ghost.from, k).map((value) => value * this.magnify * this.scale);
+        pen.strokeStyle = ink.other;
+        pen.setLineDash([3, 2]);
+        pen.beginPath();
+        pen.arc(at[0], at[1], ghost.reader.plays[k] * this.magnify * this.scale, 0, 2 * Math.PI);
+        pen.stroke();
+        disc(pen, [at[0] + there[0], at[1] - there[1]], 2.5, ink.other, ink.paper, 1.4);
+      }
       disc(pen, [at[0] + away[0], at[1] - away[1]], Math.max(2.5, 0.16 * radius), ink.ink, heat(share), 0.8);
     });
   }

@@ -1,5 +1,11 @@
 // Sliders: each has the positions that Python assembled; moving one starts the mechanism anew with the numbers of the new setting.
 
+// What a path is called: the last of its words, of whom.
+function friendly(name) {
+  const [section, noun, ...words] = name.split(".");
+  return words.length ? `${words.join(" ")}, ${section} ${noun}` : name;
+}
+
 class Sliders {
   constructor(place, changed) {
     this.setting = new Setting();
@@ -11,7 +17,8 @@ class Sliders {
     const row = document.createElement("div");
     row.className = "slide";
     const label = document.createElement("label");
-    label.textContent = slide.name;
+    label.textContent = friendly(slide.name);
+    label.title = slide.paths.join(", ");
     label.htmlFor = `slide-${s}`;
     const input = document.createElement("input");
     Object.assign(input, { type: "range", id: `slide-${s}`, min: 0, max: slide.values.length - 1, step: 1, value: slide.here });

@@ -62,8 +62,15 @@ class Turns {
     }
   }
 
-  // Whole turns; without one what there is so far.
+  // Whole turns, but for the one of the start where there are others; without any what there is so far.
   get shown() {
-    return this.done.length ? this.done : this.open ? [this.open] : [];
+    const settled = this.done.filter((turn) => turn.first > 0);
+    return settled.length > 1 ? settled : this.done.length ? this.done : this.open ? [this.open] : [];
+  }
+
+  // Which turns these are.
+  get words() {
+    const [one, two] = [this.shown[0], this.shown.at(-1)].map((turn) => Math.floor((turn?.first ?? 0) / this.perTurn) + 1);
+    return one === two ? `turn ${one}` : `turns ${one}–${two}`;
   }
 }

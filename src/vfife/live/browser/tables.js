@@ -43,7 +43,7 @@ function writePeaks(table, running, other) {
   const others = other ? peaks(other) : [];
   const compared = rows.some((row) => row.ideal);
   const head = ["largest", perTurn ? "last turn" : "so far"];
-  if (perTurn) head.push(`${running.turns.shown.length} turns`);
+  if (perTurn) head.push(running.turns.words);
   if (compared) head.push("ideal", "play adds", perTurn ? "over the turns" : "");
   if (other) head.push("kept setting");
   const top = document.createElement("tr");
@@ -78,5 +78,5 @@ function ledgerText(running, head) {
   const largest = Math.max(...Object.values(now).map(Math.abs), summed(start, STORED), 1e-300);
   const parts = Object.entries(now).filter(([, value]) => Math.abs(value) > 1e-9 * largest);
   const told = parts.map(([name, value]) => `${name} ${quantity(value, "J")}`).join(", ");
-  return `Since the start: ${told}. Left over: ${quantity(left, "J")}, ${((100 * Math.abs(left)) / largest).toPrecision(2)} % of the largest.`;
+  return `Since the start: ${told}. Left over: ${quantity(left, "J")}, ${((100 * Math.abs(left)) / largest).toExponential(1)} % of the largest.`;
 }
