@@ -27,7 +27,7 @@ from ..solvers.record import Checkpoint
 from . import formerfile, tables
 from .header import APPLICATION, FORMAT, is_run_file
 from .opening import connected, readable, run_file_at
-from .packing import packed, unpacked
+from .packing import packed, parted, unpacked
 from .space import space
 from .tables import damaged, told, unwritten
 
@@ -97,6 +97,8 @@ class RunFile:
         path = run_file_at(path)
         try:
             file = cls(path, connected(path), gather)
+            if file.sealed:
+                tables.complete(file._connection)
         except sqlite3.Error as error:
             raise StorageError(unwritten(str(path), str(error))) from error
         if not file.sealed:
@@ -165,6 +167,8 @@ class RunFile:
             values = json.dumps(beside.told), packed(steps[len(steps) - outputs :].astype(float)), packed(beside.rows.reshape(outputs, -1))
             self._insert("companions", first + len(steps) - outputs, outputs, int(steps[-1]), *values)
             self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
+            for turn, values in enumerate(beside.turns, beside.first):
+                self._insert("turns", turn, turn * beside.steps, packed(values))
 
     def _counts(self) -> tuple[int, int]:
         """Chunks and outputs there are."""
@@ -190,7 +194,7 @@ class RunFile:
     def rewind(self, checkpoint: Checkpoint) -> None:
         """Takes away what was written after a checkpoint, from which the run goes on."""
         with self._transaction():
-            for table, column in (("checkpoints", "step"), ("companions", "last")):
+            for table, column in (("checkpoints", "step"), ("companions", "last"), ("turns", "last")):
                 self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
             self._connection.execute("DELETE FROM history WHERE chunk >= ?", (checkpoint.chunks,))
 
@@ -271,7 +275,7 @@ class RunFile:
 
     def _anew(self) -> None:
         """Takes away what was computed, and says what is computed next."""
-        for table in ("history", "checkpoints", "companions"):
+        for table in ("history", "checkpoints", "companions", "turns"):
             self._connection.execute(f"DELETE FROM {table}")
         self._put(self._next)
         self._next = {}
@@ -404,6 +408,19 @@ class RunFile:
         return (json.loads(chunks[-1][3]), np.concatenate(steps), np.concatenate(parts)) if chunks else None
 
     @told
+    def turns(self) -> NDArray[np.float64]:
+        """What companions leave of each whole turn, shape (turns, kept, companions); without any where they are damaged, or none were kept."""
+        if not self.sealed or not tables.has(self._connection, "turns"):
+            return np.zeros((0, 0, 0))
+        found = list(tables.each(self._connection, "turns"))
+        rows = [row for _, row in found if row is not None]
+        parts = [unpacked(row[2]) for row in rows]
+        if [row[0] for row in rows] != list(range(1, len(found) + 1)) or len({part.shape for part in parts}) > 1:
+            self._lose("the companions' turns")
+            return np.zeros((0, 0, 0))
+        return np.array(parts) if parts else np.zeros((0, 0, 0))
+
+    @told
     def latest(self) -> Checkpoint | None:
         """The latest checkpoint that is whole, from which the run can go on; None where there is none, or the file is of a former format."""
         if not self.sealed:
@@ -461,12 +478,6 @@ class RunFile:
             self._lose("the ideal reference")
             return None
         return meta, steps, rows
-
-
-def parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
-    """What JSON can say, and arrays."""
-    arrays = {key: value for key, value in meta.items() if isinstance(value, np.ndarray)}
-    return {key: value for key, value in meta.items() if key not in arrays}, arrays
 
 
 def rows_of(path: Path) -> NDArray[np.float64]:

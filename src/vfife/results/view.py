@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from ..analysis import Ledger, Measures, last_turn, ledger, ranged
 from ..analysis.motion import times
+from ..analysis.turns import Turns, turns
 from ..modelfile import dump
 from ..solvers.record import Record
 from .channels import Channel, channels, entities
 from .provenance import sources, versions
 from .series import Series
+from .turns import latest_turns
 
 if TYPE_CHECKING:
     import xarray
@@ -83,7 +85,8 @@ class View:
     def measures(self) -> Measures:
         """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`.
 
-        Each is a number with ``value``, ``low`` and ``high``, its range over run and companions: :class:`~vfife.analysis.measured.Measured`.
+        Of which turns they are says :attr:`motion`. Each is a number with ``low`` and ``high``, its range over run and companions, and ``lowest``
+        and ``highest``, those of its turns: :class:`~vfife.analysis.measured.Measured`.
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)
 
@@ -113,6 +116,16 @@ class View:
                 "flag_meanings": "free_flight impact continuous_contact",
             }
         return data
+
+    @cached_property
+    def turns(self) -> xarray.Dataset:
+        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see :func:`vfife.results.turns.latest_turns`."""
+        return latest_turns(self)
+
+    @cached_property
+    def motion(self) -> Turns | None:
+        """Whether the turns of the run repeat, from which one on, with which period, and which of them its measures are of; None without turns."""
+        return turns(self.record)
 
     @cached_property
     def series(self) -> Series:
