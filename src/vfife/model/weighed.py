@@ -26,7 +26,9 @@ def _weighed(mechanism: Mechanism) -> Iterator[tuple[str, float, float]]:
     for name, body in mechanism.bodies.items():
         if isinstance(body, Link) and body.mass is not None and body.section is not None:
             yield f"Link {name}", body.mass, body.material.density * body.section.area * body.path_length
-        for member in body.members if isinstance(body, Frame) else ():
+        if not isinstance(body, Frame):
+            continue
+        for member in body.members:
             section, material = member.section or body.section, member.material or body.material
             if member.mass is not None and section is not None:
                 length = math.dist(body.nodes[member.start], body.nodes[member.end])

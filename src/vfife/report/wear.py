@@ -9,6 +9,8 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
+from .digits import prefixed
+
 MANY = 10.0  # times the mean: a torque that swings by more is told by its swing
 CONFORMAL = "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
 HEADINGS = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
@@ -16,8 +18,6 @@ HEADINGS = ("joint", "friction", "impacts", "sliding", "line pressure", "half-wi
 
 def wear_table(told: dict[str, Any]) -> Table:
     """Mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure times speed, joint by joint."""
-    from .tables import prefixed
-
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for k, heading in enumerate(HEADINGS):
         table.add_column(heading, justify="right" if k else "left")
@@ -44,8 +44,6 @@ def _most(told: dict[str, Any], joint: str, kind: str) -> float:
 
 def machine_lines(told: dict[str, Any]) -> Iterable[tuple[str, str]]:
     """Heading and line: mean torque and power of the drivers, efficiency, what shakes the ground."""
-    from .tables import prefixed
-
     found = told["measures"]
     for name in told["model"]["bodies"]:
         if f"{name}.torque.mean" in found:

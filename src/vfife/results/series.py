@@ -38,6 +38,10 @@ class Series(Mapping[str, "xarray.DataArray"]):
         found = self._data()[variable]
         return found if entity is None else found.sel({entity: label})
 
+    def place(self, name: str) -> tuple[str, str | None, str]:
+        """Where a series lies in the data: variable, dimension and name along it; no dimension for one of the whole mechanism."""
+        return self._places[name]
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._places)
 
