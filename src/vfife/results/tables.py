@@ -19,6 +19,7 @@ from .packing import seal
 COLUMNS = {
     "meta": ("key TEXT PRIMARY KEY", "json TEXT NOT NULL"),
     "arrays": ("key TEXT PRIMARY KEY", "data BLOB NOT NULL"),
+    "copies": ("key TEXT PRIMARY KEY", "data BLOB NOT NULL"),
     "history": ("chunk INTEGER PRIMARY KEY", "first INTEGER NOT NULL", "outputs INTEGER NOT NULL", "steps BLOB NOT NULL", "data BLOB NOT NULL"),
     "checkpoints": ("step INTEGER PRIMARY KEY", "chunks INTEGER NOT NULL", "outputs INTEGER NOT NULL", "more TEXT NOT NULL", "state BLOB NOT NULL"),
     "events": ("number INTEGER PRIMARY KEY", "step INTEGER NOT NULL", "time TEXT NOT NULL", "text TEXT NOT NULL"),
@@ -28,7 +29,7 @@ COLUMNS = {
         "data BLOB NOT NULL",
     ),
 }  # fmt: skip
-SCHEMA = [f"CREATE TABLE {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in COLUMNS.items()]
+SCHEMA = [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in COLUMNS.items()]
 KEYS = {table: columns[0].split()[0] for table, columns in COLUMNS.items()}
 STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
