@@ -139,6 +139,7 @@ def simulate(
     reference: bool | Result = True,
     force_step: bool = False,
     companions: int | str | None = None,
+    settle: float | str | None = None,
     progress: Callable[[Progress], None] | None = None,
     file: RunFile | None = None,
     start: StartFrom | None = None,
@@ -148,7 +149,8 @@ def simulate(
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; both as numbers or as texts with a unit, "1 us". ``outputs`` per turn
     (per run without a crank); ``loop`` "auto", "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run
     the ideal mechanism to compare with, or its result. ``companions``: runs with displaced steps beside one with contact, 0 to 7, which give
-    measures their ranges; "auto" as many as fill the lanes. An automatic step is halved, three times at the most, until run and companions agree
+    measures their ranges; "auto" as many as fill the lanes. ``settle`` (1): the run ends as soon as its turns repeat within that share of their
+    largest values, and after ``turns`` at the latest. An automatic step is halved, three times at the most, until run and companions agree
     within the tolerance of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask for a static
     analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
     ``step``. ``file``: a run file that takes the outputs while they come, which are not kept in memory then. ``start``: a former run (or its
@@ -157,7 +159,8 @@ def simulate(
     """
     given = Arguments("simulate")
     given.mechanism(mechanism)
-    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions)
+    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions,
+                      settle=settle)  # fmt: skip
     given.one_of("reference", reference, (bool, Result), "True, False or a Result")
     given.one_of("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
     given.one_of("file", file, (RunFile, type(None)), "a RunFile")
@@ -168,6 +171,8 @@ def simulate(
 
 def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True, start: StartFrom | None = None) -> Prepared:
     """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`."""
+    if asked.settle is not None:
+        mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, settle=asked.settle))
     validate(mechanism)
     if mechanism.settings.analysis == "static":
         if start is not None:

@@ -64,7 +64,7 @@ def extended(record: Record, until: float, where: str) -> Assembly:
     if not outputs * choice.outputs_every <= MOST_STEPS:
         raise ResumeError(f"{where}: until {until:.6g} s it takes {until / choice.step:.1e} steps, and no run does more than {MOST_STEPS:.0e}")
     mechanism = assembly.mechanism
-    mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, turns=None, duration=until))
+    mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, turns=None, duration=until, settle=None))
     return dataclasses.replace(assembly, mechanism=mechanism, choice=dataclasses.replace(choice, outputs=outputs))
 
 
