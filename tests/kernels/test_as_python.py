@@ -12,6 +12,7 @@ import vfife
 from mechanisms import beads, every_drive, every_law, everything, geared_ring
 from support import bits, journal_in_bearing, with_settings
 from vfife.assembly.assemble import assemble
+from vfife.assembly.bounds import bounds, limited_rows
 from vfife.codegen.graph import tables
 from vfife.codegen.runner import Runner
 from vfife.codegen.source import Gathered, dispatch, films, regimes
@@ -62,11 +63,15 @@ def test_functions_give_the_bits_of_the_gathered_text(name, laws):
     state = assembly.state[:, None].copy()
     runner = Runner(assembly.topology, state, assembly.tables[None], "interpreted", kept, shares=out_of_phase)
     integers, layout, size = tables(assembly.topology)
+    low, high = bounds(assembly)
+    limited, broken = (limited_rows(assembly), np.stack([low, high], axis=1).reshape(-1)), np.zeros(1)
     functions, extremes = np.asarray(assembly.tables).reshape(-1), np.array(layout.of("extreme"))
     for n0 in (0, COMPARED + AHEAD):
         ours, out = runner.states.copy(), np.zeros((COMPARED, len(kept), 1))
         scratch = (np.zeros(size), np.zeros(layout.rows))
-        advance.advance(*scratch, functions, integers.tolist(), ours.reshape(-1), layout.rows, 1, n0, 1, 8, out_of_phase, out, kept, extremes)
+        given = (functions, integers.tolist(), ours.reshape(-1), layout.rows, 1, n0, 1, 8, out_of_phase, out, kept, extremes)
+        advance.advance(*scratch, *given, 1, *limited, broken)
+        assert broken == 0.0
         assert (bits(runner.advance(1, COMPARED)) == bits(out)).all(), n0
         assert (bits(runner.states) == bits(ours)).all(), n0
         runner.advance(AHEAD, 1)

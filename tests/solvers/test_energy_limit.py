@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -12,8 +13,10 @@ from typer.testing import CliRunner
 import vfife
 from support import bits, journal_in_bearing, with_settings
 from vfife.analysis.energy import drifting, ledger
+from vfife.analysis.trust import finer
 from vfife.cli.app import app
 from vfife.errors import ResumeError
+from vfife.report.diverged import energy_cause
 from vfife.solvers import pace, transient
 from vfife.solvers.record import places
 from vfife.solvers.transient import run
@@ -70,3 +73,33 @@ def test_what_hangs_still_has_no_energy_to_be_judged_by() -> None:
     m.link("rod", length=1.0, mass=2.0, angle=-1.5707963267948966)
     m.revolute("J", "ground.O", "rod.start")
     assert vfife.simulate(m, duration=0.1).record.status == "complete"
+
+
+def rubber(strain: str, young: float) -> vfife.Mechanism:
+    """A rope of rubber that falls and is stretched to several times its length."""
+    m = vfife.load_model(Path(__file__).parents[2] / "examples" / "elastic_pendulum.toml")
+    return dataclasses.replace(m, bodies={"rod": dataclasses.replace(m.bodies["rod"], strain=strain, stiffness_factor=young)})
+
+
+@pytest.mark.parametrize(("strain", "asks"), [("current", False), ("reference", True)])
+def test_a_floor_that_is_the_methods_own_asks_for_no_smaller_step(strain: str, asks: bool) -> None:
+    """Moments of elements of the present length belong to no energy; with the reference length the ledger closes as the square of the step."""
+    model, options = rubber(strain, 1e-2), {"duration": 0.3, "reference": False, "outputs": 15}
+    (said,) = (one for one in vfife.simulate(model, step=0.02, **options).summary["warnings"] if "ledger" in one)
+    assert ("smaller step" in said) == asks and ("more elements" in said) != asks
+    stopped = vfife.simulate(with_settings(model, energy_limit=1e-3), step=0.02, **options)
+    assert stopped.record.status == "energy"
+    assert ("smaller step" in energy_cause(stopped)) == asks and ("more elements" in energy_cause(stopped)) != asks
+    coarse, fine = (vfife.simulate(model, step=step, **options).ledger.error for step in (0.005, 0.00125))
+    assert (coarse / fine == pytest.approx(16.0, rel=0.02)) == asks and (fine > 0.5 * coarse) != asks
+
+
+def test_no_step_is_halved_for_a_floor_that_none_lowers() -> None:
+    """Where moments belong to no energy the ledger does not set an automatic step; elsewhere it does."""
+    runs = []
+    for strain in ("current", "reference"):
+        model = with_settings(rubber(strain, 1e-2), energy_limit=1e-3, tolerance=1.0)
+        record = vfife.simulate(model, step=0.02, duration=0.3, outputs=15, reference=False).record
+        choice = dataclasses.replace(record.assembly.choice, automatic=True)
+        runs.append(dataclasses.replace(record, assembly=dataclasses.replace(record.assembly, choice=choice)))
+    assert [finer(record) is not None for record in runs] == [False, True]

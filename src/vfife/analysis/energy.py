@@ -73,6 +73,14 @@ def drifting(assembly: Assembly, kept: NDArray[np.uint32], steps: NDArray[np.int
     return too_open(some, found) and bool((np.abs(found.residual[-LAST:]) > limit * found.largest).all())
 
 
+def own_floor(record: Record) -> bool:
+    """Whether part of what the ledger leaves open is the method's own, so that no step closes it.
+
+    Moments of elements whose stiffness counts on their present length belong to no energy.
+    """
+    return CURRENT in record.assembly.topology.strains
+
+
 def ledger(record: Record) -> Ledger:
     """All energies and works of a record, from its state at t_n.
 

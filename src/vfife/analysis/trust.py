@@ -9,7 +9,7 @@ import numpy as np
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
 from ..solvers.status import Status
-from .energy import ledger
+from .energy import ledger, own_floor
 from .measured import Measured
 from .ranges import ranged, spreads
 
@@ -70,7 +70,8 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     if diverged:
         return None
     stopped = record.status == Status.ENERGY
-    unlike = (record.companions is not None or stopped) and len(choice.tried) < OPEN_HALVINGS and ledger(record).error > OPEN
+    closes = len(choice.tried) < OPEN_HALVINGS and not own_floor(record)
+    unlike = (record.companions is not None or stopped) and closes and ledger(record).error > OPEN
     if unlike or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]):
         return (*choice.tried, (choice.step, None))
     return None

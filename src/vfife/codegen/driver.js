@@ -2,15 +2,19 @@
 
 // count steps from step n0. The whole step starts a run and takes every step that the lean one leaves; where something began, ended or changed
 // its regime, the step is taken again in so many parts. A share of a step comes right after the start. Extremes are the caller's to set back.
+// It returns the number of the next step: n0 + count, or less where a place is no longer a finite number, which is seen within a thousand steps.
 function advance(S, T, n0, count, parts = 8, share = 0) {
   for (let n = n0; n < n0 + count; n++) {
     functions(S, T, n);
-    if (n > 0 && lean(S, n)) continue;
-    const before = parts > 1 ? S.slice() : null;
-    whole(S, n);
-    if (n > 0 && parts > 1 && S[EVENT] > 0) again(S, before, T, n, parts);
-    if (n === 0 && share > 0) displace(S, T, share);
+    if (n === 0 || !lean(S, n)) {
+      const before = parts > 1 ? S.slice() : null;
+      whole(S, n);
+      if (n > 0 && parts > 1 && S[EVENT] > 0) again(S, before, T, n, parts);
+      if (n === 0 && share > 0) displace(S, T, share);
+    }
+    if ((n + 1) % 1000 === 0 && !PLACES.every((row) => Number.isFinite(S[row]))) return n + 1;
   }
+  return n0 + count;
 }
 
 // Step n once more, from the state before it, as so many smaller ones.

@@ -1,9 +1,11 @@
-; advance(S, Q, T, stride, n0, count, outputs, parts, shares, out, kept, keeping, extremes, resetting): outputs times count steps from step n0.
+; advance(S, Q, T, stride, n0, count, outputs, parts, shares, out, kept, keeping, extremes, resetting, look, finite, limited, limiting, limits, broken):
+; outputs times count steps from step n0.
 ; T holds the tables of all lanes, stride apart. Before each count the rows in extremes start anew, after it the rows in kept are copied to
 ; out, of shape (outputs, keeping, WIDTH). The whole step starts a run and takes every step that the lean one leaves; a lane in which something
 ; began, ended or changed its regime then takes that step again in so many parts. The first step of a lane is a share of one, where that is not
-; zero, beside those that are counted. Q is another copy of the state.
-define void @advance(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %outputs, i64 %parts, ptr noalias %shares, ptr noalias %out, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting) {
+; zero, beside those that are counted. Q is another copy of the state. Wherever look divides the number of steps made, lanes are watched; when
+; the last of those that are looked at has broken, it is over, and rows of out that are left are as they were.
+define void @advance(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %outputs, i64 %parts, ptr noalias %shares, ptr noalias %out, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken) {
 entry:
   br label %output
 output:
@@ -29,7 +31,7 @@ begin:
   %to = add i64 %from, %count
   br label %steps
 steps:
-  %n = phi i64 [ %from, %begin ], [ %n.next, %one ], [ %n.next, %displaced ]
+  %n = phi i64 [ %from, %begin ], [ %n.made, %made ], [ %n.made, %watched ]
   %left = sub i64 %to, %n
   %any = icmp sgt i64 %left, 0
   br i1 %any, label %chosen, label %copy
@@ -37,10 +39,15 @@ chosen:
   %start = icmp eq i64 %n, 0
   br i1 %start, label %first, label %many
 many:
-  %clean = call i64 @lean(ptr %S, ptr %Q, ptr %T, i64 %stride, i64 %n, i64 %left)
+  %unseen = urem i64 %n, %look
+  %until = sub i64 %look, %unseen
+  %sooner = icmp slt i64 %until, %left
+  %piece = select i1 %sooner, i64 %until, i64 %left
+  %end = add i64 %n, %piece
+  %clean = call i64 @lean(ptr %S, ptr %Q, ptr %T, i64 %stride, i64 %n, i64 %piece)
   %n.clean = add i64 %n, %clean
-  %stopped = icmp slt i64 %n.clean, %to
-  br i1 %stopped, label %eventful, label %copy
+  %stopped = icmp slt i64 %n.clean, %end
+  br i1 %stopped, label %eventful, label %made
 first:
   call void @whole(ptr %S, ptr %T, i64 %stride, i64 %n)
   br label %one
@@ -50,10 +57,18 @@ eventful:
 one:
   %n.one = phi i64 [ %n, %first ], [ %n.clean, %eventful ]
   %n.next = add i64 %n.one, 1
-  br i1 %start, label %displaced, label %steps
+  br i1 %start, label %displaced, label %made
 displaced:
   call void @displace(ptr %S, ptr %Q, ptr %T, i64 %stride, ptr %shares)
-  br label %steps
+  br label %made
+made:
+  %n.made = phi i64 [ %n.clean, %many ], [ %n.next, %one ], [ %n.next, %displaced ]
+  %since = urem i64 %n.made, %look
+  %due = icmp eq i64 %since, 0
+  br i1 %due, label %watched, label %steps
+watched:
+  %on = call i1 @watch(ptr %S, ptr %kept, i64 %finite, ptr %limited, i64 %limiting, ptr %limits, ptr %broken, i64 %n.made)
+  br i1 %on, label %steps, label %finished
 copy:
   %row0 = mul i64 %m, %keeping
   br label %copies
@@ -79,6 +94,69 @@ copied:
   br label %output
 finished:
   ret void
+}
+
+; watch(S, kept, finite, limited, limiting, limits, broken, n): a lane with a number among the rows kept that is not finite, or one in a row of
+; limited that is not between the two of limits, breaks after n steps; a lane that is not at zero in broken has done so, or is not looked at.
+; Whether there is still a lane at zero.
+define internal i1 @watch(ptr noalias %S, ptr noalias %kept, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken, i64 %n) noinline {
+entry:
+  br label %row
+row:
+  %k = phi i64 [ 0, %entry ], [ %k.next, %sum ]
+  %nothing = phi NUMBER [ zeroinitializer, %entry ], [ %nothing.next, %sum ]
+  %more = icmp slt i64 %k, %finite
+  br i1 %more, label %sum, label %summed
+sum:
+  %kept.at = getelementptr i32, ptr %kept, i64 %k
+  %kept.row = load i32, ptr %kept.at, align 4
+  %kept.long = zext i32 %kept.row to i64
+  %kept.first = mul i64 %kept.long, WIDTH
+  %kept.place = getelementptr double, ptr %S, i64 %kept.first
+  %kept.value = load NUMBER, ptr %kept.place, align 8
+  %zero = fmul NUMBER %kept.value, zeroinitializer
+  %nothing.next = fadd NUMBER %nothing, %zero
+  %k.next = add i64 %k, 1
+  br label %row
+summed:
+  %infinite = fcmp uno NUMBER %nothing, zeroinitializer
+  br label %limit
+limit:
+  %q = phi i64 [ 0, %summed ], [ %q.next, %compare ]
+  %bad = phi TRUTH [ %infinite, %summed ], [ %bad.next, %compare ]
+  %some = icmp slt i64 %q, %limiting
+  br i1 %some, label %compare, label %noted
+compare:
+  %limited.at = getelementptr i32, ptr %limited, i64 %q
+  %limited.row = load i32, ptr %limited.at, align 4
+  %limited.long = zext i32 %limited.row to i64
+  %limited.first = mul i64 %limited.long, WIDTH
+  %limited.place = getelementptr double, ptr %S, i64 %limited.first
+  %value = load NUMBER, ptr %limited.place, align 8
+  %two = mul i64 %q, 2
+  %low.first = mul i64 %two, WIDTH
+  %high.first = add i64 %low.first, WIDTH
+  %low.place = getelementptr double, ptr %limits, i64 %low.first
+  %high.place = getelementptr double, ptr %limits, i64 %high.first
+  %low = load NUMBER, ptr %low.place, align 8
+  %high = load NUMBER, ptr %high.place, align 8
+  %below = fcmp ult NUMBER %value, %low
+  %above = fcmp ugt NUMBER %value, %high
+  %beyond = or TRUTH %below, %above
+  %bad.next = or TRUTH %bad, %beyond
+  %q.next = add i64 %q, 1
+  br label %limit
+noted:
+  %before = load NUMBER, ptr %broken, align 8
+  %whole.before = fcmp oeq NUMBER %before, zeroinitializer
+  %breaks = and TRUTH %bad, %whole.before
+  %number = sitofp i64 %n to double
+  %here = call NUMBER @all(double %number)
+  %after = select TRUTH %breaks, NUMBER %here, NUMBER %before
+  store NUMBER %after, ptr %broken, align 8
+  %whole.after = fcmp oeq NUMBER %after, zeroinitializer
+  %left = call i1 @any(TRUTH %whole.after)
+  ret i1 %left
 }
 
 ; event(S, Q, T, stride, n, parts): step n as a whole; lanes in which something began, ended or changed its regime take it again in parts.

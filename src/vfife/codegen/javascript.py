@@ -60,9 +60,14 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 
 def written(topology: Topology) -> str:
-    """Text with ``advance(S, T, n0, count, parts, share)`` for one simulation: S and T are Float64Arrays, the state and its tables."""
+    """Text with ``advance(S, T, n0, count, parts, share)`` for one simulation: S and T are Float64Arrays, the state and its tables.
+
+    It returns the number of the next step, which is less than n0 + count where places are no longer finite.
+    """
     lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
     rows = "".join(f"const {name.upper()} = {layout.row(name)};\n" for name in ("step", "shift", "event"))
+    places = [row for axis in ("x", "y", "theta") for row in layout[f"particle_{axis}"].tolist()]
+    rows += f"const PLACES = {places};\n"
     parts = [
         rows + DRIVER.read_text(),
         definition("functions(S, T, n)", searched(functions(topology), layout)),

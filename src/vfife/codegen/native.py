@@ -21,7 +21,9 @@ Rows = NDArray[np.float64]
 
 EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time; nothing of it changes a bit
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
-ADVANCE = ctypes.CFUNCTYPE(None, *[POINTER] * 3, *[NUMBER] * 5, POINTER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
+BEFORE = (*[POINTER] * 3, *[NUMBER] * 5, POINTER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
+ADVANCE = ctypes.CFUNCTYPE(None, *BEFORE, NUMBER, NUMBER, POINTER, NUMBER, POINTER, POINTER)
+NEVER = 2**62  # steps between two looks
 
 
 @lru_cache(maxsize=1)
@@ -101,7 +103,9 @@ class Memory(NamedTuple):
 
     S and ``spare`` (rows x lanes) are the state and room for another, T the tables of all lanes. Steps with events are taken again in ``parts``;
     ``shares`` (lanes) are first steps that come beside those that are counted, where they are not zero. The rows ``kept`` are handed out,
-    ``extremes`` are rows that start anew before each time.
+    ``extremes`` are rows that start anew before each time. A number of the rows ``limited`` lies between two of ``limits`` (limited x 2 x lanes),
+    and those that are kept are finite, or the lane breaks: ``broken`` (lanes) then says after how many steps that was seen. It is 0 before,
+    and less in lanes that nobody looks at.
     """
 
     S: Rows
@@ -111,11 +115,14 @@ class Memory(NamedTuple):
     shares: Rows
     kept: NDArray[np.uint32]
     extremes: NDArray[np.uint32]
+    limited: NDArray[np.uint32]
+    limits: Rows
+    broken: Rows
 
 
-# (n0, steps, out, anew): len(out) times so many steps from step n0, out[m] filled with the rows kept after each, or of no rows; whether extremes
-# begin anew before each.
-Take = Callable[[int, int, Rows, bool], None]
+# (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows kept after each, or of no rows; whether
+# extremes begin anew before each; lanes are looked at where look divides the number of steps made.
+Take = Callable[[int, int, Rows, bool, int], None]
 
 
 class Loaded:
@@ -127,13 +134,17 @@ class Loaded:
 
     def __call__(self, memory: Memory) -> Take:
         """Steps on a memory; its addresses are looked up once, for that takes as long as a hundred steps."""
-        S, spare, T, shares, kept, extremes = (getattr(memory, name).ctypes.data for name in ("S", "spare", "T", "shares", "kept", "extremes"))
+        S, spare, T, _, shares, *others = (None if name == "parts" else getattr(memory, name).ctypes.data for name in Memory._fields)
+        kept, extremes, limited, limits, broken = others
         code, stride, parts = self.code, len(memory.T) // self.width, memory.parts  # the code lives as long as somebody may call it
-        resetting = len(memory.extremes)
+        resetting, finite, limiting = len(memory.extremes), len(memory.kept), len(memory.limited)
 
-        def take(n0: int, steps: int, out: Rows, anew: bool = True) -> None:
+        def take(n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
             outputs, keeping, _ = out.shape
-            code.function(S, spare, T, stride, n0, steps, outputs, parts, shares, out.ctypes.data, kept, keeping, extremes, resetting * anew)
+            code.function(
+                S, spare, T, stride, n0, steps, outputs, parts, shares, out.ctypes.data, kept, keeping, extremes, resetting * anew,
+                look, finite, limited, limiting, limits, broken,
+            )  # fmt: skip
 
         return take
 

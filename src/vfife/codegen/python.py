@@ -11,7 +11,7 @@ from ..kernels.arrays import Layout
 from ..kernels.elementary import nearest
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import Topology
-from .native import Memory, Take
+from .native import NEVER, Memory, Take
 from .schedule import Line, Load, Store, Test, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
 from .trace import Operand, rows_used
@@ -37,21 +37,32 @@ def displace(S, T, share):
     whole(S, 1)
     resize(S, dt, share, 0.0)
 
-def advance(memory, n0, steps, out, anew=True):
-    S, before, T, parts, shares, kept, extremes = memory
+def watch(S, kept, limited, limits, broken, n):
+    within = all(isfinite(S[q]) for q in kept)
+    within = within and all(low <= S[q] <= high for q, low, high in zip(limited, limits[::2], limits[1::2]))
+    if broken[0] == 0.0 and not within:
+        broken[0] = n
+
+def advance(memory, n0, steps, out, anew=True, look=NEVER):
+    S, before, T, parts, shares, kept, extremes, limited, limits, broken = memory
     for m in range(len(out)):
+        if broken[0] > 0.0:
+            break
         for q in extremes if anew else ():
             S[q] = 0.0
         for n in range(n0 + m * steps, n0 + (m + 1) * steps):
             functions(S, T, n)
-            if n > 0 and lean(S, n):
-                continue
-            before[:] = S
-            whole(S, n)
-            if n > 0 and parts > 1 and S[EVENT] > 0.0:
-                again(S, before, T, n, parts)
-            if n == 0 and shares[0] > 0.0:
-                displace(S, T, shares[0])
+            if n == 0 or not lean(S, n):
+                before[:] = S
+                whole(S, n)
+                if n > 0 and parts > 1 and S[EVENT] > 0.0:
+                    again(S, before, T, n, parts)
+                if n == 0 and shares[0] > 0.0:
+                    displace(S, T, shares[0])
+            if (n + 1) % look == 0:
+                watch(S, kept, limited, limits, broken, n + 1)
+                if broken[0] > 0.0:
+                    break
         for q in range(out.shape[1]):
             out[m, q, 0] = S[kept[q]]
 """
@@ -93,7 +104,7 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 
 def written(topology: Topology) -> str:
-    """Text with ``advance``; it wants ``sqrt``, ``nearest`` and ``polynomial``."""
+    """Text with ``advance``; it wants ``sqrt``, ``isfinite``, ``nearest``, ``polynomial`` and ``NEVER``."""
     lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
     parts = [
         "".join(f"{name.upper()} = {layout.row(name)}\n" for name in ("step", "shift", "event")),
@@ -108,6 +119,6 @@ def written(topology: Topology) -> str:
 
 def straight_line(topology: Topology) -> Callable[[Memory], Take]:
     """``advance`` of a topology as plain Python, called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
-    space: dict[str, Any] = {"sqrt": math.sqrt, "nearest": nearest, "polynomial": polynomial}
+    space: dict[str, Any] = {"sqrt": math.sqrt, "isfinite": math.isfinite, "nearest": nearest, "polynomial": polynomial, "NEVER": NEVER}
     exec(compile(written(topology), "<vfife straight line>", "exec"), space)  # the text is our own and the user's laws, never a model file's
     return lambda memory: partial(space["advance"], memory)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,15 @@ from .compile import compiled, interpreted
 from .graph import tables
 from .inline import written_out
 from .lock import WRITING
-from .native import Memory, Take, llvmlite_version, straight_line
+from .native import NEVER, Memory, Take, llvmlite_version, straight_line
 from .source import data_driven
 
 PARTS = 8  # steps that a step with an event is taken again in
+LOOK = 1000  # steps between two looks at lanes that may break
 Rows = NDArray[np.float64]
 Integers = NDArray[np.uint32]
 NONE: Integers = np.zeros(0, dtype=np.uint32)
-ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1"  # of the data-driven loop
+ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1 i u1 f1 f1"  # of the data-driven loop
 
 
 def aligned(count: int) -> Rows:
@@ -72,13 +73,25 @@ class DataDriven:
     def __call__(self, memory: Memory) -> Take:
         """Steps on a memory."""
 
-        def take(n0: int, steps: int, out: Rows, anew: bool = True) -> None:
+        def take(n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
             self.function(
                 self.scratch, self.kept, memory.T, self.integers, memory.S, self.rows, self.lanes, n0, steps, memory.parts, memory.shares,
-                out, memory.kept, memory.extremes if anew else NONE,
+                out, memory.kept, memory.extremes if anew else NONE, look, memory.limited, memory.limits, memory.broken,
             )  # fmt: skip
 
         return take
+
+
+class Watched(NamedTuple):
+    """What breaks a lane: a number of ``rows`` that is less than ``low`` or more than ``high``, shape (rows, lanes), or one that is not finite.
+
+    Only ``lanes`` that are True, shape (lanes,), are looked at.
+    """
+
+    rows: Integers
+    low: Rows
+    high: Rows
+    lanes: NDArray[np.bool_]
 
 
 class Runner:
@@ -89,10 +102,23 @@ class Runner:
     rows ``kept`` after each ``count``, shape (outputs, kept, lanes). A step in which something begins, ends or changes its regime is taken
     again in ``parts`` (1: as it is). ``shares``, shape (lanes,), puts lanes out of phase: right after the start, one is moved on by so large a
     part of a step, so that its step n is at (n + share) dt. Its memory is its own: runners may advance in several threads at once.
+
+    Where lanes are ``watched``, each is looked at after every 1000 steps, counted from the first (``look``); ``broken`` says of one whose numbers
+    had left all bounds then after how many steps that was. It stops no other; a call ends when all that are watched are broken. Rows of a lane
+    after it broke mean nothing.
     """
 
     def __init__(
-        self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers, *, parts: int = PARTS, shares: Rows | None = None
+        self,
+        topology: Topology,
+        states: Rows,
+        functions: Rows,
+        loop: str,
+        kept: Integers,
+        *,
+        parts: int = PARTS,
+        shares: Rows | None = None,
+        watched: Watched | None = None,
     ) -> None:
         self.topology, self.loop = topology, loop
         self.kept = np.ascontiguousarray(kept, dtype=np.uint32)
@@ -106,9 +132,20 @@ class Runner:
         self.shares[:] = 0.0 if shares is None else shares
         self.states[:] = states
         self.states[self.layout["c"]] = 1.0
-        self.memory = Memory(self.S, self.spare, self.functions, parts, self.shares, self.kept, self.extremes)
+        self.look, self.broken = NEVER, aligned(self.lanes)
+        limited, limits = self._watch(watched)
+        self.memory = Memory(self.S, self.spare, self.functions, parts, self.shares, self.kept, self.extremes, limited, limits, self.broken)
         chosen = straight_line(topology, self.lanes) if loop == "generated" else DataDriven(topology, self.lanes, loop == "interpreted")
         self.take = chosen(self.memory)
+
+    def _watch(self, watched: Watched | None) -> tuple[Integers, Rows]:
+        if watched is None:
+            return NONE, aligned(0)
+        self.look = LOOK
+        self.broken[:] = np.where(watched.lanes, 0.0, -1.0)
+        limits = aligned(2 * watched.low.size)
+        limits.reshape(-1, 2, self.lanes)[:] = np.stack([watched.low, watched.high], axis=1)
+        return np.ascontiguousarray(watched.rows, dtype=np.uint32), limits
 
     @property
     def states(self) -> Rows:
@@ -122,6 +159,6 @@ class Runner:
         has to ``record``.
         """
         out = np.zeros((outputs, len(self.kept) if record else 0, self.lanes))
-        self.take(self.done, count, out, anew)
+        self.take(self.done, count, out, anew, self.look)
         self.done += count * outputs
         return out

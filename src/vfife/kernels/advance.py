@@ -96,19 +96,40 @@ def displace(S, T, I, tables, n, share):
     resize(S, I, dt, share, 0.0)
 
 
-def advance(S, K, T, I, wide, rows, lanes, n0, count, parts, shares, out, kept, extremes):
+def watch(S, w, lanes, kept, limited, limits, broken, n):
+    """Lane w breaks after n steps: a number among the rows ``kept`` is not finite, or one in a row of ``limited`` not between its two ``limits``.
+
+    What is not at zero in ``broken`` has broken before, or nobody looks at it.
+    """
+    if broken[w] == 0.0:
+        nothing = 0.0
+        for q in kept:
+            nothing += S[q] * 0.0
+        within = nothing == 0.0
+        for q in range(len(limited)):
+            x = S[limited[q]]
+            within = within and x >= limits[2 * q * lanes + w] and x <= limits[(2 * q + 1) * lanes + w]
+        if not within:
+            broken[w] = n
+
+
+def advance(S, K, T, I, wide, rows, lanes, n0, count, parts, shares, out, kept, extremes, look, limited, limits, broken):
     """Lane by lane: fills ``out[m, :, lane]`` with the rows ``kept`` after ``count`` steps more; ``extremes`` start anew before them.
 
     ``wide`` holds the states, rows by lanes; S and K are scratch for one of them. T holds the tables of all lanes, one after the other.
     A step in which something begins, ends or changes its regime is taken again in ``parts``. The first step of lane w is ``shares[w]`` of one,
-    where that is not zero, beside those that are counted.
+    where that is not zero, beside those that are counted. Wherever ``look`` divides the number of steps made, a lane is watched, and one that
+    breaks is left there; rows of ``out`` after that mean nothing.
     """
     watched = parts > 1 and I[HEADER.watched] != 0
     for w in range(lanes):
         tables = w * (len(T) // lanes)
         for q in range(rows):
             S[q] = wide[q * lanes + w]
+        until = look - n0 % look
         for m in range(out.shape[0]):
+            if broken[w] > 0.0:
+                break
             for q in extremes:
                 S[q] = 0.0
             for n in range(n0 + m * count, n0 + (m + 1) * count):
@@ -121,6 +142,12 @@ def advance(S, K, T, I, wide, rows, lanes, n0, count, parts, shares, out, kept, 
                     again(S, K, T, I, tables, n, parts, rows)
                 if n == 0 and shares[w] > 0.0:
                     displace(S, T, I, tables, n + 1, shares[w])
+                until -= 1
+                if until == 0:
+                    until = look
+                    watch(S, w, lanes, kept, limited, limits, broken, n + 1)
+                    if broken[w] > 0.0:
+                        break
             for q in range(out.shape[1]):
                 out[m, q, w] = S[kept[q]]
         for q in range(rows):

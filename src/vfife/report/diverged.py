@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import math
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..analysis.energy import own_floor
+from ..errors import VfifeError
 from .reach import end_of_reach
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
     from ..results.view import View
     from ..solvers.record import Record
+
+FAR = 4.0  # times the automatic step, beyond which a step is a likely cause
+
+# What is said where no step closes the ledger.
+FLOOR = 'what elements of the present length leave open does not go with the step; take more elements, or strain = "reference" for them'
 
 # Forces come first: where a step makes several quantities infinite, they are what did it.
 ORDER = ("contact", "frame", "spring", "joint", "driven", "function", "system", "body", "particle")
@@ -29,7 +38,7 @@ def first_infinite(record: Record) -> tuple[int, str]:
     if record.burst is not None:
         gone = "left all bounds" if record.burst.finite else "became infinite"
         return record.burst.step, f"{named(record.assembly, record.burst.rows)} {gone}"
-    from ..assembly.bounds import unsound
+    from ..assembly.bounds import Bounds
     from ..codegen.runner import Runner
 
     assembly, last = record.assembly, int(record.steps[-1])
@@ -40,7 +49,7 @@ def first_infinite(record: Record) -> tuple[int, str]:
     runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
         rows = runner.advance(1, 1)[:, :, 0]
-        bad = unsound(assembly, record.kept, rows)[0]
+        bad = Bounds(assembly, record.kept).unsound(rows)[0]
         if bad.any():
             gone = "became infinite" if not np.isfinite(rows).all() else "left all bounds"
             return step, f"{named(assembly, record.kept[bad])} {gone}"
@@ -58,7 +67,7 @@ def named(assembly: Assembly, rows: Any) -> str:
     if not found:
         return "a number of the state"
     _, block, index = min(found, key=lambda entry: entry[0])
-    meaning = block.meaning.partition(" at step")[0].partition(" since")[0]
+    meaning = re.split(" at (?:step|the start)| since", block.meaning)[0]
     return f"the {meaning} of {owner(assembly, block.entity, index)}"
 
 
@@ -86,6 +95,8 @@ def energy_cause(result: View) -> str:
     record, choice = result.record, result.record.assembly.choice
     limit = record.assembly.mechanism.settings.energy_limit
     said = f"the energy ledger is open by {100.0 * result.ledger.error:.3g} % of the largest energy, and {100.0 * limit:.3g} % is the limit."
+    if own_floor(record) and choice.step <= choice.stable:
+        return f"{said} {FLOOR[0].upper()}{FLOOR[1:]}, or allow more (energy_limit in [run])."
     if choice.step > choice.stable:
         return (
             f"{said} The step of {choice.step:.4g} s was forced, and is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows: "
@@ -94,18 +105,33 @@ def energy_cause(result: View) -> str:
     return f"{said} Take a smaller step, --step {0.5 * choice.step:.4g}, or allow more (energy_limit in [run]) where you know better."
 
 
+def automatic_step(assembly: Assembly) -> float:
+    """The step (s) that a run as long would choose by itself; infinite where that cannot be told."""
+    from ..assembly.assemble import assemble
+
+    choice = assembly.choice
+    try:
+        return assemble(assembly.mechanism, "auto", duration=choice.steps * choice.step, outputs=choice.outputs).choice.step
+    except VfifeError:
+        return math.inf
+
+
 def cause(record: Record, time: float) -> str:
     """Likely cause of what happened at ``time`` (s), and remedy."""
     choice = record.assembly.choice
-    if choice.step > choice.stable:
-        return (
-            f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows, "
-            "which is the likely cause; take --step auto, without --force-step."
-        )
-    if passed := end_of_reach(record, time):
-        return (
+    forced = f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows"
+    if passed := end_of_reach(record, time + choice.step):
+        said = (
             f"The drivers lead to a position that the mechanism cannot pass: {passed}. No step helps there: end the course of the driver before, "
             "or drive the mechanism elsewhere, such as at the crank."
+        )
+        return f"{said} {forced}, too." if choice.step > choice.stable else said
+    if choice.step > choice.stable:
+        return f"{forced}, which is the likely cause; take --step auto, without --force-step."
+    if not choice.automatic and choice.step > FAR * (own := automatic_step(record.assembly)):
+        return (
+            f"The step of {choice.step:.4g} s that was asked for is {choice.step / own:.3g} times as large as the {own:.4g} s "
+            "of an automatic one, which is the likely cause; take --step auto."
         )
     topology = record.assembly.topology
     if record.assembly.ideals and not (topology.frame_nodes or topology.contact_bearing):

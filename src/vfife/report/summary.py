@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..analysis.energy import own_floor
 from ..analysis.forces import MODES
 from ..analysis.measured import lips
 from ..analysis.trust import OPEN
-from ..kernels.topology import CURRENT
 from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status
+from .diverged import FLOOR
 from .statics import print_static, static_run, static_warnings
 from .trust import trusted, verdict
 
@@ -158,11 +159,6 @@ def open_by(result: View) -> str:
     return f"{100.0 * result.ledger.error:.2g} %"
 
 
-def soft(result: View) -> bool:
-    """Whether there are elements whose stiffness counts on their present length: their moments belong to no energy."""
-    return CURRENT in result.record.assembly.topology.strains
-
-
 def missing(result: View) -> Iterable[str]:
     """A sentence about what was damaged in the file of a run."""
     if lost := result.record.lost:
@@ -192,8 +188,7 @@ def warnings(result: View) -> Iterable[str]:
         yield sensitive
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
-        own = "what elements of the present length leave open does not go with the step; take more elements" if soft(result) else ""
-        then = own or "take a smaller step and see whether it closes"
+        then = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
         yield f"The energy ledger is open by {open_by(result)} of the largest energy: {then}."
 
 

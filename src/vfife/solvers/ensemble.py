@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import unsound
+from ..assembly.bounds import Bounds, watched
 from ..codegen.native import widest
 from ..codegen.runner import Runner
 from ..model.functions import turn_of
@@ -41,7 +41,8 @@ class Member:
     """What one simulation of an ensemble leaves.
 
     ``turns``: a record with one row a turn (and the start), the state at its end and the extremes over all of it. ``last``: the last turn,
-    output by output, with the output before it, so that maxima over it are those of the turn. ``distances``: of each turn from the one
+    output by output, with the output before it, so that maxima over it are those of the turn; of a member that diverged no number from there on
+    (NaN). ``distances``: of each turn from the one
     before, as :func:`distance` has it (1, infinite for the first). ``settled``: the first turn whose distance is within the tolerance, counted
     from 1, or None. ``status``: "complete" or "diverged".
     """
@@ -159,7 +160,8 @@ def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> 
     first = members[0].assembly
     states = np.stack([lane.assembly.state for lane in every], axis=1)
     tables = np.stack([lane.assembly.tables for lane in every])
-    runner = Runner(first.topology, states, tables, loop, recorded_rows(first), parts=first.mechanism.settings.parts)
+    own = watched([lane.assembly for lane in every], np.arange(lanes) < len(members))
+    runner = Runner(first.topology, states, tables, loop, recorded_rows(first), parts=first.mechanism.settings.parts, watched=own)
     start = runner.advance(1, 1)
     for k, lane in enumerate(members):
         lane.start(start[0, :, k])
@@ -174,7 +176,9 @@ def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> 
             return
         for k, lane in enumerate(members):
             if not lane.ended:
-                lane.take(rows[:, :, k])
+                lane.take(rows[:, :, k], int(runner.broken[k]) - 1)
+                if lane.ended:
+                    runner.broken[k] = -1.0  # nobody waits for it any more
 
 
 class _Ended(Exception):
@@ -205,6 +209,7 @@ class _Lane:
 
     def __post_init__(self) -> None:
         self.kept = recorded_rows(self.assembly)
+        self.bounds = Bounds(self.assembly, self.kept)
         layout = self.assembly.layout
         extreme = set(layout.of("extreme"))
         self.extreme = np.array([int(row) in extreme for row in self.kept])
@@ -222,13 +227,20 @@ class _Lane:
         self.summaries.append(row)
         self.rows = row[None, :]
 
-    def take(self, rows: Array) -> None:
-        """A turn."""
-        if unsound(self.assembly, self.kept, rows).any():
+    def take(self, rows: Array, broken: int) -> None:
+        """A turn, and the step after which it was seen broken, less than 0 where it was not; what comes after that is no number."""
+        bad = self.bounds.unsound(rows).any(axis=1)
+        if broken >= 0:
+            done = len(self.distances) * len(rows)
+            bad |= (done + 1 + np.arange(len(rows))) * self.assembly.choice.outputs_every >= broken
+        if bad.any():
             self.status = Status.DIVERGED
+            rows = rows.copy()
+            rows[int(np.argmax(bad)) :] = np.nan
         before, self.rows = self.rows, np.concatenate([self.rows[-1:], rows])
         self.summaries.append(np.where(self.extreme, rows.max(axis=0), rows[-1]))
-        apart = distance(before[1:, self.repeated], rows[:, self.repeated]) if len(before) == len(self.rows) else np.inf
+        known = len(before) == len(self.rows) and self.status == Status.COMPLETE
+        apart = distance(before[1:, self.repeated], rows[:, self.repeated]) if known else np.inf
         self.distances.append(apart)
         if self.tolerance is not None and apart <= self.tolerance:
             self.settled = len(self.distances)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import unsound
+from ..assembly.bounds import Bounds, watched
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
 from ..laws.stored import refuse_recorded
@@ -26,7 +26,6 @@ CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow w
 CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are
 CHECKPOINT_SHARE = 20.0  # times as long as writing one takes: no sooner comes the next
 JUDGE_SECONDS, JUDGED = 5.0, 200  # between two looks at the energy of a run, and outputs in one
-REPLAY = 1000  # steps of a piece in which a blow-up is looked for
 LONGEST_STRAIGHT_LINE = 25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
 
 
@@ -81,7 +80,12 @@ class Stepping:
         self.kept, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
         first = lanes(companions, loop)
         states, tables = np.repeat(assembly.state[:, None], len(first), axis=1), np.repeat(assembly.tables[None, :], len(first), axis=0)
-        self.runner = Runner(assembly.topology, states, tables, loop, self.kept, parts=assembly.mechanism.settings.parts, shares=first)
+        self.bounds, alone = Bounds(assembly, self.kept), np.arange(len(first)) == 0  # companions may leave them
+        self.runner = Runner(
+            assembly.topology, states, tables, loop, self.kept, parts=assembly.mechanism.settings.parts, shares=first,
+            watched=watched([assembly] * len(first), alone),
+        )  # fmt: skip
+        self.before = self.runner.S.copy()
         self.own = companions + 1  # lanes that are not mere repetitions
         self.gathering = Gathering(assembly, self.kept, first[1 : self.own]) if companions else None
         self.most = max(1, CHUNK_BYTES // (8 * len(self.kept) * len(first)))
@@ -123,12 +127,12 @@ class Stepping:
         """Chunk by chunk; each is whole before a signal is heard."""
         choice = self.assembly.choice
         while self.done < choice.steps:
-            before, state = self.done, self.runner.states.copy()
+            before, self.before[:] = self.runner.done, self.runner.S
             self.whole = False
             sound = self._chunk()
             self.whole = True
             if not sound:
-                self.burst = self._replayed(before, state)
+                self.burst = self._replayed(before)
                 return Status.DIVERGED
             if self.open:
                 return Status.ENERGY
@@ -154,7 +158,7 @@ class Stepping:
         every = self.pace.call(self.runner, piece, anew=inside == 0, record=ends)
         if ends:
             return self._keep(self.done + piece, every)
-        if unsound(self.assembly, self.kept, self.runner.states[self.kept, 0][None, :]).any():
+        if self.runner.broken[0] > 0.0:
             return False
         self.done += piece
         if time.monotonic() - self.last > CHECKPOINT_SECONDS:
@@ -164,7 +168,9 @@ class Stepping:
     def _keep(self, first: int, every: Rows) -> bool:
         """Keeps the sound ones of some outputs, from that of step ``first`` on, with a checkpoint where all are."""
         rows = np.ascontiguousarray(every[:, :, 0])
-        broken = unsound(self.assembly, self.kept, rows).any(axis=1)
+        broken = self.bounds.unsound(rows).any(axis=1)
+        if self.runner.broken[0] > 0.0:
+            broken |= first + np.arange(len(rows)) * self.assembly.choice.outputs_every >= self.runner.broken[0] - 1
         sound = int(np.argmax(broken)) if broken.any() and first > 0 else len(rows)
         steps = first + np.arange(sound, dtype=np.int64) * self.assembly.choice.outputs_every
         beside = self.gathering.take(steps, every[:sound]) if self.gathering is not None and sound else None
@@ -215,28 +221,15 @@ class Stepping:
 
     # -------------------------------------------------------------------------------------------------------------- end
 
-    def _replayed(self, done: int, state: NDArray[np.float64]) -> Burst | None:
-        """Where the first number left all bounds: the last call again from before it, in pieces, and the piece step by step."""
-        runner = self.runner
-        runner.states[:], runner.done = state, done + 1
-        while done < self.assembly.choice.steps:
-            before, piece = runner.states.copy(), min(REPLAY, self.assembly.choice.steps - done)
-            if not self._bad(piece).any():
-                done += piece
-                continue
-            runner.states[:], runner.done = before, done + 1
-            for step in range(done + 1, done + piece + 1):
-                bad = self._bad(1)
-                if bad.any():
-                    finite = bool(np.isfinite(runner.states[self.kept, 0]).all())
-                    return Burst(step, self.kept[bad], finite)
+    def _replayed(self, done: int) -> Burst | None:
+        """Where the first number left all bounds: the last call again from the state before it, looked at after every step."""
+        runner, count = self.runner, self.runner.done - done
+        runner.S[:], runner.done, runner.look, runner.broken[0] = self.before, done, 1, 0.0
+        runner.advance(count, 1, anew=False, record=False)
+        if runner.broken[0] == 0.0:
             return None
-        return None
-
-    def _bad(self, count: int) -> NDArray[np.bool_]:
-        self.runner.advance(count, 1, anew=False, record=False)
-        bad: NDArray[np.bool_] = unsound(self.assembly, self.kept, self.runner.states[self.kept, 0][None, :])[0]
-        return bad
+        row = runner.states[self.kept, 0]
+        return Burst(int(runner.broken[0]) - 1, self.kept[self.bounds.unsound(row[None, :])[0]], bool(np.isfinite(row).all()))
 
     def record(self, status: Status) -> Record:
         """What the run leaves."""
