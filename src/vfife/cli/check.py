@@ -31,13 +31,15 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     """Everything that is known before a run."""
     mechanism = read_model(model, texts, laws)
     from ..assembly.assemble import assemble
+    from ..assembly.possible import outlook
     from ..assembly.timestep import CONTACT_STEPS
     from ..report import described
     from ..simulation import expected_forces, first_contact_steps, reference_of
     from .cost import estimate
     from .filled import filled_in
 
-    ideal = reference_of(mechanism)
+    seen = outlook(mechanism)
+    ideal = reference_of(mechanism) if seen.through else None
     expected = expected_forces(ideal)
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
@@ -59,7 +61,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
         "estimate": estimate(assembly, None if ideal is None else ideal.record.assembly),
         "defaults": filled_in(model, overrides(texts)),
-        "notes": list(assembly.notes),
+        "notes": [*assembly.notes, *seen.notes],
     }
 
 

@@ -18,7 +18,7 @@ KINDS = {Across: ACROSS, Along: ALONG, Apart: APART}
 
 
 class Gathered:
-    """phi [r] (m) and G [r, 3(n-1)] of a system in (x, y, l theta), as :func:`~vfife.kinematics.system.equations` has them, at other aims of its drives.
+    """phi [r] (m) and G [r, 3(n-1)] in (x, y, l theta), as :func:`~vfife.kinematics.system.equations` has them, at other aims of the drives.
 
     Rows are those of the system, in its order.
     """

@@ -19,7 +19,7 @@ FINEST = 1e-13  # of the extent: a step that is none
 def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
     """The joint, by number, that closes the loop of the rows that take part (all, unless a self-stress [rows] says so).
 
-    Bodies are hung from the ground on, those nearest to it first; the joint that is left over between the two that lie furthest from the ground is it.
+    Bodies are hung from the ground on, those nearest to it first; it is the joint left over between the two furthest from it.
     """
     part = [k for k in range(len(system.joints)) if rows is None or rows[system.rows(k)].max(initial=0.0) > FELT]
     depth, hung, waiting = {0: 0}, set(), [0]

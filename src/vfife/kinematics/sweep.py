@@ -53,8 +53,8 @@ class Follower:
     """A determined system on its way: rows and columns that count, and what they were at the last position."""
 
     gathered: Gathered
-    rows: Array
-    columns: Array
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
     extent: float
 
     @classmethod
@@ -141,7 +141,8 @@ def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length:
     start = follower.closed(position, aims(0.0))
     if start is None:
         return Passage(0.0, position, False, None, ())
-    (here, square), at, found = start, 0.0, []
+    (here, square), at = start, 0.0
+    found: list[tuple[float, Array]] = []
     sign = np.sign(np.linalg.slogdet(square)[0])
     going, bend, stride = follower.velocity(square, rates(0.0)), np.zeros_like(position), 0.382 * pace  # a change point lies at a round angle
     for _ in range(MOST_STRIDES):
@@ -152,9 +153,10 @@ def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length:
         stride = min(stride, length - at)
         guess = here + stride * going + 0.5 * stride**2 * bend
         tried = follower.closed(guess, aims(at + stride), quick=stride > 0.2 * pace)  # in small steps lies what is singular
-        near = tried is not None and follower.moved(tried[0] - guess) <= ASTRAY * follower.moved(tried[0] - here) + 1e-9 * follower.extent
-        turned = near and np.sign(np.linalg.slogdet(tried[1])[0]) != sign
-        if near and not turned:
+        if tried is not None and follower.moved(tried[0] - guess) > ASTRAY * follower.moved(tried[0] - here) + 1e-9 * follower.extent:
+            tried = None
+        turned = tried is not None and np.sign(np.linalg.slogdet(tried[1])[0]) != sign
+        if tried is not None and not turned:
             before = going
             here, square = tried
             at += stride
@@ -169,7 +171,8 @@ def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length:
                 return Passage(at, here, beyond is None, follower.stress(square), tuple(found))
             found.append((at, follower.stress(square)))
             (here, square), at = beyond
-            sign, going, bend, stride = np.sign(np.linalg.slogdet(square)[0]), follower.velocity(square, rates(at)), np.zeros_like(here), 0.382 * pace
+            sign, going = np.sign(np.linalg.slogdet(square)[0]), follower.velocity(square, rates(at))
+            bend, stride = np.zeros_like(here), 0.382 * pace
     return Passage(at, here, False, None, tuple(found))
 
 

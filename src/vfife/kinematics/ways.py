@@ -13,13 +13,15 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from .drives import constraint_drivers, kinematic_drivers
 from .initial import Motion
-from .sweep import PACE
+from .sweep import PACE, Follower, Passage, follow
 
 Array = NDArray[np.float64]
 
 TURN = 2.0 * math.pi
 LOOKS = 720  # times at which a driver is asked for its range
 PARTS = 12  # a travel is followed in so many parts at least
+MOST_TURNS = 4  # a mechanism may take several to come back
+BACK = 1e-6  # of the extent: it has come back
 MOST_STRIDES = 400  # of several drivers together
 
 
@@ -91,3 +93,22 @@ def _there_and_back(driver: Driver, sign: float, start: float, duration: float, 
         )  # fmt: skip
         found.append((float(np.argmax(reach > 0.5 * min(length, 1.0))), one))
     return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+
+
+def followed(follower: Follower, start: Array, way: Way) -> Passage:
+    """A way to its end, or turn by turn until the mechanism has come back to where it was."""
+    if not way.turning or way.length <= TURN:
+        return follow(follower, start, way.aims, way.rates, way.length, way.pace)
+    here, singular, done = start, [], 0.0
+    for _ in range(MOST_TURNS):
+        length = min(TURN, way.length - done)
+        found = follow(follower, here, lambda s, done=done: way.aims(done + s), way.rates, length, way.pace)  # type: ignore[misc]
+        singular += [(done + place, stress) for place, stress in found.singular]
+        done, here = done + found.reached, found.position
+        off = here - start
+        off[:, 2] -= TURN * np.round(off[:, 2] / TURN)
+        felt = np.zeros(off.size)
+        felt[3 + follower.columns] = (off.ravel() * follower.gathered.reach)[3 + follower.columns]
+        if found.reached < length or np.abs(felt).max() <= BACK * follower.extent or done >= way.length * (1.0 - 1e-12):
+            return Passage(done, here, found.jammed, found.stressed, tuple(singular))
+    return Passage(done, here, False, None, tuple(singular))

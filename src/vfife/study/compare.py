@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
+from ..assembly.possible import outlook
 from ..errors import suggestion
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
@@ -50,7 +51,7 @@ def compare(
     given.tell()
     names = chosen_joints(mechanism, joints)
     variants = list(varied(mechanism, contact, friction, names))
-    reference = reference_of(mechanism, asked.turns, asked.duration)
+    reference = reference_of(mechanism, asked.turns, asked.duration) if outlook(mechanism, asked.turns, asked.duration).through else None
     ready = prepared(variants, reference, asked)
     found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
     for number, (label, one) in enumerate(ready, 1):
