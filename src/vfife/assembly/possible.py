@@ -49,10 +49,10 @@ def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | 
             as_it_is = "As it is, " if doubts else ""
             raise AssemblyError(" ".join((*doubts, f"{as_it_is}{error}{least}")), error.joints, error.gaps) from None
         return Outlook(doubts)  # told where the run is assembled
-    jam, passed = passage(mechanism, length, motion)
-    notes = (*doubts, *turned(mechanism, motion), *singular(mechanism, passed))
-    if jam is None:
-        return Outlook(notes)
+    jam, passed = passage(mechanism, max(length, turn_of(mechanism) or 0.0), motion)  # the reference takes a whole turn
+    notes = (*doubts, *turned(mechanism, motion), *singular(mechanism, tuple(one for one in passed if one.time <= length)))
+    if jam is None or jam.time > length:
+        return Outlook(notes, jam is None)
     bridge = bridged(mechanism, jam)
     if bridge is None:
         raise AssemblyError(" ".join((*doubts, refused(mechanism, jam))), jam.joints)
@@ -138,7 +138,7 @@ def _place(mechanism: Mechanism, aims: tuple[float, ...]) -> str:
             found.append(f"{driver.slider or driver.point} at {1e3 * value:.4g} mm")
         else:
             degrees = round(math.degrees(value), 1)
-            found.append(f"{driven_body(name, driver)} angle {degrees if degrees == 360.0 else degrees % 360.0:.5g}°")
+            found.append(f"{driven_body(name, driver)} angle {degrees % 360.0:.5g}°")
     return " and ".join(found)
 
 

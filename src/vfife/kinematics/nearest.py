@@ -18,7 +18,7 @@ from .forces import Datum
 from .gathered import Gathered
 from .initial import ideal_motion
 from .linalg import DENSE
-from .opened import closing_joint, parted
+from .opened import Parted, closing_joint, parted
 from .pins import first_guess
 from .sweep import Follower, Passage
 from .system import mirrored
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 FIRST = 5e-3  # of a stride: the first step in which the widest gap is looked for
 NARROWINGS = 8
 NARROW = 1e-4  # of what is left: the top has been found
-TRIES = 6
+TRIES, HALVINGS = 6, 8
 NUDGE = 1e-4  # of a length, to see what it does to a gap
 ASIDE = 1e-3  # of a length, from one with which a mechanism would start in a singular position
 DIGITS = 4  # of a length that would do
@@ -43,9 +43,9 @@ def unclosed(mechanism: Mechanism, error: AssemblyError, duration: float) -> tup
     if joint is None or len(error.gaps) != 1 or 3 * len(guess) > DENSE:
         return ()
     aims = np.array([drive.aim for drive in system.drives])
-    position, gap = parted(Gathered(system), joint, aims, guess)
-    lengths = sensitive(mechanism, datum, 1.0, joint, aims, position, gap, tuple(mechanism.bodies), tuple(mechanism.joints))
-    return nearest(mechanism, lengths, gap, duration)
+    opened = parted(Gathered(system), joint, aims, guess)
+    lengths = sensitive(mechanism, datum, 1.0, joint, aims, opened, tuple(mechanism.bodies), tuple(mechanism.joints))
+    return nearest(mechanism, lengths, opened.gap, duration)
 
 
 def nearest(mechanism: Mechanism, lengths: Iterator[tuple[str, float, float]], gap: float, duration: float) -> tuple[tuple[str, float, float], ...]:
@@ -54,14 +54,14 @@ def nearest(mechanism: Mechanism, lengths: Iterator[tuple[str, float, float]], g
     return tuple(sorted(found, key=lambda one: abs(one[2] / one[1] - 1.0)))
 
 
-def widest(follower: Follower, joint: int, way: Way, found: Passage) -> tuple[float, float, Array]:
-    """The widest gap (m) of a joint on the rest of a way, as far as it opens at once; its place, and the position there."""
+def widest(follower: Follower, joint: int, way: Way, found: Passage) -> tuple[float, float, Parted]:
+    """The widest gap (m) of a joint on the rest of a way, as far as it opens at once; its place, and the position there, opened."""
     end = min(way.length, found.reached + TURN) if way.turning else way.length
-    stride, seen = FIRST * way.pace, [(0.0, found.reached, found.position)]
+    stride, seen = FIRST * way.pace, [(0.0, found.reached, Parted(found.position, 0.0, np.zeros(follower.gathered.rows)))]
 
-    def at(place: float) -> tuple[float, float, Array]:
-        position, gap = parted(follower.gathered, joint, way.aims(place), seen[-1][2])
-        return gap, place, position
+    def at(place: float) -> tuple[float, float, Parted]:
+        opened = parted(follower.gathered, joint, way.aims(place), seen[-1][2].position)
+        return opened.gap, place, opened
 
     while seen[-1][1] < end and (len(seen) < 3 or seen[-1][0] >= seen[-2][0]):
         seen.append(at(min(seen[-1][1] + stride, end)))
@@ -97,8 +97,7 @@ def sensitive(
     hand: float,
     joint: int,
     aims: Array,
-    position: Array,
-    gap: float,
+    opened: Parted,
     bodies: tuple[str, ...],
     joints: tuple[str, ...],
 ) -> Iterator[tuple[str, float, float]]:
@@ -106,43 +105,63 @@ def sensitive(
     lengths = {name: body.length for name in bodies if isinstance(body := mechanism.bodies[name], Link)}
     lengths |= {name: one.length for name in joints if isinstance(one := mechanism.joints.get(name), Distance)}
     for name, length in lengths.items():
-        changed = rigid_system(sized(mechanism, name, length * (1.0 + NUDGE)), datum=datum)
-        gathered = Gathered(mirrored(changed) if hand < 0.0 else changed)
-        slope = (parted(gathered, joint, aims, position)[1] - gap) / (NUDGE * length)
+        systems = [rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)]
+        before, after = (Gathered(mirrored(system) if hand < 0.0 else system) for system in systems)
+        phi = before.at(opened.position, before.aimed(aims))[0]
+        moved = after.at(opened.position, after.aimed(aims))[0] - phi
+        slope = float(opened.pulls @ moved) / (opened.gap * NUDGE * length)  # the least gap does not feel that the position would move too
         if abs(slope) > 0.1:
             yield name, length, slope
 
 
 def would_do(mechanism: Mechanism, name: str, now: float, change: float, duration: float) -> float | None:
     """The length (m) next to ``now`` with which the mechanism goes through, first tried at ``now + change``; None where none is found."""
-    length = now + change
+    length, short = now + change, now
     for _ in range(TRIES):
         length = rounded(length, change)
         if not 0.2 < length / now < 5.0:
             return None
-        other = sized(mechanism, name, length)
-        try:
-            motion = ideal_motion(other)
-            start = motion.position * (1.0, motion.hand, motion.hand)
-            follower = Follower.of(motion.system, start)
-        except AssemblyError:
-            follower = None
-        if follower is None:  # it only just closes at the start, or not yet
-            length += math.copysign(ASIDE * now, change)
-            continue
-        stuck = None
-        for way in ways_of(other, motion, duration):
-            found = followed(follower, start, way)
-            if found.jammed and found.stressed is not None:
-                stuck = way, found
-                break
-        if stuck is None:
-            return length
-        joint = closing_joint(motion.system, stuck[1].stressed)
-        if joint is None:
-            return None
-        length += math.copysign(1.05 * widest(follower, joint, *stuck)[0] + 1e-4 * now, change)
+        missing = still_open(sized(mechanism, name, length), duration)
+        if missing == 0.0:
+            return _closer(mechanism, name, short, length, duration)
+        short = length
+        length += math.copysign(ASIDE * now if missing is None else 1.05 * missing + 0.1 * ASIDE * now, change)
     return None
+
+
+def _closer(mechanism: Mechanism, name: str, short: float, enough: float, duration: float) -> float:
+    """The length between one that does not do and one that does, as near to the first as four digits and a few halvings tell."""
+    tried, first = short + 0.98 * (enough - short), True
+    for _ in range(HALVINGS):
+        tried = rounded(tried, enough - short)
+        if tried in (short, enough):
+            break
+        if still_open(sized(mechanism, name, tried), duration) == 0.0:
+            enough = tried
+        elif first:  # it goes in a straight line, as in a four-bar
+            break
+        else:
+            short = tried
+        tried, first = 0.5 * (short + enough), False
+    return enough
+
+
+def still_open(mechanism: Mechanism, duration: float) -> float | None:
+    """The widest gap (m) on the way, 0 where the mechanism gets through; None where it does not close at the start, or only just."""
+    try:
+        motion = ideal_motion(mechanism)
+        start = motion.position * (1.0, motion.hand, motion.hand)
+        follower = Follower.of(motion.system, start)
+    except AssemblyError:
+        follower = None
+    if follower is None:
+        return None
+    for way in ways_of(mechanism, motion, duration):
+        found = followed(follower, start, way)
+        if found.jammed and found.stressed is not None:
+            joint = closing_joint(motion.system, found.stressed)
+            return None if joint is None else widest(follower, joint, way, found)[0]
+    return 0.0
 
 
 def rounded(length: float, change: float) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,9 +13,11 @@ from .system import RigidSystem
 Array = NDArray[np.float64]
 
 FELT = 1e-3  # part of the largest self-stress from which a row takes part
-HELD = 1e4  # weight of the joints that stay closed
-STEPS = 200
-FINEST = 1e-13  # of the extent: a step that is none
+HELD = 10.0  # weight of the joints that stay closed
+LARGEST_TURN = 0.3  # rad in a step
+CLOSE = 1e-10  # of the extent
+ROUNDS, STEPS = 8, 40
+FINEST = 1e-9  # of the extent: a step that is none
 
 
 def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
@@ -36,30 +40,49 @@ def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
     return max(left, key=lambda k: depth[system.joints[k].body_a] + depth[system.joints[k].body_b], default=None)
 
 
-def parted(gathered: Gathered, joint: int, aims: Array, guess: Array) -> tuple[Array, float]:
-    """The position [n, 3] in which everything but a joint is closed and that one is open least, and by how much (m)."""
-    system, kept = gathered.system, gathered.aimed(aims)
-    here = system.rows(joint)
-    weight = np.full(gathered.rows, HELD)
+class Parted(NamedTuple):
+    """A position [n, 3] in which everything but a joint is closed and that one is open least, by ``gap`` (m).
+
+    ``pulls`` [rows] (m): d gap = pulls . d phi / gap, at a given position, of what changes the rows.
+    """
+
+    position: Array
+    gap: float
+    pulls: Array
+
+
+def parted(gathered: Gathered, joint: int, aims: Array, guess: Array) -> Parted:
+    """Opens a joint by as little as its loop allows, near a guess [n, 3], by the method of multipliers."""
+    kept, here, extent = gathered.aimed(aims), gathered.system.rows(joint), float(gathered.system.reach[1:].max())
+    weight, shift, position = np.full(gathered.rows, HELD), np.zeros(gathered.rows), guess
     weight[here] = 1.0
-    scale, extent = gathered.reach[3:], float(system.reach[1:].max())
-    position, damping = guess.copy(), 1e-3
-    phi, jacobian = gathered.at(position, kept)
+    for _ in range(ROUNDS):
+        position, phi = _least(gathered, kept, weight, shift, position)
+        shift += phi
+        shift[here] = 0.0
+        if np.abs(np.delete(phi, np.arange(here.start, here.stop))).max(initial=0.0) <= CLOSE * extent:
+            break
+    pulls = HELD**2 * shift
+    pulls[here] = phi[here]
+    return Parted(position, float(np.linalg.norm(phi[here])), pulls)
+
+
+def _least(gathered: Gathered, kept: Array, weight: Array, shift: Array, position: Array) -> tuple[Array, Array]:
+    """The position with the least |weight (phi + shift)|, by damped Gauss-Newton steps, and phi there."""
+    scale, extent = gathered.reach[3:], float(gathered.system.reach[1:].max())
+    (phi, jacobian), damping = gathered.at(position, kept), 1e-2
     for _ in range(STEPS):
-        wanted = weight * phi
-        stacked = np.vstack([weight[:, None] * jacobian, np.sqrt(damping) * np.eye(len(scale))])
-        step = np.linalg.lstsq(stacked, -np.append(wanted, np.zeros(len(scale))), rcond=None)[0]
-        step /= max(1.0, float(np.abs(step / scale)[2::3].max()) / 0.2)
+        error = weight * (phi + shift)
+        weighted = weight[:, None] * jacobian
+        step = np.linalg.solve(weighted.T @ weighted + damping * np.eye(len(scale)), -weighted.T @ error)
+        step /= max(1.0, float(np.abs(step / scale)[2::3].max()) / LARGEST_TURN)
+        if np.abs(step).max() <= FINEST * extent or damping > 1e9:
+            break
         trial = position.copy()
         trial[1:] += (step / scale).reshape(-1, 3)
         tried, turned = gathered.at(trial, kept)
-        if np.linalg.norm(weight * tried) < np.linalg.norm(wanted):
-            gained = 1.0 - float(np.linalg.norm(weight * tried) / np.linalg.norm(wanted))
-            position, phi, jacobian, damping = trial, tried, turned, max(damping / 5.0, 1e-12)
-            if np.abs(step).max() <= 1e-9 * extent or gained < 1e-13:
-                break
-        elif np.abs(step).max() <= FINEST * extent or damping > 1e12:
-            break
+        if np.linalg.norm(weight * (tried + shift)) < np.linalg.norm(error):
+            position, phi, jacobian, damping = trial, tried, turned, max(damping / 3.0, 1e-9)
         else:
-            damping *= 6.0
-    return position, float(np.linalg.norm(phi[here]))
+            damping *= 4.0
+    return position, phi

@@ -46,10 +46,11 @@ class Singular:
     joints: tuple[str, ...]
 
 
-def passage(mechanism: Mechanism, duration: float, motion: Motion | None = None) -> tuple[Jam | None, tuple[Singular, ...]]:
+def passage(mechanism: Mechanism, duration: float, motion: Motion | None = None, lengths: bool = True) -> tuple[Jam | None, tuple[Singular, ...]]:
     """Follows the ideal mechanism through what its drivers ask for within ``duration`` (s): the jam, if any, and singular positions passed.
 
-    Only where drivers determine all that joints feel, and of up to some 30 bodies; nothing is said of others. AssemblyError where it cannot start.
+    ``lengths``: also look for those that would do, which takes its time. Only where drivers determine all that joints feel, and of up to some 30
+    bodies; nothing is said of others. AssemblyError where it cannot start.
     """
     motion = ideal_motion(mechanism) if motion is None else motion
     system = motion.system
@@ -66,7 +67,7 @@ def passage(mechanism: Mechanism, duration: float, motion: Motion | None = None)
             one = Singular(told(motion, way.aims(place)), way.time(place), names(motion, stress))
             passed.setdefault(tuple(round(value % TURN, 3) for value in one.aims), one)
         if found.jammed:
-            return _jam(mechanism, motion, follower, way, found, duration), tuple(passed.values())
+            return _jam(mechanism, motion, follower, way, found, duration if lengths else 0.0), tuple(passed.values())
     return None, tuple(passed.values())
 
 
@@ -89,10 +90,12 @@ def _jam(mechanism: Mechanism, motion: Motion, follower: Follower, way: Way, fou
     here = told(motion, way.aims(found.reached))
     if joint is None:
         return Jam(here, way.time(found.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part)
-    gap, place, position = widest(follower, joint, way, found)
+    gap, place, opened = widest(follower, joint, way, found)
     jam = Jam(
         here, way.time(found.reached), system.joints[joint].name, gap, told(motion, way.aims(place)),
         tuple(name for name in mechanism.bodies if name in bodies), part,
     )  # fmt: skip
-    lengths = sensitive(mechanism, motion.datum, motion.hand, joint, way.aims(place), position, gap, jam.bodies, jam.joints)
+    if not duration:
+        return jam
+    lengths = sensitive(mechanism, motion.datum, motion.hand, joint, way.aims(place), opened, jam.bodies, jam.joints)
     return dataclasses.replace(jam, lengths=nearest(mechanism, lengths, gap, duration))

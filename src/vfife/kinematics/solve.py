@@ -187,7 +187,7 @@ def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
     if joint is None:
         return phi, False
     gathered = Gathered(system)
-    position, gap = parted(gathered, joint, np.array([drive.aim for drive in system.drives]), closure.position)
+    position, gap, _ = parted(gathered, joint, np.array([drive.aim for drive in system.drives]), closure.position)
     alone = _open(system, position)[0]
     others = np.delete(np.abs(alone), np.arange(system.starts[joint], system.starts[joint + 1]))
     return (alone, True) if others.max(initial=0.0) <= 1e-3 * gap else (phi, False)

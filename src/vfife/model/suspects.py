@@ -70,7 +70,7 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
         first, second = one.partition(".")[0], two.partition(".")[0]
         beside[first].add(second)
         beside[second].add(first)
-    pushed = {load.at.partition(".")[0] for load in mechanism.loads.values()} | set(mechanism.drivers)
+    pushed = {load.place.partition(".")[0] for load in mechanism.loads.values()} | set(mechanism.drivers)
     pushed |= {(driver.body or driver.point.partition(".")[0]) for driver in mechanism.drivers.values()}
     seen = _reached(beside, "ground")
     several = len(mechanism.bodies) > 1
@@ -100,7 +100,7 @@ def _reached(beside: dict[str, set[str]], start: str) -> set[str]:
 def _open(mechanism: Mechanism) -> Iterator[str]:
     """Chains with an end that is joined to nothing, and a point of the ground, or another end, that waits for it."""
     used = {pin for pair in connections(mechanism) for pin in pair}
-    used |= {load.at for load in mechanism.loads.values()} | {driver.point for driver in mechanism.drivers.values()}
+    used |= {load.place for load in mechanism.loads.values()} | {driver.point for driver in mechanism.drivers.values()}
     bodies = {pin.partition(".")[0] for pin in used}
     ends = [
         f"{name}.{end}"
