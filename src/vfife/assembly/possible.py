@@ -43,7 +43,7 @@ def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | 
     try:
         motion = ideal_motion(mechanism)
     except ValueError as error:
-        if isinstance(error, AssemblyError):
+        if isinstance(error, AssemblyError) and error.gaps:
             lengths = _lengths(unclosed(mechanism, error, length))
             least = f". One length that would do: {lengths}" if lengths else ""
             as_it_is = "As it is, " if doubts else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,11 +44,12 @@ def unclosed(mechanism: Mechanism, error: AssemblyError, duration: float) -> tup
         return ()
     aims = np.array([drive.aim for drive in system.drives])
     opened = parted(Gathered(system), joint, aims, guess)
-    lengths = sensitive(mechanism, datum, 1.0, joint, aims, opened, tuple(mechanism.bodies), tuple(mechanism.joints))
-    return nearest(mechanism, lengths, opened.gap, duration)
+    lengths = list(sensitive(mechanism, datum, 1.0, joint, aims, opened, tuple(mechanism.bodies), tuple(mechanism.joints)))
+    size = min((length for _, length, _ in lengths), default=0.0)
+    return nearest(mechanism, lengths, opened.gap + ASIDE * size, duration)  # a little more, or the start is a singular position
 
 
-def nearest(mechanism: Mechanism, lengths: Iterator[tuple[str, float, float]], gap: float, duration: float) -> tuple[tuple[str, float, float], ...]:
+def nearest(mechanism: Mechanism, lengths: Iterable[tuple[str, float, float]], gap: float, duration: float) -> tuple[tuple[str, float, float], ...]:
     """Of lengths (name, m, change of the gap with it) those that would do: name, now and then (m), the smallest change first."""
     found = [(name, now, then) for name, now, slope in lengths if (then := would_do(mechanism, name, now, gap / -slope, duration)) is not None]
     return tuple(sorted(found, key=lambda one: abs(one[2] / one[1] - 1.0)))
@@ -122,10 +123,12 @@ def would_do(mechanism: Mechanism, name: str, now: float, change: float, duratio
         if not 0.2 < length / now < 5.0:
             return None
         missing = still_open(sized(mechanism, name, length), duration)
+        if missing is None:
+            return None
         if missing == 0.0:
             return _closer(mechanism, name, short, length, duration)
         short = length
-        length += math.copysign(ASIDE * now if missing is None else 1.05 * missing + 0.1 * ASIDE * now, change)
+        length += math.copysign(1.05 * missing + 0.1 * ASIDE * now, change)
     return None
 
 
