@@ -6,6 +6,7 @@ something asks for them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from .laws import MATERIALS, ContactLaw, FrictionLaw, Law, Material, Pair, quantity
@@ -13,6 +14,7 @@ from .laws import contact as _contact
 from .laws import friction as _friction
 from .laws.contact import *  # noqa: F403
 from .laws.friction import *  # noqa: F403
+from .model import above as _above
 from .model import drivers as _drivers
 from .model import joints as _joints
 from .model import loads as _loads
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from . import errors, gallery
     from .errors import VfifeError
     from .laws.user import load_laws
-    from .modelfile.files import load_model, save_model
+    from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
     from .simulation import resume, simulate
@@ -47,6 +49,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "ensemble": "solvers.ensemble",
     "errors": "",
     "gallery": "",
+    "load": "modelfile.files",
     "load_laws": "laws.user",
     "load_model": "modelfile.files",
     "load_result": "result",
@@ -54,7 +57,26 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "simulate": "simulation",
 }
-_FORMER = {"Start": "StartSettings", "load": "load_model"}  # what a name of version 0.1 is called now
+_FORMER = {"Start": "StartSettings"}  # what a name of version 0.1 is called now
+
+
+def _later(module: str, name: str) -> Callable[..., Any]:
+    """A function of a room that is loaded when it is first called."""
+
+    def answer(*given: Any) -> Any:
+        from importlib import import_module
+
+        return getattr(import_module(f".{module}", __name__), name)(*given)
+
+    return answer
+
+
+_above.ANSWERS |= {
+    "to_toml": _later("modelfile", "dump"),
+    "check": _later("report.checked", "checked"),
+    "plot": _later("plots", "at_start"),
+    "html": _later("plots.notebook", "mechanism_html"),
+}
 
 
 def __dir__() -> list[str]:
@@ -104,6 +126,7 @@ __all__ = [
     "ensemble",
     "errors",
     "gallery",
+    "load",
     "load_laws",
     "load_model",
     "load_result",

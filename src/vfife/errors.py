@@ -91,6 +91,11 @@ class Fault:
         return printable(f"{self.where}{value}: {self.what}{limit}{remedy}{end}")
 
 
+def article(word: Any) -> str:
+    """The word with its article."""
+    return f"{'an' if str(word)[:1] in 'aeiou' else 'a'} {word}"
+
+
 def printable(text: str) -> str:
     """The text with signs that would not show, or would turn a terminal's writing, as escapes."""
     return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text)
@@ -108,6 +113,10 @@ class ModelError(VfifeError):
         if count > MOST_TOLD:
             lines.append(f"  ... and {count - MOST_TOLD} more")
         super().__init__("\n".join(lines))
+
+
+class ArgumentError(ModelError, TypeError):
+    """Arguments that a function does not have, or lacks: a misspelt keyword."""
 
 
 def place(path: Path, given: Iterable[Path] = ()) -> str:
@@ -169,4 +178,5 @@ _KINDS: tuple[tuple[type, str], ...] = (
     (list, "a list"),
     (tuple, "a list"),
     (dict, "a table"),
+    (type(None), "nothing"),
 )

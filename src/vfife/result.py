@@ -109,6 +109,12 @@ class Result(View):
 
     # ------------------------------------------------------------------------------------------------------- pictures
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the summary and figures."""
+        from .plots.notebook import result_html
+
+        return result_html(self)
+
     def plot(self, *names: str) -> dict[str, Figure]:
         """Figures by name: journal paths, forces and accelerations over the ideal ones, the mechanism; all, or those that are named.
 

@@ -45,9 +45,6 @@ def test_every_error_is_one_of_vfife() -> None:
 
 
 def test_a_former_name_still_works_and_says_what_it_is_called_now() -> None:
-    with pytest.warns(DeprecationWarning, match=r"vfife\.load is called vfife\.load_model now"):
-        former = vfife.load
-    assert former is vfife.load_model
     with pytest.warns(DeprecationWarning, match="is called vfife.StartSettings now"):
         assert vfife.Start is vfife.StartSettings
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mechanisms
-from rich import LANES, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars
+from lane_models import LANES, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars
 from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
 from vfife.codegen import javascript

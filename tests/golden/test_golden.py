@@ -50,7 +50,7 @@ def start(name: str) -> Assembly:
         return assemble(getattr(import_module("mechanisms"), made)(), 2e-6, duration=duration, outputs=40, force_step=True)
     if name in MODELS:
         duration, step = MODELS[name]
-        return assemble(getattr(import_module("rich"), name)(0), step, duration=duration, outputs=40, force_step=True)
+        return assemble(getattr(import_module("lane_models"), name)(0), step, duration=duration, outputs=40, force_step=True)
     return assemble(vfife.load_model(ROOT / "examples" / f"{name}.toml"), duration=CASES[name])
 
 

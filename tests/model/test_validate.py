@@ -128,8 +128,11 @@ FAULTS: dict[str, tuple[Callable[[Mechanism], object], str, str]] = {
 def test_one_fault_of_a_noun_is_told_once_with_its_place(case: str) -> None:
     change, where, words = FAULTS[case]
     m = crank()
-    change(m)
-    (said,) = told(m)
+    try:
+        change(m)
+        (said,) = told(m)
+    except ModelError as error:  # a text that is no quantity is told at once
+        (said,) = map(str, error.faults)
     assert said.startswith(where), said
     assert words in said, said
 

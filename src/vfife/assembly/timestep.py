@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import StepError
+from ..errors import Fault, ModelError, StepError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.functions import turn_of
@@ -139,7 +139,10 @@ def _length(mechanism: Mechanism, turns: float | None, duration: float | None, t
         return duration
     if turn is None:
         if turns is not None:
-            raise ValueError("a run of so many turns needs a driver; give a duration in seconds instead")
+            remedy = "give a duration in seconds instead, or drive a body"
+            raise ModelError(
+                [Fault("turns", "no driver turns a body round and round, so there are no turns", f"{turns:g}", "", remedy)], mechanism.name
+            )
         return 1.0
     return (2.0 if turns is None else turns) * turn
 

@@ -52,8 +52,7 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Filled]
 def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
     """The law and its parameters that a joint leaves out."""
     from ..fields import described_fields
-    from ..modelfile.lawtables import DEFAULTS
-    from ..modelfile.tables import LAWS
+    from ..model.lawtables import DEFAULTS, LAWS
 
     name = given.get("law", DEFAULTS[kind].name)
     if "law" not in given:

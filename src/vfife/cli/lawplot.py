@@ -36,8 +36,8 @@ def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> 
     """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is wrong."""
     from ..errors import Fault
     from ..laws.check import try_out
+    from ..model.lawtables import read_law
     from ..model.validate.laws import senseless
-    from ..modelfile.lawtables import read_law
     from ..modelfile.override import parsed
 
     holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}

@@ -84,7 +84,8 @@ class Measure(Value):
         try:
             if not written and not (isinstance(value, numbers.Real) and not isinstance(value, bool)):
                 raise QuantityError(value, kind_of(value), *spoken_limit(self.unit))
-            result = number(value if written else float(value), self.unit)
+            plain = not written or (isinstance(value, numbers.Real) and not isinstance(value, int | float))  # a number of NumPy
+            result = number(float(value) if plain else value, self.unit)
         except QuantityError as error:
             remedy = error.remedy if error.remedy.startswith("give") else f"write {error.remedy}"
             raise Refused(f"this is {error.what}", shown(value), error.limit + other, remedy) from None

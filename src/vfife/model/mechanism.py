@@ -4,36 +4,30 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal, TypeVar, Unpack
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from ..fields import PLACE, SCALAR, Choice, Each, Entries, Inner, Many, Measure, Names, Text, Whole, described, quantity
-from .bodies import Body, Frame, Link, Member, Point, PointMass, RigidBody
-from .drivers import ConstantSpeed, Driver
-from .joints import ClearanceRevolute, ClearanceSlider, Contact, Distance, ExternalContact, Gear, IdealRevolute, Joint, Slider, Weld
+from .above import answered
+from .bodies import Body
+from .builders import Builders
+from .drivers import Driver
+from .joints import ClearanceRevolute, Contact, Gear, Joint
 from .loads import Load
-from .options import (
-    ClearanceSliderOptions,
-    ContactOptions,
-    DistanceOptions,
-    ExternalContactOptions,
-    FrameOptions,
-    LinkOptions,
-    PointMassOptions,
-    RigidBodyOptions,
-    SliderOptions,
-)
-from .springs import AnySpring, Bushing, ForceElement, Spring, Stop, TorsionalSpring
+from .spoken import spoken
+from .springs import AnySpring, ForceElement
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..report.checked import Checked
 
 StartMode = Literal["consistent", "rough"]
-Triple = tuple[float, float, float]
 STATIC = ("static",)
 MOST_COMPANIONS = 7  # with the run itself they fill the widest vector register
 Journals = Literal["centred", "seated"]
-AnyBody = TypeVar("AnyBody", bound=Body)
-AnyJoint = TypeVar("AnyJoint", bound=Joint)
-OneSpring = TypeVar("OneSpring", Spring, TorsionalSpring, Stop, Bushing)
 
 
+@spoken("start")
 @dataclass(frozen=True)
 class StartSettings:
     """How a run starts.
@@ -56,6 +50,7 @@ class StartSettings:
 Start = StartSettings  # as it was called before
 
 
+@spoken("run")
 @dataclass(frozen=True)
 class Settings:
     """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
@@ -102,8 +97,9 @@ class Settings:
     iterations: int = described(Whole(1, 1_000_000_000), "of a static analysis: most iterations for a load factor", 1_000_000, only=STATIC)
 
 
+@spoken()
 @dataclass
-class Mechanism:
+class Mechanism(Builders):
     """Bodies, joints, drivers and loads by name; all numbers in SI units.
 
     >>> m = Mechanism("pendulum", gravity=(0.0, -9.81))
@@ -128,121 +124,6 @@ class Mechanism:
     settings: Settings = described(Inner(Settings), "defaults of a run", factory=Settings, key="run")
     source: str | None = field(default=None, compare=False)
 
-    def point(self, name: str, x: float, y: float) -> None:
-        """A point of the ground (m)."""
-        if name in self.points:
-            raise ValueError(f"there is a point called {name!r} already")
-        self.points[name] = (float(x), float(y))
-
-    def link(self, name: str, *, length: float, **options: Unpack[LinkOptions]) -> Link:
-        """Adds a link; ``model`` = "rigid", "elastic" or "two-particle", the rest as in :class:`~vfife.model.bodies.Link`."""
-        return self._add_body(Link(name=name, length=length, **options))
-
-    def rigid_body(self, name: str, *, mass: float, inertia: float, **options: Unpack[RigidBodyOptions]) -> RigidBody:
-        """Adds a rigid body with any number of pins; see :class:`~vfife.model.bodies.RigidBody`."""
-        return self._add_body(RigidBody(name=name, mass=mass, inertia=inertia, **options))
-
-    def point_mass(self, name: str, *, mass: float, **options: Unpack[PointMassOptions]) -> PointMass:
-        """Adds a particle; see :class:`~vfife.model.bodies.PointMass`."""
-        return self._add_body(PointMass(name=name, mass=mass, **options))
-
-    def frame(self, name: str, *, nodes: dict[str, Point], members: tuple[Member, ...], **options: Unpack[FrameOptions]) -> Frame:
-        """Adds a frame of welded elastic members; see :class:`~vfife.model.bodies.Frame`."""
-        return self._add_body(Frame(name=name, nodes=nodes, members=members, **options))
-
-    def revolute(self, name: str, bearing: str, journal: str) -> IdealRevolute:
-        """Adds an ideal revolute joint between two pins, each ``body.pin`` or ``ground.point``."""
-        return self._add_joint(IdealRevolute(name=name, bearing=bearing, journal=journal))
-
-    def clearance(
-        self, name: str, bearing: str, journal: str, *, clearance: float, bearing_radius: float, **options: Unpack[ContactOptions]
-    ) -> ClearanceRevolute:
-        """Adds a revolute joint with clearance; options as in :class:`~vfife.model.joints.ClearanceRevolute`."""
-        return self._add_joint(
-            ClearanceRevolute(name=name, bearing=bearing, journal=journal, clearance=clearance, bearing_radius=bearing_radius, **options)
-        )
-
-    def slider(self, name: str, bearing: str, journal: str, **options: Unpack[SliderOptions]) -> Slider:
-        """Adds an ideal slider: the journal's pin moves along a guide through the bearing's; see :class:`~vfife.model.joints.Slider`."""
-        return self._add_joint(Slider(name=name, bearing=bearing, journal=journal, **options))
-
-    def clearance_slider(
-        self, name: str, bearing: str, journal: str, *, clearance: float, length: float, height: float, **options: Unpack[ClearanceSliderOptions]
-    ) -> ClearanceSlider:
-        """Adds a block with play in a guide; see :class:`~vfife.model.joints.ClearanceSlider`."""
-        return self._add_joint(
-            ClearanceSlider(name=name, bearing=bearing, journal=journal, clearance=clearance, length=length, height=height, **options)
-        )
-
-    def weld(self, name: str, bearing: str, journal: str) -> Weld:
-        """Joins two bodies rigidly at a pin of each; with the ground it is a clamp."""
-        return self._add_joint(Weld(name=name, bearing=bearing, journal=journal))
-
-    def distance(self, name: str, bearing: str, journal: str, *, length: float, **options: Unpack[DistanceOptions]) -> Distance:
-        """Adds a rigid link without mass between two pins; see :class:`~vfife.model.joints.Distance`."""
-        return self._add_joint(Distance(name=name, bearing=bearing, journal=journal, length=length, **options))
-
-    def external_contact(
-        self, name: str, bearing: str, journal: str, *, journal_radius: float, **options: Unpack[ExternalContactOptions]
-    ) -> ExternalContact:
-        """Adds a contact between a round pin and a line or another round; see :class:`~vfife.model.joints.ExternalContact`."""
-        return self._add_joint(ExternalContact(name=name, bearing=bearing, journal=journal, journal_radius=journal_radius, **options))
-
-    def gear(self, name: str, first: str, second: str, *, ratio: float, carrier: str | None = None) -> Gear:
-        """Couples the angles of two bodies; see :class:`~vfife.model.joints.Gear`."""
-        if name in self.gears:
-            raise ValueError(f"there is a gear called {name!r} already")
-        self.gears[name] = Gear(name=name, first=first, second=second, ratio=ratio, carrier=carrier)
-        return self.gears[name]
-
-    def spring(
-        self, name: str, first: str, second: str, *, stiffness: float = 0.0, damping: float = 0.0, free_length: float | None = None
-    ) -> Spring:
-        """Adds a spring and damper between two pins; see :class:`~vfife.model.springs.Spring`."""
-        spring = Spring(name=name, first=first, second=second, stiffness=stiffness, damping=damping, free_length=free_length)
-        return self._add_spring(spring)
-
-    def torsional_spring(
-        self, name: str, first: str, second: str, *, stiffness: float = 0.0, damping: float = 0.0, free_angle: float | None = None
-    ) -> TorsionalSpring:
-        """Adds a torsional spring and damper between two bodies; see :class:`~vfife.model.springs.TorsionalSpring`."""
-        spring = TorsionalSpring(name=name, first=first, second=second, stiffness=stiffness, damping=damping, free_angle=free_angle)
-        return self._add_spring(spring)
-
-    def stop(self, name: str, first: str, second: str, *, low: float, high: float, stiffness: float, damping: float = 0.0) -> Stop:
-        """Adds a rotational stop between two bodies; see :class:`~vfife.model.springs.Stop`."""
-        return self._add_spring(Stop(name=name, first=first, second=second, low=low, high=high, stiffness=stiffness, damping=damping))
-
-    def bushing(self, name: str, first: str, second: str, *, stiffness: Triple, damping: Triple = (0.0, 0.0, 0.0)) -> Bushing:
-        """Adds an elastic bearing between two pins; see :class:`~vfife.model.springs.Bushing`."""
-        return self._add_spring(Bushing(name=name, first=first, second=second, stiffness=stiffness, damping=damping))
-
-    def drive(self, body: str, *, speed: float) -> ConstantSpeed:
-        """Turns a body at constant speed (rad/s) about its ideal joint to the ground; other drivers go to :attr:`drivers`."""
-        if body in self.drivers:
-            raise ValueError(f"there is a driver called {body!r} already")
-        driver = ConstantSpeed(body=body, speed=speed)
-        self.drivers[body] = driver
-        return driver
-
-    def _add_body(self, body: AnyBody) -> AnyBody:
-        if body.name in self.bodies or body.name == "ground":
-            raise ValueError(f"there is a body called {body.name!r} already")
-        self.bodies[body.name] = body
-        return body
-
-    def _add_joint(self, joint: AnyJoint) -> AnyJoint:
-        if joint.name in self.joints:
-            raise ValueError(f"there is a joint called {joint.name!r} already")
-        self.joints[joint.name] = joint
-        return joint
-
-    def _add_spring(self, spring: OneSpring) -> OneSpring:
-        if spring.name in self.springs:
-            raise ValueError(f"there is a spring called {spring.name!r} already")
-        self.springs[spring.name] = spring
-        return spring
-
     @property
     def clearances(self) -> dict[str, ClearanceRevolute]:
         """The revolute joints with clearance; :attr:`contacts` are all joints with play."""
@@ -252,6 +133,28 @@ class Mechanism:
     def contacts(self) -> dict[str, Contact]:
         """All joints with play: revolutes and sliders with clearance, external contacts."""
         return {name: joint for name, joint in self.joints.items() if isinstance(joint, Contact)}
+
+    def to_toml(self) -> str:
+        """The text of a model file that holds it, in SI units. Raises ValueError or TypeError where no model file can."""
+        return str(answered("to_toml", self))
+
+    def check(self) -> Checked:
+        """Examines the whole of it, and closes it at its start; nothing is run.
+
+        Raises ModelError with every fault, AssemblyError where no position satisfies its joints. What is left to say is in the answer:
+        degrees of freedom, the step, what to be careful with; printed, it is a few sentences.
+        """
+        found: Checked = answered("check", self)
+        return found
+
+    def plot(self) -> Figure:
+        """A figure of it at its start, with the names of its bodies and joints. Raises as :meth:`check` does."""
+        figure: Figure = answered("plot", self)
+        return figure
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: its drawing, and tables of its parts."""
+        return str(answered("html", self))
 
     def ideal(self) -> Mechanism:
         """The reference that clearance runs are compared with: every joint ideal, every link rigid with its lumped masses."""

@@ -3,23 +3,39 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import Fault, ModelError
+from ..errors import Fault, ModelError, kind_of, shown
 from ..model.mechanism import Mechanism
-from .read import load
+from .read import load as read_file
 from .write import dump
+
+
+def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Mechanism:
+    """The mechanism of a model file, with some of its values replaced or added before anything is checked.
+
+    >>> m = load("machine.toml", {"joint.C.clearance": "0.5 mm", "run.turns": 3})  # doctest: +SKIP
+
+    ``overrides``: values by their paths, as ``vfife run --set`` takes them. Raises ModelError with every fault of the file and of the values.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise ModelError([Fault("path", f"this is {kind_of(path)}", shown(path), "the name of a model file", "name one")], "load()")
+    given: Any = {} if overrides is None else overrides
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        remedy = 'give them as in {"joint.C.clearance": "0.5 mm"}'
+        raise ModelError([Fault("overrides", f"this is {kind_of(overrides)}", shown(overrides), "values by path", remedy)], "load()")
+    return read_file(path, list(given.items()))
 
 
 def load_model(path: str | Path, set: Iterable[tuple[str, Any]] = ()) -> Mechanism:
     """The mechanism of a model file.
 
     ``set`` holds (path, value) pairs that replace or add values before anything is checked, as in ("joint.C.clearance", "0.5 mm").
-    Raises ModelError with every fault of the file.
+    :func:`load` takes them as a mapping. Raises ModelError with every fault of the file.
     """
-    return load(path, set)
+    return read_file(path, set)
 
 
 def save_model(mechanism: Mechanism, path: str | Path) -> None:

@@ -11,10 +11,10 @@ from typing import Any
 from ..fields import Chosen, Entries, Field, Inner, Many, Value, described_fields, meaning_of, required, value_of
 from ..laws import Material
 from ..laws.law import built_in
+from ..model.lawtables import DEFAULTS, LAWS
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from .drivers import merged
-from .lawtables import DEFAULTS
-from .tables import LAWS, TARGETS, Table, tables
+from .tables import TARGETS, Table, tables
 
 Json = dict[str, Any]
 

@@ -9,7 +9,8 @@ from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
 from ..laws import MATERIALS
-from .tables import FAMILIES, LAWS, NAMED, Raw, body_table, entries, known_keys, law_fields, table, tables
+from ..model.lawtables import LAWS
+from .tables import FAMILIES, NAMED, Raw, body_table, entries, known_keys, law_fields, table, tables
 
 
 class PathFault(Exception):

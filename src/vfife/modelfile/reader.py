@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..errors import Fault, Path, kind_of, place, shown, suggestion
+from ..errors import Fault, Path, article, kind_of, place, shown, suggestion
 from ..fields import Choice, Reading, Refused, partial
 from ..laws import MATERIALS, Material
 from ..model.bodies import Section
+from ..model.given import idle
 from ..model.joints import Contact
+from ..model.lawtables import LAWS, read_law
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.validate.checks import article
+from ..model.sectiontable import read_section
 from .drivers import driver_of
-from .lawtables import read_law
-from .tables import FAMILIES, LAWS, Raw, Table, body_table, kind_table, known_keys, strangeness, table, tables
+from .tables import FAMILIES, Raw, Table, body_table, kind_table, known_keys, strangeness, table, tables
 
 A_TABLE = ("a table", "write its keys in a table of that name")
 
@@ -97,34 +98,9 @@ class Written(Reading):
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
         """A noun in a field of another; a section may be given by its shape."""
-        if kind is not Section or not isinstance(value, dict):
-            return self.table(path, Table(kind), value)
-        before, shapes = len(self.refused), [key for key in Section.shapes if key in value]
-        both = {"area", "second_moment"} & set(value)
-        if not ((len(shapes) == 1 and not both) or (not shapes and len(both) == 2)):
-            what = "the section is described more than once" if shapes else "the section is not complete"
-            limit = "area and second_moment together, or one of " + ", ".join(Section.shapes)
-            self.tell(path, Refused(what, shown(value), limit, "give one of these"))
-        read: dict[str, Any] = {}
-        for key, entry in value.items():
-            held = Section.shapes[key][0] if key in shapes else Table(Section).value(key) if key in Table(Section).fields else None
-            if held is None:
-                self.unknown((*path, key), entry)
-            else:
-                read[key] = held.read(entry, (*path, key), self)
-        if shapes and "extreme_fibre" in value:
-            what = f"{article(shapes[0])} section knows its outermost fibre"
-            self.tell((*path, "extreme_fibre"), Refused(what, shown(value["extreme_fibre"]), "", "remove it"))
-        tube = read.get("tube")
-        if tube is not None and tube[1] >= tube[0]:
-            what, limit = "the inner diameter is not below the outer one: no wall is left", f"inner below outer = {tube[0]:g} m"
-            self.tell((*path, "tube"), Refused(what, shown(value["tube"]), limit, "give the outer diameter first"))
-        if len(self.refused) > before:
-            return partial(Section, {} if shapes else read)
-        if not shapes:
-            return Section(**read)
-        sizes = read[shapes[0]]
-        return getattr(Section, shapes[0])(*(sizes if isinstance(sizes, tuple) else (sizes,)))
+        if kind is Section and isinstance(value, dict):
+            return read_section(self, path, value)
+        return self.table(path, Table(kind), value)
 
     def named(self, path: Path, kind: type, value: Any) -> Any:
         """A material by its name."""
@@ -148,10 +124,7 @@ class Written(Reading):
         """A key that the model of a link, or the kind of analysis, has no use for."""
         field = next(field for field in what.fields.values() if field.name == what.noun.selected_by)
         word = holder.get(field.name, field.default)
-        kind = f"{article(word)} {'link' if field.name == 'model' else field.name}"
-        listed = " or ".join(users if field.name == "model" else map(shown, users))
-        told = f"remove it, or set {field.name} {'to' if field.name == 'model' else '='} {listed}"
-        self.tell(path, Refused(f"{kind} has no use for this", shown(holder[str(path[-1])]), "", told))
+        self.tell(path, idle(what.noun, word, users, holder[str(path[-1])]))
 
     def unknown(self, path: Path, value: Any) -> None:
         """A key that its table does not know, or only one of another kind."""

@@ -10,17 +10,17 @@ from typing import Any
 
 from ..errors import Path
 from ..fields import Chosen, Field, Inner, Many, Value, described_fields, key_of, required, value_of
-from ..laws import ContactLaw, FrictionLaw, Law, Material
+from ..laws import Law, Material
 from ..model.bodies import LINK_MODELS, Frame, Link, PointMass, RigidBody
 from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
+from ..model.lawtables import LAWS
 from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.springs import ForceElement, Spring
 
 Raw = dict[str, Any]
 
-LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
 # Sections of several kinds, told by a word, and the kind that needs none.
 FAMILIES: dict[str, tuple[Any, type]] = {"joint": (Joint, IdealRevolute), "spring": (ForceElement, Spring), "load": (Load, PointForce)}

@@ -11,7 +11,11 @@ from typing import TYPE_CHECKING
 
 import matplotlib
 
+from ..assembly.assemble import assemble
 from ..errors import VfifeError, shown, suggestion
+from ..model.mechanism import Mechanism
+from ..model.validate import validate
+from ..results.view import standing
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .orbits import journals, orbits
@@ -48,6 +52,13 @@ def figures(result: View, reference: View | None = None, names: Collection[str] 
     return {name: figure for name, figure in found.items() if figure is not None}
 
 
+def at_start(mechanism: Mechanism) -> Figure:
+    """A mechanism drawn where it starts. Raises ModelError for one with faults, AssemblyError for one that cannot be assembled."""
+    validate(mechanism)
+    with matplotlib.rc_context(STYLE):
+        return drawing(standing(assemble(mechanism)))
+
+
 def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
     """Writes each figure as PNG into a folder, made if need be; returns the files."""
     folder = Path(folder)
@@ -65,4 +76,4 @@ def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
     return paths
 
 
-__all__ = ["acceleration_curves", "drawing", "figures", "force_curves", "moment_curves", "orbits", "save"]
+__all__ = ["acceleration_curves", "at_start", "drawing", "figures", "force_curves", "moment_curves", "orbits", "save"]

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from ..analysis import Ledger, Measures, last_turn, ledger, ranged
 from ..analysis.motion import times
+from ..assembly.assembled import Assembly
 from ..modelfile import dump
-from ..solvers.record import Record
+from ..solvers.record import Record, recorded_rows
 from .channels import Channel, channels, entities
 from .provenance import sources, versions
 from .series import Series
@@ -139,3 +140,9 @@ class View:
         if len(text.encode()) < LONGEST_ATTRIBUTE:
             found["model_file"] = text
         return found
+
+
+def standing(assembly: Assembly) -> View:
+    """A mechanism as it starts, of which nothing was run."""
+    kept = recorded_rows(assembly)
+    return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept))

@@ -9,7 +9,6 @@ import numpy as np
 from ..laws import Ambrosio, LankaraniNikravesh
 from ..model.bodies import LinkModel, Section
 from ..model.mechanism import Mechanism
-from ..model.options import ContactOptions
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 
@@ -30,10 +29,10 @@ def four_bar(clear: str, speed: float, mass: float = 1.0, model: LinkModel = "ri
         m.link(name, length=length, mass=7.8 * length * heavy, angle=angle, model=chosen, section=section)
     m.revolute("A", "ground.A", "crank.start")
     law = LankaraniNikravesh(restitution=restitution, stiffness=6.6e10)
-    laws: ContactOptions = {"contact": law, "friction": Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2)}
+    sliding = Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2)
     for name, bearing, journal in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
         if name in clear:
-            m.clearance(name, bearing, journal, clearance=play, bearing_radius=0.01, **laws)
+            m.clearance(name, bearing, journal, clearance=play, bearing_radius=0.01, contact=law, friction=sliding)
         else:
             m.revolute(name, bearing, journal)
     m.drive("crank", speed=speed)

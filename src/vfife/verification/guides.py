@@ -10,7 +10,6 @@ import numpy as np
 from ..laws import Ambrosio, LankaraniNikravesh
 from ..model.drivers import ConstantSpeed
 from ..model.mechanism import Mechanism
-from ..model.options import ClearanceSliderOptions
 from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run
@@ -93,8 +92,18 @@ def guide_with_play(nudge: Nudge) -> Rows:
     for name, velocity in speeds.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
     friction = Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2)
-    options: ClearanceSliderOptions = {"contact": LankaraniNikravesh(restitution=0.4), "friction": friction, "corner_radius": 1e-4}
-    m.clearance_slider("S", "ground.O", "block.center", clearance=c * nudge("clearance"), length=0.1, height=0.05, **options)
+    law = LankaraniNikravesh(restitution=0.4)
+    m.clearance_slider(
+        "S",
+        "ground.O",
+        "block.center",
+        clearance=c * nudge("clearance"),
+        length=0.1,
+        height=0.05,
+        contact=law,
+        friction=friction,
+        corner_radius=1e-4,
+    )
     seen = run(m, step=5e-7, duration=0.02, outputs=4000)
     time, corner = first_contact(c)
     depths = np.stack([seen.contact(f"S.{k}", "penetration") for k in (1, 2, 3, 4)], axis=1)

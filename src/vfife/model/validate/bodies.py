@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...errors import Path
+from ...errors import Path, article
 from ..bodies import ELASTIC, MOST_ELEMENTS, Frame, Link, RigidBody, Section
 from ..lumping import rigid_properties
-from .checks import Checks, article, ends, given, known
+from .checks import Checks, ends, given, known
 
 
 def check_bodies(checks: Checks) -> None:

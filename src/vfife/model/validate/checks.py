@@ -149,8 +149,3 @@ def rows_of(joint: Any) -> tuple[Row, ...]:
 def shown_name(name: str) -> str:
     """A name in quotes, shortened."""
     return repr(name if len(name) <= NAME_LIMIT else name[: NAME_LIMIT - 3] + "...")
-
-
-def article(word: Any) -> str:
-    """The word with its article."""
-    return f"{'an' if str(word)[:1] in 'aeiou' else 'a'} {word}"

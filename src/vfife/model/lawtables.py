@@ -1,16 +1,17 @@
-"""Law tables: any law of the registry, its keys and limits taken from the law itself."""
+"""Laws by name: any law of the registry, its keys and limits taken from the law itself; for model files and for Python."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 from ..errors import LawError, Path, shown, suggestion
 from ..fields import Field, Reading, Refused, required, value_of
-from ..laws import Law
-from ..model.joints import Contact
-from .tables import LAWS, Raw
+from ..laws import ContactLaw, FrictionLaw, Law
+from .joints import Contact
 
+LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 DEFAULTS: dict[str, Any] = {field.name: field.default_factory for field in dataclasses.fields(Contact) if field.name in LAWS}
 
 
@@ -20,7 +21,7 @@ class Parameters(Reading):
     written = True
 
 
-def read_law(kind: str, holder: Raw) -> tuple[Law | None, list[tuple[Path, Refused]]]:
+def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[tuple[Path, Refused]]]:
     """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or what was refused, by keys."""
     registry = LAWS[kind].known()
     name = holder.get("law", DEFAULTS[kind].name)

@@ -1,0 +1,66 @@
+"""What a notebook shows of a mechanism and of a result: drawings, tables, names escaped."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Iterable
+from html import escape
+from typing import TYPE_CHECKING
+
+import matplotlib
+
+from ..errors import VfifeError
+from ..report.checked import parts
+from .style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..model.mechanism import Mechanism
+    from ..results.view import View
+
+SHOWN = ("mechanism", "orbits", "forces")  # figures of a result
+
+
+def mechanism_html(mechanism: Mechanism) -> str:
+    """Its drawing at the start, or the faults that keep it from being drawn, and tables of its parts."""
+    from . import at_start
+
+    try:
+        drawn = picture(at_start(mechanism), f"drawing of {mechanism.name}")
+    except VfifeError as error:
+        drawn = f"<pre>{escape(str(error))}</pre>"
+    return f"<h4>{escape(str(mechanism.name))}</h4>{drawn}{''.join(f'<b>{title}</b>{table(rows)}' for title, rows in parts(mechanism))}"
+
+
+def result_html(result: View) -> str:
+    """Its summary and its figures."""
+    from rich.console import Console
+
+    from ..report.summary import show
+    from . import figures
+
+    console = Console(file=io.StringIO(), width=150, color_system=None, force_terminal=False)
+    show(console, result, result.reference)
+    said = console.file.getvalue()  # type: ignore[attr-defined]
+    found = figures(result, names=SHOWN)
+    return f"<pre>{escape(said)}</pre>" + "".join(picture(one, name) for name, one in found.items())
+
+
+def picture(figure: Figure, words: str) -> str:
+    """A figure as an element of a page, with what it shows in words."""
+    made = io.BytesIO()
+    with matplotlib.rc_context(STYLE):
+        figure.savefig(made, format="png", dpi=80)
+    data = base64.b64encode(made.getvalue()).decode("ascii")
+    return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/png;base64,{data}">'
+
+
+def table(rows: Iterable[Iterable[str]]) -> str:
+    """Rows, the first of them the heads."""
+    lines = []
+    for k, row in enumerate(rows):
+        cell = "td" if k else "th"
+        lines.append("<tr>" + "".join(f'<{cell} style="text-align: left">{escape(str(one))}</{cell}>' for one in row) + "</tr>")
+    return f"<table>{''.join(lines)}</table>"

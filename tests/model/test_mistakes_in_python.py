@@ -1,0 +1,92 @@
+"""Mistakes that people make in scripts: each is told in words, none passes in silence, and none is an accident of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import pytest
+
+import vfife
+
+
+def machine() -> vfife.Mechanism:
+    """A pendulum on a pivot."""
+    m = vfife.Mechanism("machine", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.link("rod", length="300 mm", mass="0.5 kg")
+    m.revolute("pivot", "ground.O", "rod.start")
+    return m
+
+
+@cache
+def result() -> vfife.Result:
+    """A short run of it, which no test changes."""
+    return vfife.simulate(machine(), duration=1e-3, outputs=4, loop="data-driven", companions=0)
+
+
+def set_gravity() -> Any:
+    """Gravity as a number."""
+    m = machine()
+    m.gravity = 9.81  # type: ignore[assignment]
+    return m.check()
+
+
+def forgotten_pivot() -> Any:
+    """A joint to a body that nobody made."""
+    m = machine()
+    m.revolute("elbow", "rod.end", "crank.start")
+    return vfife.simulate(m, duration=1e-3)
+
+
+MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
+    "a misspelt keyword": (lambda: machine().link("bar", lenght=0.1, mass=1.0), ("[body.bar] lenght", "no such keyword", 'mean "length"')),
+    "a keyword left out": (lambda: machine().rigid_body("plate", mass=1.0), ("[body.plate] inertia", "is missing", "inertia=...")),
+    "a mass for a length": (lambda: machine().link("bar", length="3 kg", mass=1.0), ("[body.bar] length", "this is a mass", "a length")),
+    "a length below zero": (lambda: machine().link("bar", length=-0.1, mass=1.0), ("[body.bar] length = -0.1", "negative", "above 0 m")),
+    "millimetres as metres": (
+        lambda: machine().clearance("C", "rod.end", "ground.O", clearance=0.2, bearing_radius="10 mm"),
+        ("[joint.C] clearance = 0.2", "no journal is left", "check the units"),
+    ),
+    "a misspelt law": (
+        lambda: machine().clearance("C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", contact="hertzz"),
+        ("[joint.C.contact] law", "no contact law is called so", 'mean "hertz"'),
+    ),
+    "a law that was not made": (
+        lambda: machine().clearance("C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", friction=vfife.Coulomb),
+        ("[joint.C] friction = Coulomb", "the law's class", "write Coulomb()"),
+    ),
+    "a misspelt pin": (lambda: machine().revolute("elbow", "rod.nd", "ground.O"), ("[joint.elbow] bearing", "rod has no pin", 'mean "rod.end"')),
+    "a body without its pin": (lambda: machine().revolute("elbow", "rod", "ground.O"), ("[joint.elbow] bearing", "the pin is missing", "rod.end")),
+    "a name given twice": (lambda: machine().link("rod", length=0.1, mass=1.0), ("[body.rod]", 'called "rod" already', "another name")),
+    "a misspelt material": (lambda: machine().link("bar", length=0.1, mass=1.0, material="stel"), ("material", "no material", 'mean "steel"')),
+    "gravity as a number": (set_gravity, ("gravity = 9.81", "this is a number", "a list")),
+    "a body that nobody made": (forgotten_pivot, ("[joint.elbow] journal", "there is no body 'crank'")),
+    "a file instead of a mechanism": (lambda: vfife.simulate("machine.toml"), ("mechanism", "a text", "load_model")),  # type: ignore[arg-type]
+    "turns and a duration": (lambda: vfife.simulate(machine(), turns=1, duration=1), ("turns", "exclude each other", "leave out one")),
+    "turns where nothing turns": (lambda: vfife.simulate(machine(), turns=1), ("turns = 1", "no driver", "duration")),
+    "a misspelt setting": (lambda: vfife.Settings(turn=2), ("[run] turn", "no such keyword", 'mean "turns"')),  # type: ignore[call-arg]
+    "a misspelt path": (lambda: vfife.load("examples/slider_crank.toml", {"run.turn": 2}), ("run.turn", "no 'turn' in run", "run.turns")),
+    "a file that is not there": (lambda: vfife.load("nowhere.toml"), ("nowhere.toml", "cannot be read", "check the name")),
+    "a misspelt figure": (lambda: result().plot("force"), ("no figure", 'mean "forces"')),
+}
+
+
+def test_there_are_fifteen_and_more() -> None:
+    assert len(MISTAKES) >= 15
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_told_in_words(mistake: str) -> None:
+    make, words = MISTAKES[mistake]
+    with pytest.raises(vfife.VfifeError) as told:
+        make()
+    said = str(told.value)
+    assert all(word.lower() in said.lower() for word in words), said
+    assert "Traceback" not in said and "NoneType" not in said and len(said) < 700
+
+
+def test_a_misspelt_keyword_is_a_type_error_too() -> None:
+    with pytest.raises(TypeError):
+        machine().link("bar", lenght=0.1)  # type: ignore[call-arg]
