@@ -21,7 +21,7 @@ def check_names(checks: Checks) -> None:
         text = getattr(checks.mechanism, key)
         if isinstance(text, str) and not all(sign.isprintable() or sign in allowed for sign in text):
             checks.add((key,), "it has signs that cannot be printed", "leave them out")
-    if isinstance(checks.mechanism.name, str) and len(checks.mechanism.name) > TITLE_LIMIT:
+    if len(str(checks.mechanism.name)) > TITLE_LIMIT:
         checks.add(("name",), f"it has {len(checks.mechanism.name):,} signs", f"{TITLE_LIMIT} are the most; a note may be longer")
     for path in named_things(checks):
         check_name(checks, path)
