@@ -38,12 +38,14 @@ if TYPE_CHECKING:
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
+    from .study.stepped import Simulation
 
 __version__ = "0.1.0"
 
 _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
     "Result": "result",
+    "Simulation": "study.stepped",
     "Status": "solvers.status",
     "VfifeError": "errors",
     "compare": "study.compare",
@@ -150,6 +152,7 @@ __all__ = [
     "RigidBody",
     "Section",
     "Settings",
+    "Simulation",
     "StartSettings",
     "Status",
     "VfifeError",

@@ -91,14 +91,18 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
     return {name.removesuffix(".force.max"): value for name, value in reference.measures.items() if name.endswith(".force.max")}
 
 
+def comparable(mechanism: Mechanism) -> bool:
+    """Whether there is an ideal mechanism to compare with turn by turn: play, a driver, and joints that are still joints without their play."""
+    if mechanism.settings.analysis == "static" or not mechanism.contacts or not any(driver.moves for driver in mechanism.drivers.values()):
+        return False
+    return len(mechanism.ideal().joints) == len(mechanism.joints)
+
+
 def ideal_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Assembly | None:
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
-    if mechanism.settings.analysis == "static":
+    if not comparable(mechanism):
         return None
-    moving = [driver for driver in mechanism.drivers.values() if driver.moves]
-    if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
-        return None
-    if all(driver.steady_speed is not None for driver in moving):
+    if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
         turns, duration = 1.0, None
     return assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration)
 

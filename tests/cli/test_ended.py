@@ -49,6 +49,15 @@ def test_export(command: Callable, case_c_run: Path) -> None:
     assert Path("out.nc").stat().st_mtime_ns > before
 
 
+def test_export_in_other_formats(command: Callable, case_c_run: Path) -> None:
+    for target, more in (("out.csv", ()), ("out.mat", ()), ("forces.svg", ()), ("mine.png", ("--figure", "orbits"))):
+        done = command("export", case_c_run, target, *more)
+        assert done.exit_code == 0 and target in done.stdout and Path(target).stat().st_size > 5000
+    for target, said in (("out.xlsx", ".csv, .nc"), ("force.svg", 'mean "forces"')):
+        done = command("export", case_c_run, target)
+        assert done.exit_code == 2 and said in done.stderr and not Path(target).exists()
+
+
 def test_export_to_nowhere(command: Callable, case_c_run: Path, tmp_path: Path) -> None:
     for target in (tmp_path, tmp_path / "no such folder" / "out.nc"):
         assert command("export", case_c_run, target).exit_code == 2
