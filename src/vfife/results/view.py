@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..analysis import Ledger, Measures, last_turn, ledger, ranged
 from ..analysis.motion import times
-from ..analysis.turns import Turns, turns
+from ..analysis.ranges import counted
+from ..analysis.turns import Turns
 from ..assembly.assembled import Assembly
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
@@ -126,7 +127,7 @@ class View:
     @cached_property
     def motion(self) -> Turns | None:
         """Whether the turns of the run repeat, from which one on, with which period, and which of them its measures are of; None without turns."""
-        return turns(self.record)
+        return counted(self.record)
 
     @cached_property
     def series(self) -> Series:
