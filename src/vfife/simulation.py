@@ -26,7 +26,7 @@ from .results.companions import kept_companions
 from .results.lock import Lock
 from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
-from .results.restart import extended, refuse_ended, restart_record, restarted, same_layout
+from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout
 from .results.runfile import RunFile
 from .results.start_from import States, initial_state
 from .results.view import View
@@ -91,16 +91,32 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
     return {name.removesuffix(".force.max"): value for name, value in reference.measures.items() if name.endswith(".force.max")}
 
 
-def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+def comparable(mechanism: Mechanism) -> bool:
+    """Whether there is an ideal mechanism to compare with turn by turn: play, a driver, and joints that are still joints without their play."""
+    if mechanism.settings.analysis == "static" or not mechanism.contacts or not any(driver.moves for driver in mechanism.drivers.values()):
+        return False
+    return len(mechanism.ideal().joints) == len(mechanism.joints)
+
+
+def ideal_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Assembly | None:
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
-    if mechanism.settings.analysis == "static":
+    if not comparable(mechanism):
         return None
-    moving = [driver for driver in mechanism.drivers.values() if driver.moves]
-    if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
-        return None
-    if all(driver.steady_speed is not None for driver in moving):
+    if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
         turns, duration = 1.0, None
-    record = run(assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration))
+    return assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration)
+
+
+def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+    """What the ideal mechanism does (:func:`ideal_of`). Raises KeyboardInterrupt where it is interrupted."""
+    return referred(ideal_of(mechanism, turns, duration))
+
+
+def referred(ideal: Assembly | None) -> Result | None:
+    """The result of an ideal mechanism, if there is one. Raises KeyboardInterrupt where it is interrupted."""
+    if ideal is None:
+        return None
+    record = run(ideal)
     if record.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return Result(record)
@@ -328,4 +344,6 @@ def assembled_at(
     given = initial_state(start, mechanism, time)
     assembly = assemble(mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length)
     record = restart_record(start, time)
+    if isinstance(start, View) and time is None:
+        refuse_stateless(start.record, start.name, same_layout(assembly, start.record))
     return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly

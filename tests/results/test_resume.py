@@ -253,8 +253,28 @@ def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
         vfife.resume(path, until=1.0)
     former = Path(__file__).parent / "former" / "four_bar.sqlite"
     (tmp_path / "former.sqlite").write_bytes(former.read_bytes())
-    with pytest.raises(RunFileError, match="--start-from"):
+    with pytest.raises(RunFileError, match="without all it takes"):
         vfife.resume(tmp_path / "former.sqlite", until=1.0)
+
+
+LOST = {
+    "its state": (["DELETE FROM checkpoints"], "no whole state at its last output"),
+    "its state, damaged": (["UPDATE checkpoints SET state = zeroblob(40)"], "no whole state at its last output"),
+    "its last outputs": (["UPDATE history SET data = zeroblob(50) WHERE chunk = (SELECT max(chunk) FROM history)"], "where it ended is not known"),
+}
+
+
+@pytest.mark.parametrize("case", LOST)
+def test_a_new_run_does_not_start_without_what_it_needs(tmp_path: Path, case: str) -> None:
+    path, (statements, said) = tmp_path / "run.sqlite", LOST[case]
+    mechanism = journal_in_bearing()
+    write(path, mechanism, Asked(duration=1e-4, step=1e-6, outputs=10))
+    assert vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0).record.status == "complete"
+    with sqlite3.connect(path) as connection:
+        for statement in statements:
+            connection.execute(statement)
+    with pytest.raises(ResumeError, match=said):
+        vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0)
 
 
 # ----------------------------------------------------------------------------------------------------------------- kill

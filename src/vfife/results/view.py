@@ -9,18 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis import Ledger, Measures, last_turn, ledger, ranged
+from ..analysis.around import Around, around
+from ..analysis.guides import PointMotion, point_motion
+from ..analysis.impacts import Impacts, impacts
 from ..analysis.motion import times
 from ..analysis.ranges import counted
+from ..analysis.stress import along
 from ..analysis.turns import Turns
 from ..assembly.assembled import Assembly
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
-from .channels import Channel, channels, entities
+from . import wide
+from .channel import Channel
+from .channels import channels, entities
 from .provenance import sources, versions
 from .series import Series
 from .turns import latest_turns
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 LONGEST_ATTRIBUTE = 60000  # bytes; HDF5 takes no attribute beyond 64 KiB
@@ -99,6 +106,24 @@ class View:
         """Series by name, as plain arrays with unit and meaning."""
         return channels(self.record, self.ledger)
 
+    def point(self, name: str) -> PointMotion:
+        """Position, velocity and acceleration of a pin ``body.pin`` at the outputs, global axes; ``.along(direction)`` of a direction of space.
+
+        Raises ValueError with the names there are.
+        """
+        return point_motion(self.record, name)
+
+    @cached_property
+    def impacts(self) -> Impacts:
+        """The contacts that began, one by one as far as the outputs tell them apart: see :func:`vfife.analysis.impacts.impacts`."""
+        return impacts(self.record)
+
+    def around(self, side: str = "bearing", bins: int = 72, last_turn: bool = False) -> Around:
+        """Time in contact, impulse and friction over the angle of each bearing, or "journal", in the frame of its body, in all or of the last turn:
+        see :func:`vfife.analysis.around.around`.
+        """
+        return around(self.record, side, bins, self.last_turn if last_turn else None)
+
     @cached_property
     def data(self) -> xarray.Dataset:
         """All channels over time and the names of joints, bodies, elements and particles, with units and long names."""
@@ -110,7 +135,10 @@ class View:
         if self.crank_angle is not None:
             said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
             coords["crank_angle"] = ("time", self.crank_angle, said)
-        variables = {name: (one.dims, one.values, {"units": one.unit, "long_name": one.meaning}) for name, one in self.channels.items()}
+        if "element" in coords:
+            said = {"units": "m", "long_name": "middle of the element along its link from the start, or along its member of a frame"}
+            coords["element_position"] = ("element", along(self.record).mean(axis=1), said)
+        variables = {name: (one.dims, one.values, one.attributes) for name, one in self.channels.items()}
         data = xarray.Dataset(variables, coords, self.attributes)
         if "mode" in data:
             data["mode"].attrs |= {
@@ -133,6 +161,26 @@ class View:
     def series(self) -> Series:
         """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which ``C.force.max`` is a measure."""
         return Series(self.channels, entities(self.record), lambda: self.data)
+
+    def joint(self, name: str) -> xarray.Dataset:
+        """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a name that no joint has."""
+        return wide.about(self, name, "joint", wide.JOINTS)
+
+    def body(self, name: str) -> xarray.Dataset:
+        """All about one body over time, by quantity, its elements and particles with it. Raises VfifeError for a name that no body has."""
+        return wide.about(self, name, "body", wide.BODIES)
+
+    def spring(self, name: str) -> xarray.Dataset:
+        """All about one spring, stop or bushing over time, by quantity. Raises VfifeError for a name that none has."""
+        return wide.about(self, name, "spring", wide.SPRINGS)
+
+    def to_dataframe(self, *names: str, units: bool = True, fine: bool = False) -> pandas.DataFrame:
+        """One table for pandas: a row an output, the time as its index, a column a series, ``C.force [N]``; without ``units``, ``C.force``.
+
+        ``names``: joints, bodies and springs; all of them unless some are named. ``fine``: elements and particles too. Units and meanings by column
+        are in ``attrs``. Raises VfifeError for a name that nothing has.
+        """
+        return wide.frame(self, names, units, fine)
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 The first step of companion k is k/(n + 1) of a step, with n companions; all else is the same, so onsets of contact and reversals of friction fall
 elsewhere in their steps. Where a result is decided by the motion, all agree; where it is decided by the steps, they part. Of a companion only what
-measures and figures need is kept: extremes, counts, moments and angular accelerations at the outputs of the last turn, and
+measures and figures need is kept: extremes, counts, losses, moments and angular accelerations at the outputs of the last turn, and
 one row for each turn before.
 """
 
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 SENSITIVE = 0.01  # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
 SAMPLED = (
     "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_fastest",
-    "contact_duration",
+    "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work", "contact_friction_power",
 )  # fmt: skip
 
 
