@@ -28,8 +28,32 @@ function axisOf(running) {
 
 const largestOf = (lists) => lists.reduce((most, list) => list.reduce((one, value) => Math.max(one, value), most), 0);
 
+// What was found for a turn before: whole turns do not change, and a chart is drawn a few times a second.
+const known = new Map();
+
+function remembered(key, make) {
+  if (!known.has(key)) {
+    if (known.size > 150) known.clear();
+    known.set(key, make());
+  }
+  return known.get(key);
+}
+
+let numbered = 0;
+const names = new WeakMap();
+
+// A key for a turn of a run; of one that is not whole another for each output.
+function keyOf(store, { first, count }, ...more) {
+  if (!names.has(store)) names.set(store, ++numbered);
+  return [names.get(store), first, count, ...more].join(" ");
+}
+
 // Largest forces in each interval of a turn, as an array.
-function forcesOf(reader, store, { first, count }, name) {
+function forcesOf(reader, store, turn, name) {
+  return remembered(keyOf(store, turn, "force", name), () => foundForces(reader, store, turn, name));
+}
+
+function foundForces(reader, store, { first, count }, name) {
   return Float64Array.from({ length: count + 1 }, (_, k) => reader.forceMax(store.data, store.offset(first + Math.max(k, first ? 0 : 1)), name));
 }
 
@@ -73,7 +97,12 @@ function idealForces({ idealReader, idealStore }) {
 // What may be shown in phase: angle of each body, and how its centre moves along x and y.
 const QUANTITIES = { angle: ["rad", "angle"], x: ["m", "x"], y: ["m", "y"] };
 
-function phaseOf({ reader, store }, { first, count }) {
+function phaseOf(running, turn) {
+  const key = keyOf(running.store, turn, "phase", selected.body, selected.quantity);
+  return remembered(key, () => foundPhase(running, turn));
+}
+
+function foundPhase({ reader, store }, { first, count }) {
   const body = given.bodies.find((one) => one.name === selected.body);
   const found = { xs: [], ys: [] };
   let [last, whole] = [null, 0];
@@ -199,6 +228,10 @@ const LEDGER = [
 ];
 
 function energiesOf(running, turn) {
+  return remembered(keyOf(running.store, turn, "energy"), () => foundEnergies(running, turn));
+}
+
+function foundEnergies(running, turn) {
   const { reader, store } = running;
   const stride = Math.max(1, Math.floor(turn.count / 180));
   const found = [];

@@ -18,6 +18,7 @@ class Reader {
     this.energies = setting.part("energies");
     this.free = new Set(sim.free);
     this.found = {};
+    this.squares = {}; // columns of the largest squared force, by joint
     this.first = null; // the rows of output 0
   }
 
@@ -121,8 +122,10 @@ class Reader {
   // Largest force of a joint since the output before (N), of the steps in between; of a block in a guide that of one corner.
   forceMax(data, at, name) {
     const { block, at: places } = this.sim.joints[name];
-    const column = this.of(`${block}_force_squared_max`);
-    return Math.sqrt(places.reduce((most, k) => Math.max(most, data[at + column[k]]), 0));
+    this.squares[name] ??= Int32Array.from(places, (k) => this.of(`${block}_force_squared_max`)[k]);
+    let most = 0;
+    for (const column of this.squares[name]) most = Math.max(most, data[at + column]);
+    return Math.sqrt(most);
   }
 
   // ---------------------------------------------------------------------------------------------------------- energies
