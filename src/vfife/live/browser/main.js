@@ -40,7 +40,7 @@ const cards = [
 if (!perTurn && cards[0]?.id === "forces") cards[0].title = "Joint forces over time";
 
 const OPTIONS = {
-  joint: () => Object.keys(own.joints),
+  joint: () => [...Object.keys(own.joints), ...Object.keys(own.torques).map((name) => TORQUE + name)],
   body: () => given.bodies.map((body) => body.name),
   quantity: () => Object.keys(QUANTITIES),
 };
@@ -117,10 +117,10 @@ function drawStale(time) {
   spentOnCharts += performance.now() - entered;
 }
 
-function drawCard(card) {
+function drawCard(card, unseen = false) {
   if (card.id === "peaks") return writePeaks($("peak-table"), running, other);
   const box = card.canvas.getBoundingClientRect();
-  if (box.bottom < 0 || box.top > window.innerHeight) return;
+  if (!unseen && (box.bottom < 0 || box.top > window.innerHeight)) return;
   const made = canvasFor(card.canvas);
   if (!made || !running.store.end) return;
   card.draw(made.pen, made.width, made.height, running, clock.head, other?.store.end ? other : null);
@@ -311,6 +311,9 @@ document.addEventListener("keydown", (event) => {
 });
 
 window.addEventListener("resize", () => dirty(true));
+window.addEventListener("beforeprint", () => {
+  for (const card of cards) drawCard(card, true);
+});
 window.addEventListener("scroll", () => dirty(true), { passive: true });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => {
   setTheme(event.matches ? "dark" : "light");

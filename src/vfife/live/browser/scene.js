@@ -41,6 +41,10 @@ class Scene {
         for (const { points } of sign.strokes) for (let i = 0; i < points.length; i += 8) this.reach(carried(points[i]));
       }
       given.joints.forEach((joint, k) => {
+        [joint.bearing, joint.journal].forEach((pin, side) => {
+          const [[x, y], r] = [pose.place(pin), joint.reaches[side]];
+          if (r) for (const corner of [-r, r]) this.reach([x + corner, y + corner]);
+        });
         if (!this.guided[k]) return;
         const [bearing, journal, angle] = [pose.place(joint.bearing), pose.place(joint.journal), pose.angle(joint.bearing[0]) + joint.tilt];
         const way = Math.cos(angle) * (journal[0] - bearing[0]) + Math.sin(angle) * (journal[1] - bearing[1]);
