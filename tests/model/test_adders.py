@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import sys
 import typing
 
 import pytest
 
 from vfife.fields import described_fields, required
 from vfife.laws import Law, Material
-from vfife.model import builders
 from vfife.model.builders import Builders
 from vfife.model.mechanism import Mechanism
 
-BUILDERS = [name for name, one in vars(Builders).items() if inspect.isfunction(one) and name[0] != "_" and name != "point"]
-NAMED_BY = {"drive": {"direction", "slider", "point", "against"}}  # fields that a builder leaves to others
+BUILDERS = [name for name, one in inspect.getmembers(Builders, inspect.isfunction) if name[0] != "_" and name != "point"]
+# Fields that a builder leaves to others, and what it cannot do without though its noun can.
+NAMED_BY = {"drive": {"direction", "slider", "point", "against"}, "torque": {"direction", "slider", "point"}, "moment": {"force", "follow"}}
+NEEDED = {"drive": {"body"}, "torque": {"body"}, "moment": {"moment"}}
 
 
 def test_there_are_builders() -> None:
@@ -25,14 +27,14 @@ def test_there_are_builders() -> None:
 @pytest.mark.parametrize("name", BUILDERS)
 def test_a_builder_takes_what_its_noun_has(name: str) -> None:
     builder = getattr(Mechanism, name)
-    hints = typing.get_type_hints(builder, vars(builders))
+    hints = typing.get_type_hints(builder, vars(sys.modules[builder.__module__]))
     noun = hints["return"]
     given = {one.name: one for one in inspect.signature(builder).parameters.values() if one.name != "self"}
     assert all(one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY) for one in given.values()), "a misspelt keyword is an error"
     fields = {field.name: field for field in dataclasses.fields(noun)}
     assert set(given) == set(fields) - NAMED_BY.get(name, set())
     for field in described_fields(noun):
-        if field.name not in given or (name == "drive" and field.name == "body"):  # a table has a name, which may be the body's
+        if field.name not in given or field.name in NEEDED.get(name, set()):  # a table has a name, which may be the body's
             continue
         shown = given[field.name].default
         assert (shown is inspect.Parameter.empty) == required(field), field.name

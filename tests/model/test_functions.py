@@ -58,7 +58,7 @@ def test_a_step_is_the_fifth_order_polynomial_and_rests_else():
 
 def test_a_torque_keeps_its_end_values():
     speeds, values = (-3.0, 0.0, 2.0, 5.0), (9.0, 7.0, 4.0, -1.0)
-    function = torque_function(Torque(body="b", value=values, speeds=speeds))
+    function = torque_function(Torque(body="b", value=values, speeds=speeds, interpolation="spline"))
     fit = CubicSpline(speeds, values, bc_type="natural")
     for x in np.linspace(-9.0, 9.0, 181):
         assert function(x)[0] == pytest.approx(float(fit(min(max(x, -3.0), 5.0))), abs=1e-12)

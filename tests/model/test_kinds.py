@@ -70,9 +70,13 @@ def with_driver(kind: str) -> Mechanism:
 
 
 def with_load(kind: str) -> Mechanism:
-    """A link on a pivot and a load at its end."""
+    """A link on a pivot, with a pin in a slot at its end, and a load there or along the slot."""
     m = pendulum()
-    m.loads["load"] = LOADS[kind](name="load", at="arm.end", **LOADS[kind].sample)
+    if "guide" in LOADS[kind].sample.values():
+        m.rigid_body("block", mass=0.1, inertia=1e-4, position=(0.5 * np.cos(0.3), -0.5 * np.sin(0.3)))
+        m.revolute("pin", "arm.end", "block.center")
+        m.slider("guide", "ground.P", "block.center", direction=(0.5 * np.cos(0.3) - 0.3, 0.4 - 0.5 * np.sin(0.3)), turning=True)
+    m.loads["load"] = LOADS[kind](name="load", **LOADS[kind].sample)
     return m
 
 

@@ -85,7 +85,7 @@ def test_a_point_force_at_a_pin():
     """Fixed in space, off the centre of mass, over time, with a moment: the body's three equations integrated by SciPy."""
     force, moment, knots, factors = np.array([15.0, -4.0]), 0.4, (0.0, 0.1, 0.25, 0.4), (1.0, -0.5, 2.0, 0.3)
     m = free_body()
-    m.loads["p"] = PointForce(name="p", at="b.eye", force=tuple(force), moment=moment, times=knots, factors=factors)
+    m.loads["p"] = PointForce(name="p", at="b.eye", force=tuple(force), moment=moment, times=knots, factors=factors, interpolation="spline")
     record = go(m, 2e-5, duration=0.4, outputs=40)
     factor = CubicSpline(knots, factors, bc_type="natural")
     arm = np.array([0.2, 0.25])

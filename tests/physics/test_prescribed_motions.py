@@ -183,7 +183,7 @@ def test_torques_over_an_angle_count_with_the_speed_of_turning() -> None:
     """A torque of 100 waves a turn on a body that turns 10 times a second: 1 kHz."""
     m, speed = turned(), 20.0 * math.pi
     a = np.linspace(0.0, 2.0 * math.pi, 10001)
-    m.drivers["motor"] = Torque(body="arm", value=tuple(np.sin(100.0 * a)), angles=tuple(a))
+    m.drivers["motor"] = Torque(body="arm", value=tuple(np.sin(100.0 * a)), angles=tuple(a), interpolation="spline")
     m.bodies["arm"] = dataclasses.replace(m.bodies["arm"], velocity=(0.0, 0.0, speed))
     choice = assemble(m, duration=0.1).choice
     assert choice.culprit == "the torque on arm"

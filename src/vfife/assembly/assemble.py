@@ -94,7 +94,8 @@ def assemble(
         topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, filler.layout, filler.state))
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
-    notes = cautions(mechanism) + missed(mechanism, choice, filler.layout, filler.state)
+    strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
+    notes = cautions(mechanism) + strange + missed(mechanism, choice, filler.layout, filler.state)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),

@@ -63,8 +63,9 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
         if driven_body(name, driver):
             yield f"driver {name!r}", (driven_body(name, driver), driver.against)
     for name, load in mechanism.loads.items():
-        if load.acts[2] and isinstance(mechanism.bodies.get(load.at.partition(".")[0]), PointMass):
-            yield f"the moment of load {name!r}", (load.at.partition(".")[0],)
+        for push in load.pushes(mechanism.joints):
+            if push.acts[2] and isinstance(mechanism.bodies.get(push.body), PointMass):
+                yield f"the moment of load {name!r}", (push.body,)
 
 
 def refuse_infinite(motion: Motion) -> None:

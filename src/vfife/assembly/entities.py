@@ -225,8 +225,16 @@ def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Lo
     """Loads at pins, and torques or forces of drivers with their opposites."""
     found = []
     for action in actions(mechanism, motion.datum):
-        kind, first, second = action.argument
-        function = numbering.function(action.function, (kind, numbering.particle(first), numbering.particle(second)))
+        kind, *bodies = action.argument
+        guide = action.guide
+        first, second = (
+            ((numbering.particle(body), (0.0, 0.0)) for body in bodies)
+            if guide is None
+            else (numbering.place(side) for side in zip(bodies, guide.pins, strict=True))
+        )
+        function = numbering.function(action.function, (kind, first[0], second[0]))
+        if guide is not None:
+            numbering.travels[function] = (*first[1], *second[1], *guide.direction, guide.gap)
         for body, pin, (fx, fy, moment) in action.ends:
             place = numbering.place((body, pin)) if pin else (numbering.particle(body), (0.0, 0.0))
             found.append(Load(place, function, (fx, fy), moment, action.follow))

@@ -212,6 +212,9 @@ class Filler:
             entries = (*load.place[1], *load.force, load.moment)
             for block, value in zip(("load_x", "load_y", "load_fx", "load_fy", "load_m"), entries, strict=True):
                 self.put(block, value, index)
+        for function, numbers in self.numbering.travels.items():
+            first = self.layout.row("function_first_x", function)
+            self.state[first : first + len(numbers)] = numbers
 
 
 def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:

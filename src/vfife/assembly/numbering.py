@@ -29,6 +29,7 @@ class Numbering:
         self.strains: list[int] = []
         self.functions: list[Polynomials] = []
         self.arguments: list[tuple[int, int, int]] = []
+        self.travels: dict[int, tuple[float, ...]] = {}
         self.count = 1
         drivers = kinematic_drivers(mechanism)
         self.pivots = {name: pivot_of(mechanism, name) for name in drivers}

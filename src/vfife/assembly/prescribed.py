@@ -55,7 +55,15 @@ def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) ->
             effort = driver.effort()
             yield Prescribed(f"the torque on {body}", effort, (effort.starts[0], effort.starts[-1]), False, spin)
     for name, load in mechanism.loads.items():
-        yield Prescribed(f"the load {name}", load.factor(), (0.0, length), False)
+        function, gap = load.course()
+        ends = (function.starts[0], function.starts[-1])
+        if load.over == "time":
+            yield Prescribed(f"the load {name}", function, (0.0, length), False)
+        elif load.over == "angle" and spin > 0.0:
+            yield Prescribed(f"the load {name}", function, ends if function.period is None else (0.0, function.period), False, spin)
+        elif load.over == "travel" and spin > 0.0 and len(function.starts) > 1:
+            stroke = 0.5 * (ends[1] - ends[0] - gap)  # its table has as much before its first place; half of it goes by sin(spin t)
+            yield Prescribed(f"the load {name}", function, ends, False, 0.5 * spin * stroke)
 
 
 def prescribed_limits(found: Iterator[Prescribed], share: float, turn_steps: float) -> list[tuple[str, float]]:
@@ -108,8 +116,13 @@ def _missed_at(one: Prescribed, share: float) -> float:
 
 
 def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: float) -> float:
-    """Share of the largest value by which a step misses it, where no kink is near: steps with kinks are taken in parts."""
-    at = np.searchsorted(kinks, times - step * (1.0 + 1e-9)), np.searchsorted(kinks, times + step * (1.0 + 1e-9))
+    """Share of the largest value by which a step misses it, where no kink is near: steps with kinks are taken in parts.
+
+    A bend of a force counts as if its pieces shared it.
+    """
+    bends = np.array(one.function.bends).reshape(-1, 2)
+    known = np.sort(np.append(kinks, bends[:, 0]))
+    at = np.searchsorted(known, times - step * (1.0 + 1e-9)), np.searchsorted(known, times + step * (1.0 + 1e-9))
     smooth = at[0] == at[1]
     before, after = (one.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
     here = values[smooth, 0]
@@ -120,5 +133,5 @@ def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: floa
         error = np.abs(second - values[smooth, 2] * step**2)
     else:
         largest, error = float(np.abs(values[:, 0]).max()), np.abs(second) / 12.0
-    worst = max(0.0, float(error.max(initial=0.0)) - noise)
+    worst = max(0.0, float(error.max(initial=0.0)) - noise, float(bends[:, 1].max(initial=0.0)) * step**2 / 12.0)
     return worst / largest if largest > 0.0 else 0.0

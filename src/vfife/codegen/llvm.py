@@ -246,7 +246,7 @@ def searched(found: list[Function], width: int, layout: Layout, moving: Iterable
         w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double %{n}, {shift}')}, {dt}")
     w.out.append(f"  %ahead = select i1 %start, double 0.0, double {dt}")
     for number, f in enumerate(found):
-        w.mark = f"f{number}"
+        w.mark, w.truths = f"f{number}", frozenset(Trace(f.operations, {}).truths)
         for name in rows_used(f.operations):
             w.load(int(name[1:]))
         for operation in f.operations:

@@ -163,7 +163,10 @@ def functions(topology: Topology) -> list[Function]:
         tape = Tape()
         rows = Rows(tape, known_rows(topology, layout), set())
         first, second = (layout.record("particle", p) for p in bodies)
-        x = Traceable(tape)(loop.argument)(rows, kind, first, second, Symbol(tape, "time"), Symbol(tape, "ahead"))
+        record = layout.record("function", f)
+        with WRITING:
+            argument = Traceable(tape)(loop.argument)
+        x = argument(rows, kind, first, second, record, Symbol(tape, "time"), Symbol(tape, "ahead"))
         value, rate, acceleration, kinks, after = (layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "kinks", "next"))
         found.append(Function(start, (value, rate, acceleration, kinks, after), kind == TIME, tape.needed([x]), _operand(x)))
     return found

@@ -103,6 +103,7 @@ BLOCKS: tuple[Block, ...] = (
         contact_deep | 1 | onsets that landed deeper than the landing depth
         contact_deepest | m | deepest first landing
         contact_fastest | m/s | fastest impact
+        contact_approach | m/s | sum of the approach speeds of all contacts that began
         contact_duration | s | time in contact, but for the first step of each"""),
     *_blocks("memory", "contact", """
         contact_regime | 1 | which smooth part of the friction law's curve held at step n"""),
@@ -232,6 +233,14 @@ BLOCKS: tuple[Block, ...] = (
         load_fx | 1 | force per unit of its function
         load_fy | 1 | force per unit of its function
         load_m | 1 | moment per unit of its function"""),
+    *_blocks("parameter", "function", """
+        function_first_x | m | pin from which a travel counts, in its particle's frame
+        function_first_y | m | pin from which a travel counts, in its particle's frame
+        function_second_x | m | pin that travels, in its particle's frame
+        function_second_y | m | pin that travels, in its particle's frame
+        function_along_x | 1 | direction of the travel, in the first particle's frame
+        function_along_y | 1 | direction of the travel, in the first particle's frame
+        function_gap | m | by how much the table's part for the way back lies before that for the way out"""),
     *_blocks("parameter", "system", """
         step | s | time step
         shift | 1 | steps, or a part of one, by which the run is ahead of its number of steps

@@ -34,17 +34,38 @@ from .frame import axial, bending, bending_released, chord, nodal_force, step_tu
 from .geometry import arm, seldom
 from .polynomial import polynomial
 from .spring import springs
-from .topology import CURRENT, TIME, TURNED
+from .topology import CURRENT, SLIDING, TIME, TRAVEL, TURNED
 
 
-def argument(S, kind, i, j, time, dt):
-    """What a function depends on, at t_n: time, the angle (rad) of body j from body i, or its relative speed (rad/s).
+def travel(S, i, j, f, dt):
+    """Travel (m) at t_n of a pin of body j from one of body i along a direction of body i, and its rate (m/s), as function f has them."""
+    si, ci = sincos(S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
+    sj, cj = sincos(S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w])
+    gx, gy = arm(ci, si, S[f + FUNCTION.along_x], S[f + FUNCTION.along_y])
+    rix, riy = arm(ci, si, S[f + FUNCTION.first_x], S[f + FUNCTION.first_y])
+    rjx, rjy = arm(cj, sj, S[f + FUNCTION.second_x], S[f + FUNCTION.second_y])
+    dx = (S[j + PARTICLE.x] + dt * S[j + PARTICLE.u] + rjx) - (S[i + PARTICLE.x] + dt * S[i + PARTICLE.u] + rix)
+    dy = (S[j + PARTICLE.y] + dt * S[j + PARTICLE.v] + rjy) - (S[i + PARTICLE.y] + dt * S[i + PARTICLE.v] + riy)
+    wi = S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw]
+    wj = S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]
+    u = (S[j + PARTICLE.u] + 0.5 * dt * S[j + PARTICLE.ax] - wj * rjy) - (S[i + PARTICLE.u] + 0.5 * dt * S[i + PARTICLE.ax] - wi * riy)
+    v = (S[j + PARTICLE.v] + 0.5 * dt * S[j + PARTICLE.ay] + wj * rjx) - (S[i + PARTICLE.v] + 0.5 * dt * S[i + PARTICLE.ay] + wi * rix)
+    return gx * dx + gy * dy, gx * u + gy * v + wi * (gx * dy - gy * dx)
 
-    ``dt`` is the step that leads to t_n, 0 at the start. The speed at t_n is expected from the last step's acceleration.
+
+def argument(S, kind, i, j, f, time, dt):
+    """What function f depends on, at t_n: time, the angle (rad) of body j from body i, its relative speed (rad/s), its travel (m) or the rate
+    of that (m/s).
+
+    ``dt`` is the step that leads to t_n, 0 at the start. Speeds at t_n are expected from the last step's acceleration. The table of a travel
+    whose two ways differ has that of the way back a gap before that of the way out, with a kink between them.
     """
     x = time
     if kind == TURNED:
         x = (S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w]) - (S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
+    elif kind == TRAVEL or kind == SLIDING:
+        at, rate = travel(S, i, j, f, dt)
+        x = rate if kind == SLIDING else at - (S[f + FUNCTION.gap] if rate < 0.0 else 0.0)
     elif kind != TIME:
         x = (S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]) - (S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw])
     return x
@@ -62,7 +83,7 @@ def functions(S, T, I, shift, n):
         kind = I[r + FUNCTION_INDEX.argument]
         i = I[r + FUNCTION_INDEX.first]
         j = I[r + FUNCTION_INDEX.second]
-        value, rate, second, kinks = polynomial(T, start, argument(S, kind, i, j, time, dt))
+        value, rate, second, kinks = polynomial(T, start, argument(S, kind, i, j, f, time, dt))
         S[f + FUNCTION.value] = value
         S[f + FUNCTION.rate] = rate
         S[f + FUNCTION.acceleration] = second

@@ -14,7 +14,7 @@ PLACE_ROWS, TURN_ROWS = (0, 2, 1, 1, 1, 1), (0, 1, 1)
 AIMED = (ALONG, APART)  # places whose row keeps a length that is data
 BEARING, ROUND, LINE, SLOT = range(4)
 LINEAR, TORSIONAL, STOP, BUSHING = range(4)
-TIME, TURNED, SPEED = range(3)
+TIME, TURNED, SPEED, TRAVEL, SLIDING = range(5)
 CURRENT, REFERENCE = range(2)  # what length the stiffness of an element counts on: the present one (the paper's), or that without forces
 
 

@@ -12,15 +12,19 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.arrays import LOAD, PARTICLE, SPRING
+from ..kernels.arrays import FUNCTION, LOAD, PARTICLE, SPRING
 from ..kernels.elementary import sincos
 from ..kernels.spring import spring as spring_force
 from ..kernels.step import argument, load
-from ..kernels.topology import BUSHING, LINEAR, SPEED, STOP, TIME, TORSIONAL, TURNED
+from ..kernels.topology import BUSHING, LINEAR, SLIDING, SPEED, STOP, TIME, TORSIONAL, TRAVEL, TURNED
 from ..model.drivers import Driver
+from ..model.functions import crank_of
+from ..model.joints import Joint
+from ..model.loads.load import Load, Push
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.polynomials import Polynomials
+from ..model.rows import Guided, place_row
 from ..model.springs import AnySpring
 from .pins import world
 
@@ -53,11 +57,21 @@ class Applied:
 
 
 @dataclass(frozen=True)
+class Guide:
+    """Along what a travel goes: pins of the two bodies, a direction of the first, and the gap (m) of a table with two ways."""
+
+    pins: tuple[str, str]
+    direction: tuple[float, float]
+    gap: float = 0.0
+
+
+@dataclass(frozen=True)
 class Action:
     """Forces (N) and moments (N m) per unit of a function, as (body, pin, (fx, fy, m)) for each body that feels them; no pin is the body itself.
 
-    ``argument``: what the function depends on, TIME, TURNED or SPEED, and the two bodies between which the angle or the speed is. ``follow``:
-    whether the force turns with the body. ``steady``: whether it is the same at all times, so that a static analysis multiplies it.
+    ``argument``: what the function depends on, TIME, TURNED, SPEED, TRAVEL or SLIDING, and the two bodies between which the angle, the speed or
+    the travel is; ``guide`` says along what they travel. ``follow``: whether the force turns with the body. ``steady``: whether it does not depend
+    on time, so that a static analysis multiplies it.
     """
 
     function: Polynomials
@@ -65,6 +79,7 @@ class Action:
     ends: tuple[tuple[str, str, tuple[float, float, float]], ...]
     follow: bool = False
     steady: bool = True
+    guide: Guide | None = None
 
 
 @dataclass(frozen=True)
@@ -138,16 +153,53 @@ def driven_body(name: str, driver: Driver) -> str:
 
 def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
     """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a speed or an angle."""
-    found = []
-    for one in mechanism.loads.values():
-        body, _, pin = one.at.partition(".")
-        found.append(Action(one.factor(), NO_BODIES, ((body, pin, one.acts),), one.follows, one.steady))
+    found = [action for one in mechanism.loads.values() for action in _loading(mechanism, one, datum)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             body = driven_body(name, driver)
             function, depends = _effort(driver, body, datum)
             found.append(Action(function, depends, _sides(driver, body), steady=driver.steady))
     return found
+
+
+def _loading(mechanism: Mechanism, one: Load, datum: Datum) -> Iterator[Action]:
+    """A load's actions: one for what is fixed in space, one for what turns with its bodies."""
+    function, gap = one.course()
+    argument, guide = _depends(mechanism, one, gap)
+    pushes = one.pushes(mechanism.joints)
+    for follow in (False, True):
+        ends = tuple((push.body, push.pin, _aligned(push, datum)) for push in pushes if push.follow == follow)
+        if ends:
+            yield Action(function, argument, ends, follow, one.steady, guide)
+
+
+def _depends(mechanism: Mechanism, one: Load, gap: float) -> tuple[tuple[int, str, str], Guide | None]:
+    """What a load's function depends on, and along what it travels."""
+    if one.over == "time":
+        return NO_BODIES, None
+    if one.over == "angle":
+        return (TURNED, "ground", crank_of(mechanism, one.crank)), None
+    joint = mechanism.joints[one.slider]
+    (bearing, first), (journal, second) = joint.sides
+    guide = Guide((first, second), _direction(joint), gap)
+    return (TRAVEL if one.over == "travel" else SLIDING, bearing, journal), guide
+
+
+def _direction(joint: Joint) -> tuple[float, float]:
+    """Direction of a joint's guide, in the frame of the bearing's body. ValueError where it has none."""
+    guide = place_row(joint.rows())
+    if not isinstance(guide, Guided):
+        raise ValueError(f"joint {joint.name!r} has no guide along which something could travel; name a slider")
+    return guide.unit()
+
+
+def _aligned(push: Push, datum: Datum) -> tuple[float, float, float]:
+    """Force and moment in the frame of the body on which they act."""
+    if not push.aligned:
+        return push.acts
+    s, c = sincos(datum.angle.get(push.aligned, 0.0) - datum.angle.get(push.body, 0.0))
+    x, y, moment = push.acts
+    return c * x - s * y, s * x + c * y, moment
 
 
 def _sides(driver: Driver, body: str) -> tuple[tuple[str, str, tuple[float, float, float]], ...]:
@@ -205,8 +257,11 @@ def _records(ends: Sequence[End], more: int) -> list[float]:
 def _acting(action: Action, now: Instant) -> Iterator[Applied]:
     """An action at its value of the moment."""
     kind, *bodies = action.argument
-    between = _records([now.end(body) for body in bodies], 0)
-    value = action.function(argument(between, kind, 0, PARTICLE.SIZE, now.time, 0.0))[0]
+    guide, function = action.guide or Guide(("", ""), (1.0, 0.0)), 2 * PARTICLE.SIZE
+    between = _records([now.end(body, pin) for body, pin in zip(bodies, guide.pins, strict=True)], FUNCTION.SIZE)
+    for name, number in zip(("along_x", "along_y", "gap"), (*guide.direction, guide.gap), strict=True):
+        between[function + getattr(FUNCTION, name)] = number
+    value = action.function(argument(between, kind, 0, PARTICLE.SIZE, function, now.time, 0.0))[0]
     for body, pin, (fx, fy, moment) in action.ends:
         end = now.end(body, pin)
         rows = _records([end], LOAD.SIZE)

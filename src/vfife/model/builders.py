@@ -15,7 +15,6 @@ from ..fields import PLACE
 from ..laws import ContactLaw, FrictionLaw, Material
 from .adders import adds
 from .bodies import Frame, Link, LinkModel, Member, PointMass, Release, RigidBody, Section, Strain
-from .drivers import ConstantSpeed
 from .given import Given, Place, Quantity, Table
 from .joints import (
     ClearanceCurvedSlot,
@@ -30,12 +29,13 @@ from .joints import (
     Slider,
     Weld,
 )
+from .loadbuilders import LoadBuilders
 from .springs import Bushing, Spring, Stop, TorsionalSpring
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 
 
-class Builders:
+class Builders(LoadBuilders):
     """What adds nouns to a mechanism."""
 
     if TYPE_CHECKING:
@@ -199,11 +199,4 @@ class Builders:
     @adds("spring", Bushing)
     def bushing(self, name: str, first: str, second: str, *, stiffness: Place, damping: Place = (0.0, 0.0, 0.0)) -> Bushing:
         """Adds an elastic bearing between two pins; see :class:`~vfife.model.springs.Bushing`."""
-        raise NotImplementedError
-
-    # --------------------------------------------------------------------------------------------------------- drivers
-
-    @adds("driver", ConstantSpeed)
-    def drive(self, body: str, *, speed: Quantity) -> ConstantSpeed:
-        """Turns a body at constant speed (rad/s, or "1500 rpm") about its ideal joint to the ground; other drivers go to ``drivers``."""
         raise NotImplementedError

@@ -35,6 +35,15 @@ def turn_of(mechanism: Mechanism) -> float | None:
     return 2.0 * math.pi / speed if speed > 0.0 else None
 
 
+def crank_of(mechanism: Mechanism, named: str = "") -> str:
+    """The body on whose angle a load depends: the one that is ``named``, else the fastest that a driver turns. ValueError where there is none."""
+    found = {(driver.body or name): turning_speed(driver) for name, driver in mechanism.drivers.items() if driver.moves}
+    fastest = max(found, key=found.__getitem__, default="")
+    if not named and not found.get(fastest):
+        raise ValueError("a load goes by the angle of a crank, and no driver turns a body; name the body, with crank")
+    return named or fastest
+
+
 __all__ = [
-    "Polynomials", "clamped", "constant", "largest_speed", "motion_function", "spline", "torque_function", "turn_of", "turning_speed",
+    "Polynomials", "clamped", "constant", "crank_of", "largest_speed", "motion_function", "spline", "torque_function", "turn_of", "turning_speed",
 ]  # fmt: skip

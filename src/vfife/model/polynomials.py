@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from ..kernels.polynomial import polynomial
@@ -21,12 +22,16 @@ HARMONIC_PIECES = 128  # a period: of degree 6 through value, rate and second de
 class Polynomials:
     """Pieces: start times (s), ascending, and coefficients, seven each, constant first, time counted from the piece's start.
 
-    With a ``period`` (s) the function repeats itself; the pieces then cover [0, period).
+    With a ``period`` (s) the function repeats itself; the pieces then cover [0, period). A kink is where the value jumps, or one of its
+    derivatives up to ``order``: 2 for motions, whose acceleration must not jump unseen; 0 for forces, of which steps take the sum as the
+    trapezoidal rule does, to second order over bends too. ``breaks``: pieces that begin with a kink whatever they are.
     """
 
     starts: tuple[float, ...]
     coefficients: tuple[tuple[float, ...], ...]
     period: float | None = None
+    order: int = 2
+    breaks: tuple[int, ...] = ()
 
     def table(self) -> NDArray[np.float64]:
         """As the kernels read it."""
@@ -48,10 +53,27 @@ class Polynomials:
         return np.array([*head, *self.starts, *(value for row in padded for value in row), *kinks], dtype=float)
 
     def _kink(self, before: int, after: int, length: float) -> bool:
-        """Whether value, slope or curvature jumps from the end of one piece, so long (s), to the begin of another."""
+        """Whether value, slope or curvature, up to the ``order``, jumps from the end of one piece, so long (s), to the begin of another."""
+        return after in self.breaks or any(self._jumps(before, after, length)[: self.order + 1])
+
+    def _jumps(self, before: int, after: int, length: float) -> list[float]:
+        """By how much value, slope and curvature jump there; 0 for what is next to nothing."""
         ends = [_derivatives(self.coefficients[before], length), _derivatives(self.coefficients[after], 0.0)]
-        sizes = [max(abs(x) * length**k for end in ends for k, x in enumerate(end)), 1e-300]
-        return any(abs(x - y) * length**k > KINK * max(sizes) for k, (x, y) in enumerate(zip(*ends, strict=True)))
+        least = KINK * max(max(abs(x) * length**k for end in ends for k, x in enumerate(end)), 1e-300)
+        return [abs(x - y) if abs(x - y) * length**k > least else 0.0 for k, (x, y) in enumerate(zip(*ends, strict=True))]
+
+    @cached_property
+    def bends(self) -> tuple[tuple[float, float], ...]:
+        """Where the slope jumps without a kink, with the jump over the mean length of the two pieces: a second derivative for their sum."""
+        count, span = len(self.starts), (self.period or self.starts[-1] - self.starts[0])
+        lengths = [late - early for early, late in pairwise(self.starts)]
+        lengths.append(span - self.starts[-1] + self.starts[0] if self.period else span)
+        found = []
+        for k in range(0 if self.period else 1, count):
+            value, slope, _ = self._jumps(k - 1, k, lengths[k - 1])
+            if slope and not value and self.order < 1:
+                found.append((self.starts[k], 2.0 * slope / (lengths[k - 1] + lengths[k])))
+        return tuple(found)
 
     @cached_property
     def kinks(self) -> tuple[float, ...]:
@@ -88,6 +110,31 @@ def _derivatives(coefficients: tuple[float, ...], x: float) -> tuple[float, floa
     for c in reversed(coefficients):
         half, rate, value = half * x + rate, rate * x + value, value * x + c
     return value, rate, 2.0 * half
+
+
+def moved(function: Polynomials, by: float) -> Polynomials:
+    """The function with its argument counted from ``by``: f(x - by). Pieces of one that repeats itself still begin in [0, period)."""
+    if function.period is None:
+        return replace(function, starts=tuple(start + by for start in function.starts))
+    period, count = function.period, len(function.starts)
+    turned = [(start + by) - math.floor((start + by) / period) * period for start in function.starts]
+    turned = [0.0 if start >= period else start for start in turned]
+    first = min(range(count), key=turned.__getitem__)
+    order = [(first + k) % count for k in range(count)]
+    starts, rows = [turned[k] for k in order], [function.coefficients[k] for k in order]
+    if starts[0] > 0.0:  # the last piece goes on into the next period, whose begin is the table's
+        rows.insert(0, recentred(rows[-1], period - starts[-1]))
+        starts.insert(0, 0.0)
+    return replace(function, starts=tuple(starts), coefficients=tuple(rows))
+
+
+def recentred(coefficients: tuple[float, ...], at: float) -> tuple[float, ...]:
+    """The polynomial in x + at, for x."""
+    rows = list(coefficients)
+    for k in range(len(rows) - 1):
+        for m in range(len(rows) - 2, k - 1, -1):
+            rows[m] += at * rows[m + 1]
+    return tuple(rows)
 
 
 def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 0.0) -> Polynomials:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..model.carriers import carrier_of
 from ..model.joints import Contact, Gear
+from ..model.loads.load import Push
 from ..model.springs import AnySpring
 from ..model.strokes import PairSeen
 from .sheet import Sheet
@@ -67,9 +68,15 @@ def axis_of(sheet: Sheet, first: str, second: str) -> Array:
 
 def tails(sheet: Sheet, length: float) -> list[tuple[Array, Array]]:
     """Tip and tail of the arrow of each force and driven point."""
-    arrows = [(load.at, load.acts[:2]) for load in sheet.mechanism.loads.values() if any(load.acts[:2])]
+    arrows = [(f"{push.body}.{push.pin}", push.acts[:2]) for push in pushes(sheet) if any(push.acts[:2])]
     arrows += [(driver.point, driver.direction) for driver in sheet.mechanism.drivers.values() if driver.point]
     return [(sheet.at(end), sheet.at(end) - length * np.array(force) / np.hypot(*force)) for end, force in arrows]
+
+
+def pushes(sheet: Sheet) -> list[Push]:
+    """What loads do to bodies that can move."""
+    loads = sheet.mechanism.loads.values()
+    return [push for load in loads for push in load.pushes(sheet.mechanism.joints) if push.body != "ground"]
 
 
 def load_signs(sheet: Sheet) -> None:
@@ -77,10 +84,10 @@ def load_signs(sheet: Sheet) -> None:
     look: dict[str, Any] = {"arrowstyle": "-|>", "color": VERMILION, "lw": 2.0, "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 14.0}
     for tip, tail in tails(sheet, 0.13 * sheet.size):
         sheet.ax.annotate("", tuple(tip), xytext=tuple(tail), arrowprops=look | {"shrinkB": 5.0}, zorder=8)
-    moments = [load for load in sheet.mechanism.loads.values() if load.acts[2]]
-    for load in moments:
-        turn = np.linspace(-2.4, 1.2, 60) * np.sign(load.acts[2])
-        arc = sheet.at(load.at) + 0.045 * sheet.size * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    moments = [push for push in pushes(sheet) if push.acts[2]]
+    for push in moments:
+        turn = np.linspace(-2.4, 1.2, 60) * np.sign(push.acts[2])
+        arc = sheet.at(f"{push.body}.{push.pin}") + 0.045 * sheet.size * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         sheet.line(arc, color=VERMILION, lw=2.0, zorder=8)
         sheet.ax.annotate("", tuple(arc[-1]), xytext=tuple(arc[-4]), arrowprops=look, zorder=8)
     if sheet.mechanism.loads or any(driver.point for driver in sheet.mechanism.drivers.values()):

@@ -64,7 +64,7 @@ def parts(mechanism: Mechanism) -> list[tuple[str, list[tuple[str, ...]]]]:
     """Tables of what a mechanism is made of: a title, then rows, the first of them the heads."""
     nouns: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
     drivers = [(name, described.driver(one), one.body or one.slider or one.point) for name, one in mechanism.drivers.items()]
-    loads = [(name, one.kind, one.at) for name, one in mechanism.loads.items()]
+    loads = [(name, one.words, one.place) for name, one in mechanism.loads.items()]
     tables: list[tuple[str, list[tuple[str, ...]]]] = [
         ("Bodies", [("body", "model", "pins"), *((n, b.model, ", ".join(b.points)) for n, b in mechanism.bodies.items())]),
         ("Joints", [("joint", "what", "bearing", "journal"), *((n, j.words, j.bearing, j.journal) for n, j in mechanism.joints.items())]),

@@ -31,7 +31,7 @@ def pulse(end: float) -> dict[str, Any]:
     """Factors sin² over the time from 0 to ``end``, and none from there on; knots close enough that the spline between them does not ring."""
     share = [k / 100.0 for k in range(141)]
     factors = [math.sin(math.pi * x) ** 2 if x < 1.0 else 0.0 for x in share]
-    return {"times": (*(end * x for x in share), 2.0 * end, 1e3), "factors": (*factors, 0.0, 0.0)}
+    return {"times": (*(end * x for x in share), 2.0 * end, 1e3), "factors": (*factors, 0.0, 0.0), "interpolation": "spline"}
 
 
 def bar(elements: int, stiffness: float = 1.0, clamped: bool = False, path_unit: int = 1, via: bool = False) -> Mechanism:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from ...fields import Many, Measure, described
-from ..polynomials import Polynomials, clamped, constant
+from ...fields import Choice, Many, Measure, described
+from ..polynomials import Polynomials, constant
 from ..renamed import renamed
+from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, held
 from .driver import Driver
 
 
@@ -17,7 +18,7 @@ class Torque(Driver):
     """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along ``direction``.
 
     A constant, or a table over time (s), over the speed of the body (``speeds``, rad/s: a motor's curve) or over its angle from the start
-    (``angles``, rad). Tables are natural cubic splines through their points and keep their end values beyond.
+    (``angles``, rad). Tables are joined by ``interpolation`` and keep their end values beyond.
     """
 
     kind: ClassVar[str] = "effort"
@@ -45,13 +46,14 @@ class Torque(Driver):
         None,
         along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
     )
+    interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")
 
     def effort(self) -> Polynomials:
         """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else constant."""
         if isinstance(self.value, int | float):
             return constant(float(self.value))
         over = self.speeds or self.angles or self.times
-        return constant(float(self.value[0])) if over is None else clamped(over, self.value)
+        return constant(float(self.value[0])) if over is None else held(over, self.value, self.interpolation)
 
     @property
     def over(self) -> Literal["time", "speed", "angle"]:

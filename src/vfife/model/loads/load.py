@@ -2,38 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from ...fields import Text, described
+from ..conflict import Conflict
+from ..joints import Joint
 from ..kind import Kind
 from ..polynomials import Polynomials, constant
+
+Over = Literal["time", "angle", "travel", "speed"]
+Triple = tuple[float, float, float]
+OVER: dict[str, Over] = {"times": "time", "angles": "angle", "travels": "travel", "speeds": "speed"}  # by the key of a table's places
+
+
+@dataclass(frozen=True)
+class Push:
+    """Force (N, N) and moment (N m) on ``body`` at its ``pin``, or on the body itself where that is empty, where the load's function is 1.
+
+    ``follow``: the force turns with the body; else it is fixed in space. ``aligned``: its direction is that of another body's frame at the start,
+    and turns with this one.
+    """
+
+    body: str
+    pin: str
+    acts: Triple
+    follow: bool = False
+    aligned: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Load(Kind):
-    """A force and a moment at ``at`` = ``body.pin``, both multiplied by a function of time."""
+    """Forces and moments on bodies, multiplied by a function of time, of an angle, of a travel along a guide or of its speed."""
 
     name: str
-    at: str = described(Text("pin"), 'where it acts, "body.pin"')
+    crank: str = described(Text("body"), "body whose angle the load depends on; the driven one that revolves if left out", "")
+    slider: str = described(Text("joint"), "a joint with a guide, whose travel or speed the load depends on", "")
 
     registry: ClassVar[dict[str, type[Load]]] = {}
 
     @property
-    def acts(self) -> tuple[float, float, float]:
-        """Force (N, N) and moment (N m) where its function is 1."""
-        raise NotImplementedError
+    def words(self) -> str:
+        """What it is, in a few words."""
+        return self.kind
 
     @property
-    def follows(self) -> bool:
-        """Whether the force turns with the body; else it is fixed in space."""
-        return False
+    def place(self) -> str:
+        """Where it acts: a pin, "body.pin", or the joint along whose guide it does."""
+        return self.slider
+
+    def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
+        """On which bodies it acts, and how, where its function is 1."""
+        raise NotImplementedError
+
+    along: ClassVar[bool] = False  # whether it acts along the guide of a joint; else at a pin
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of its values, and of those of the way back."""
+        return ()
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Sizes that do not go together; of what is not known (None) nothing is said."""
+        yield from ()
+
+    def cautions(self) -> tuple[str, ...]:
+        """Sentences on what is strange in it, though it can be meant."""
+        return ()
+
+    @property
+    def over(self) -> Over:
+        """What its function depends on: time (s), an angle (rad), a travel (m) or the speed of that (m/s)."""
+        return "time"
 
     @property
     def steady(self) -> bool:
-        """Whether it is the same at all times."""
+        """Whether it does not depend on time."""
         return True
 
-    def factor(self) -> Polynomials:
-        """What force and moment are multiplied by over time (s)."""
-        return constant(1.0)
+    def course(self) -> tuple[Polynomials, float]:
+        """What forces and moments are multiplied by, and the gap (m) by which the part for the way back lies before that for the way out."""
+        return constant(1.0), 0.0

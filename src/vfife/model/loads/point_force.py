@@ -2,46 +2,64 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import SCALAR, Each, Many, Measure, Switch, described, quantity
-from ..polynomials import Polynomials, clamped, constant
-from .load import Load
+from ...fields import SCALAR, Each, Many, Measure, Switch, Text, described, quantity
+from ..joints import Joint
+from .load import Push
+from .tabular import Tabular, Values
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointForce(Load):
+class PointForce(Tabular):
     """Force (N) and moment (N m) at ``at`` = ``body.pin``; fixed in space, or turning with the body where it is to ``follow``.
 
-    With ``times`` (s) and ``factors`` both are multiplied by a function of time, the factors joined by a natural cubic
-    spline; before the first and after the last time they keep their end values.
+    With ``factors`` both are multiplied by a function, a table over ``times`` (s), ``angles`` of a crank (rad), or ``travels`` (m) or ``speeds``
+    (m/s) along the guide of the joint ``slider``; ``factors_back`` holds on the way back.
     """
 
     kind: ClassVar[str] = "force"
-    sample: ClassVar[dict[str, Any]] = {"force": (3.0, -2.0), "moment": 0.1}
+    sample: ClassVar[dict[str, Any]] = {"at": "arm.end", "force": (3.0, -2.0), "moment": 0.1}
 
+    at: str = described(Text("pin"), 'where it acts, "body.pin"')
     force: tuple[float, float] = described(Each((Measure("N"), Measure("N"))), "force", (0.0, 0.0))
     moment: float = quantity("N m", "moment", 0.0)
     follow: bool = described(Switch(), "true: the force turns with the body; false: it is fixed in space", False)
-    times: tuple[float, ...] | None = described(Many(Measure("s")), "times of the factors, ascending", None)
-    factors: tuple[float, ...] | None = described(Many(SCALAR), "what multiplies force and moment, at the times", None)
+    factors: tuple[float, ...] | None = described(Many(SCALAR), "what multiplies force and moment: one for each place of the table", None)
+    factors_back: tuple[float, ...] | None = described(Many(SCALAR), "the same on the way back, where that differs", None)
 
     @property
-    def acts(self) -> tuple[float, float, float]:
-        """Force (N, N) and moment (N m) where the factor is 1."""
-        return (*self.force, self.moment)
+    def keys(self) -> tuple[str, str]:
+        """The keys of its values, and of those of the way back."""
+        return "factors", "factors_back"
 
     @property
-    def follows(self) -> bool:
-        """Whether the force turns with the body."""
-        return self.follow
+    def values(self) -> Values:
+        """The factors; 1 without a table."""
+        return 1.0 if self.factors is None else self.factors
 
     @property
-    def steady(self) -> bool:
-        """Whether it is the same at all times."""
-        return self.times is None or self.factors is None
+    def values_back(self) -> Values:
+        """The factors of the way back."""
+        return self.factors_back
 
-    def factor(self) -> Polynomials:
-        """What force and moment are multiplied by over time (s)."""
-        return constant(1.0) if self.times is None or self.factors is None else clamped(self.times, self.factors)
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        size = math.hypot(*self.force)
+        parts = [f"force {size:.6g} N"] if size or not self.moment else []
+        parts += [f"moment {self.moment:.6g} N m"] if self.moment else []
+        return " and ".join(parts) + (", turning with the body" if self.follow and size else "") + self.by
+
+    @property
+    def place(self) -> str:
+        """The pin, "body.pin"."""
+        return self.at
+
+    def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
+        """Force and moment at the pin."""
+        body, _, pin = self.at.partition(".")
+        return (Push(body, pin, (*self.force, self.moment), self.follow),)

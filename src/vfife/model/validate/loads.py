@@ -1,14 +1,133 @@
-"""Checks of loads: a load acts at a pin of a body; its lists are alike."""
+"""Checks of loads: what they act on, the guide or the crank by which they go, tables that go together."""
 
 from __future__ import annotations
 
-from .checks import Checks, known
+from typing import Any
+
+from ...errors import Path
+from ..bodies import PointMass
+from ..functions import turning_speed
+from ..loads.load import OVER
+from ..loads.tabular import Tabular
+from ..rows import Across, place_row, turn_row
+from ..tabulated import closes
+from .checks import Checks, known, rows_of, shown_name
+
+REPEATS = ("times", "angles")
 
 
 def check_loads(checks: Checks) -> None:
     """Every load."""
     for name, load in known(checks.mechanism.loads):
-        follows = "a load that follows the ground stays where it is, and moves nothing"
-        checks.side(("load", name, "at"), load.at, ground=follows if load.follow is True else "a load on the ground moves nothing")
-        if load.times is not None or load.factors is not None:
-            checks.series(("load", name), ("factors", load.factors), ("times", load.times))
+        path: Path = ("load", name)
+        if load.along:
+            check_guide(checks, path, load.slider)
+            check_straight(checks, path, load)
+        elif load.at is not None:
+            follows = "a load that follows the ground stays where it is, and moves nothing"
+            checks.side((*path, "at"), load.at, ground=follows if load.follow is True else "a load on the ground moves nothing")
+        check_alone(checks, path, load)
+        if isinstance(load, Tabular) and load.axis == "angles":
+            check_crank(checks, path, load)
+        if isinstance(load, Tabular) and load.axis in ("travels", "speeds") and not load.along:
+            check_guide(checks, path, load.slider)
+
+
+def check_alone(checks: Checks, path: Path, load: Any) -> None:
+    """What can be wrong with a load by itself."""
+    if not checks.told(path):
+        for one in load.conflicts():
+            checks.add((*path, one.key), one.what, one.remedy, one.limit)
+    if isinstance(load, Tabular):
+        check_table(checks, path, load)
+
+
+def check_table(checks: Checks, path: Path, load: Any) -> None:
+    """The table is over one thing; its lists are alike, and its ends where it repeats."""
+    axes = [key for key in OVER if getattr(load, key) is not None]
+    value, back = load.keys
+    if len(axes) > 1:
+        checks.add((*path, axes[-1]), f"a load is a table over one of {' and '.join(axes)}, not over all", "keep one of them")
+        return
+    if any(checks.told((*path, key)) for key in (*OVER, value, back)):
+        return
+    axis = axes[0] if axes else "times"
+    given = getattr(load, value)
+    if axes or isinstance(given, tuple | list):
+        checks.series(path, (value, given), (axis, getattr(load, axis)))
+        if getattr(load, back) is not None:
+            checks.series(path, (back, getattr(load, back)), (axis, getattr(load, axis)))
+    if getattr(load, back) is not None and axis != "travels":
+        checks.add((*path, back), "only a table over travels has a way back", "remove it, or give the table travels")
+    check_repeat(checks, path, load, axis if axes else "", value)
+
+
+def check_crank(checks: Checks, path: Path, load: Any) -> None:
+    """The crank is a body, or a driver turns one."""
+    turned = [name for name, driver in checks.drivers.items() if driver.moves and driver.revolves and turns(driver)]
+    if load.crank:
+        checks.body((*path, "crank"), load.crank)
+    elif load.crank == "" and not turned and not dangling_drivers(checks):
+        remedy = 'name the body whose angle it goes by, as in crank = "crank"'
+        checks.add((*path, "crank"), "a table over angles goes by the angle of a crank, and no driver turns a body", remedy)
+
+
+def turns(driver: Any) -> bool:
+    """Whether a driver turns a body; what is not known of it may."""
+    try:
+        return turning_speed(driver) > 0.0
+    except TypeError:
+        return True
+
+
+def dangling_drivers(checks: Checks) -> bool:
+    """Whether there are drivers of which nothing is known."""
+    return len(checks.drivers) < len(checks.mechanism.drivers)
+
+
+def check_guide(checks: Checks, path: Path, slider: Any) -> None:
+    """The joint exists, and has a straight guide."""
+    if slider is None or checks.told((*path, "slider")):
+        return
+    guided = [name for name, joint in checks.joints.items() if isinstance(place_row(held_without_play(joint)), Across)]
+    if slider in guided or slider in checks.mechanism.joints.keys() - checks.joints.keys():
+        return
+    listed = f"name a joint with a guide: {', '.join(guided[:12])}" if guided else 'add a joint of kind "slider"'
+    if slider in checks.joints:
+        checks.add((*path, "slider"), f"joint {slider} is of kind {checks.joints[slider].kind}, which has no guide", listed)
+    elif not slider:
+        checks.add((*path, "slider"), "a table over travels or speeds goes by those of a joint along its guide", listed)
+    else:
+        checks.add((*path, "slider"), f"there is no joint {shown_name(slider)}", checks.near(slider, guided, listed))
+
+
+def held_without_play(joint: Any) -> Any:
+    """What a joint holds, or would without play; nothing where its sizes are wrong, which is told elsewhere."""
+    try:
+        return tuple(joint.rows())
+    except (TypeError, ValueError, AttributeError):
+        return ()
+
+
+def check_straight(checks: Checks, path: Path, load: Any) -> None:
+    """Where the guide moves, its journal turns with it."""
+    joint = checks.joints.get(load.slider)
+    if joint is None or not joint.bearing or not joint.journal or joint.sides[0][0] == "ground":
+        return
+    turning = turn_row(held_without_play(joint)) is None and bool(rows_of(joint))
+    body = checks.bodies.get(joint.sides[1][0])
+    if turning or (isinstance(body, PointMass) and not body.inertia):
+        what = f"the guide of {load.slider} moves, and what slides in it does not turn with it"
+        checks.add((*path, "slider"), what, "let the guide be on the ground, or hold the turn (turning = false)")
+
+
+def check_repeat(checks: Checks, path: Path, load: Any, axis: str, value: str) -> None:
+    """What repeats ends as it begins."""
+    values = getattr(load, value)
+    if load.repeat is not True:
+        return
+    if axis not in REPEATS:
+        checks.add((*path, "repeat"), "only a table over times or angles repeats itself", "remove it")
+    elif isinstance(values, tuple | list) and len(values) > 1 and None not in values and not closes(values):
+        what = f"a table that repeats itself begins at {values[0]:g} and ends at {values[-1]:g}"
+        checks.add((*path, value), what, "give its last place the value of the first, or remove repeat")

@@ -12,6 +12,8 @@ from ..mechanism import Mechanism
 from . import written
 from .bodies import check_bodies
 from .checks import Checks
+from .drivers import check_tables
+from .loads import check_alone
 from .names import check_name
 from .springs import check_strength
 
@@ -44,6 +46,10 @@ def faults_of(mechanism: Mechanism, section: str, name: str, noun: Any, told: It
         check_bodies(checks)
     if section == "spring":
         check_strength(checks, path, noun)
+    elif section == "load":
+        check_alone(checks, path, noun)
+    elif section == "driver":
+        check_tables(checks, path, noun)
     elif hasattr(noun, "conflicts"):
         for conflict in noun.conflicts():
             checks.add((*path, conflict.key), conflict.what, conflict.remedy, conflict.limit)

@@ -1,0 +1,107 @@
+"""A force along a guide, as gas has it in a cylinder."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ...fields import Measure, Switch, Text, described, quantity
+from ..conflict import Conflict
+from ..joints import Joint
+from ..rows import Guided, place_row
+from .load import Push
+from .tabular import Tabular, Values
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuideForce(Tabular):
+    """Force along the guide of the joint ``slider`` on its journal, and its opposite on the bearing: that of a piston, a spindle, a spring's table.
+
+    It is ``force`` (N), or ``pressure`` (Pa) above ``ambient`` on the area of a ``bore`` (m), pi bore^2/4. Where positive it pushes the journal
+    along the guide's direction, or against it where it is to be ``reverse``. ``force_back`` or ``pressure_back`` holds while the journal goes
+    against the guide's direction: with two ways a table encloses the work of a turn.
+    """
+
+    kind: ClassVar[str] = "guide"
+    sample: ClassVar[dict[str, Any]] = {"slider": "guide", "force": (3.0, -2.0), "travels": (-0.1, 0.1)}
+
+    slider: str = described(Text("joint"), "the joint along whose guide it acts: a slider, a pin in a slot or a block with play")
+    force: float | tuple[float, ...] | None = described(
+        Measure("N", series=True), "force along the guide: one, or one for each place of the table", None
+    )
+    pressure: float | tuple[float, ...] | None = described(
+        Measure("Pa", series=True), "pressure on the bore: one, or one for each place of the table", None
+    )
+    force_back: tuple[float, ...] | None = described(
+        Measure("N", series=True), "the force while the journal goes against the guide's direction, where that differs", None
+    )
+    pressure_back: tuple[float, ...] | None = described(
+        Measure("Pa", series=True), "the pressure while the journal goes against the guide's direction, where that differs", None
+    )
+    bore: float | None = quantity("m", "diameter on which the pressure acts", None, above=0.0)
+    ambient: float = quantity("Pa", "pressure on the other side, which is taken off", 0.0)
+    reverse: bool = described(Switch(), "true: a positive force pushes the journal against the guide's direction", False)
+
+    along: ClassVar[bool] = True
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """A force, or a pressure on a bore."""
+        if self.force is not None and self.pressure is not None:
+            yield Conflict("pressure", "a force and a pressure exclude each other", "keep one of them")
+        elif self.force is None and self.pressure is None:
+            yield Conflict("", "nothing says how large the load is", "give it a force, or a pressure and a bore")
+        elif self.pressure is not None and self.bore is None:
+            yield Conflict("bore", "a pressure acts on a bore, which is missing", 'add it, as in bore = "50 mm"')
+        for key in ("bore", "ambient", "pressure_back"):
+            if self.force is not None and self.pressure is None and getattr(self, key):
+                yield Conflict(key, f"{key} goes with a pressure, not with a force", "remove it")
+        if self.pressure is not None and self.force_back is not None:
+            yield Conflict("force_back", "force_back goes with a force, not with a pressure", "call it pressure_back")
+
+    @property
+    def keys(self) -> tuple[str, str]:
+        """The keys of its values, and of those of the way back."""
+        return ("force", "force_back") if self.pressure is None else ("pressure", "pressure_back")
+
+    @property
+    def unit(self) -> float:
+        """Force (N) along the guide's direction for a force of 1 N or a pressure of 1 Pa."""
+        area = 1.0 if self.pressure is None else 0.25 * math.pi * (self.bore or 0.0) ** 2
+        return -area if self.reverse else area
+
+    @property
+    def values(self) -> Values:
+        """Forces (N), or pressures above ambient (Pa)."""
+        return self.force if self.pressure is None else self._above(self.pressure)
+
+    @property
+    def values_back(self) -> Values:
+        """Those of the way back."""
+        return self.force_back if self.pressure is None else self._above(self.pressure_back)
+
+    def _above(self, pressure: Values) -> Values:
+        if isinstance(pressure, Sequence):
+            return tuple(one - self.ambient for one in pressure)
+        return None if pressure is None else pressure - self.ambient
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        values = self.values
+        largest = abs(self.unit) * max(map(abs, values), default=0.0) if isinstance(values, Sequence) else abs(self.unit * (values or 0.0))
+        what = "force" if self.pressure is None else f"pressure on a bore of {self.bore:.6g} m,"
+        return f"{what} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
+
+    def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
+        """The force on the journal, and its opposite on the bearing, which is the guide's own."""
+        joint = joints[self.slider]
+        guide = place_row(joint.rows())
+        if not isinstance(guide, Guided):
+            raise ValueError(f"load {self.name!r}: joint {self.slider!r} has no guide; name a slider")
+        x, y = (self.unit * part for part in guide.unit())
+        bearing, journal = joint.sides
+        moving = bearing[0] != "ground"
+        aligned = bearing[0] if moving else ""
+        return Push(*journal, (x, y, 0.0), moving, aligned), Push(*bearing, (-x, -y, 0.0), moving)

@@ -1,0 +1,92 @@
+"""What can be wrong with a load, told in words, and tables that are alike in a file and in Python."""
+
+import pytest
+
+from vfife.errors import ModelError
+from vfife.model.loads import GuideForce, PointForce
+from vfife.modelfile import dump, loads
+
+MODEL = """
+[ground]
+O = [0, 0]
+[body.crank]
+length = 0.05
+mass = 0.5
+[body.rod]
+length = 0.2
+mass = 0.4
+[body.piston]
+mass = 0.6
+inertia = 1e-3
+position = [0.25, 0]
+[joint.A]
+bearing = "ground.O"
+journal = "crank.start"
+[joint.B]
+bearing = "crank.end"
+journal = "rod.start"
+[joint.C]
+bearing = "rod.end"
+journal = "piston.origin"
+[joint.guide]
+kind = "slider"
+bearing = "ground.O"
+journal = "piston.origin"
+[driver.crank]
+speed = "600 rpm"
+""".replace("inertia = 1e-3", "inertia = 1e-3\npins = { origin = [0, 0] }")
+GAS = '[load.gas]\nkind = "guide"\nslider = "guide"\n'
+TABLE = 'travels = ["150 mm", "0.25 m"]\n'
+FAULTS = {
+    "no size": (GAS, "[load.gas]", "nothing says how large"),
+    "two sizes": (GAS + 'force = 3\npressure = "1 bar"\nbore = "50 mm"', "[load.gas] pressure", "exclude each other"),
+    "no bore": (GAS + 'pressure = "1 bar"', "[load.gas] bore", "bore, which is missing"),
+    "bore of a force": (GAS + 'force = 3\nbore = "50 mm"', "[load.gas] bore", "goes with a pressure"),
+    "no such joint": (GAS.replace('slider = "guide"', 'slider = "guid"') + "force = 3", "[load.gas] slider", 'Did you mean "guide"'),
+    "no guide": (GAS.replace('slider = "guide"', 'slider = "C"') + "force = 3", "[load.gas] slider", "of kind ideal, which has no guide"),
+    "two axes": (GAS + TABLE + "times = [0, 1]\nforce = [1, 2]", "[load.gas] travels", "one of times and travels"),
+    "not alike": (GAS + TABLE + "force = [1, 2, 3]", "[load.gas] force", "2 values"),
+    "back not alike": (GAS + TABLE + "force = [1, 2]\nforce_back = [1]", "[load.gas] force_back", "2 values"),
+    "back over times": (GAS + "times = [0, 1]\nforce = [1, 2]\nforce_back = [1, 3]", "[load.gas] force_back", "only a table over travels"),
+    "descends": (GAS + "travels = [1, 0]\nforce = [1, 2]", "[load.gas] travels", "must ascend"),
+    "no places": (GAS + "force = [1, 2]", "[load.gas] times", "go together"),
+    "does not repeat": (GAS + "times = [0, 1]\nforce = [1, 2]\nrepeat = true", "[load.gas] force", "begins at 1 and ends at 2"),
+    "cannot repeat": (GAS + TABLE + "force = [1, 1]\nrepeat = true", "[load.gas] repeat", "only a table over times or angles"),
+    "joining": (GAS + TABLE + 'force = [1, 2]\ninterpolation = "cubic"', "[load.gas] interpolation", "monotone"),
+    "unit": (GAS + TABLE + 'force = [1, "2 bar"]', "[load.gas] force", "a pressure"),
+    "no guide for travels": ('[load.p]\nat = "rod.end"\nforce = [1, 0]\ntravels = [0, 1]\nfactors = [0, 1]', "[load.p] slider", "along its guide"),
+    "no such crank": ('[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\ncrank = "krank"', "[load.p] crank", 'there is no body'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_of_a_load_is_told(name):
+    text, where, what = FAULTS[name]
+    with pytest.raises(ModelError) as told:
+        loads(MODEL + text)
+    assert where in str(told.value) and what in str(told.value), str(told.value)
+    assert str(told.value).count("\n") <= 4, "one fault, one sentence or two"
+
+
+def test_an_angle_without_a_crank_is_told():
+    with pytest.raises(ModelError, match="no driver turns a body"):
+        loads(MODEL.replace('[driver.crank]\nspeed = "600 rpm"\n', "") + '[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\n')
+
+
+def test_a_moving_guide_whose_journal_turns_is_told():
+    text = MODEL.replace('kind = "slider"\nbearing = "ground.O"', 'kind = "slider"\nturning = true\nbearing = "crank.start"')
+    with pytest.raises(ModelError, match="does not turn with it"):
+        loads(text + GAS + "force = 3\n")
+
+
+def test_loads_are_read_and_written():
+    m = loads(
+        MODEL + GAS + TABLE + 'pressure = ["1 bar", "5 bar"]\npressure_back = [1e5, 5e5]\nbore = "50 mm"\nambient = "1 bar"\nreverse = true\n'
+        '[load.p]\nat = "rod.end"\nforce = ["1 kN", 0]\nangles = ["0 deg", "90 deg", "360 deg"]\nfactors = [0, 1, 0]\nzero_angle = "10 deg"\n'
+        'interpolation = "linear"\nrepeat = true\n'
+    )
+    gas, p = m.loads["gas"], m.loads["p"]
+    assert isinstance(gas, GuideForce) and isinstance(p, PointForce)
+    assert (gas.travels, gas.pressure_back, gas.values) == ((0.15, 0.25), (1e5, 5e5), (0.0, 4e5))
+    assert gas.unit == pytest.approx(-1.9634954e-3) and p.repeats and p.over == "angle" and gas.over == "travel"
+    assert loads(dump(m)) == m
