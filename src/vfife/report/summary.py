@@ -39,8 +39,9 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
 
     ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns`` (:func:`~vfife.report.turns.turned`),
     the ``part`` of the run that ``measures`` are of, these, their ``ranges`` (``low`` and ``high`` over the companions, ``lowest`` and ``highest``
-    turn), names of those that are ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``conformal``, ``remarks``
-    and ``warnings`` are what the tables of :func:`show` are made of. The reference is the result's own unless another one is given.
+    turn), names of those that are ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``,
+    ``conformal``, ``remarks`` and ``warnings`` are what the tables of :func:`show` are made of. The reference is the result's own unless another
+    one is given.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns = result.record, result.record.assembly.choice, turned(result)
