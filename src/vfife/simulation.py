@@ -15,6 +15,7 @@ from .analysis.ranges import estimate, own_ranges
 from .analysis.trust import finer
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
+from .assembly.possible import Outlook, outlook
 from .assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from .codegen.cache import sources as sources_of_the_step
 from .errors import Fault, ModelError
@@ -184,13 +185,17 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
         mechanism = on_clock(mechanism, former)
-    ideal = reference if isinstance(reference, Result) else reference_of(mechanism, asked.turns, asked.duration, former) if reference else None
+    seen = outlook(mechanism, asked.turns, asked.duration) if start is None else Outlook()
+    ideal = reference if isinstance(reference, Result) else None
+    if reference is True and seen.through:
+        ideal = reference_of(mechanism, asked.turns, asked.duration, former)
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
 
     wanted = mechanism.settings.companions if asked.companions is None else asked.companions
 
     def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
-        return assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
+        found = assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
+        return dataclasses.replace(found, notes=(*found.notes, *seen.notes))
 
     begin = first_contact_steps(mechanism, wanted, asked.loop)
     assembly = again(asked.step, begin)

@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 def ground_load(record: Record) -> Array:
     """Force (N, N) of the mechanism on the ground, and its moment (N m) about the ground's origin, global axes, shape (outputs, 3).
 
-    The sum of all reactions on the ground: joints, with play and without, pivots and torques of drivers, gears on fixed carriers, springs, loads
-    along guides that stand on it. Weight and other loads act on bodies from outside; so what is told is them less the rate of change of momentum:
-    F = sum (F_ext - m a), the shaking force of a mechanism without loads and weight being -sum m a.
+    The sum of all that acts on the ground: joints, with play and without, pivots and torques of drivers, gears on fixed carriers, springs, and
+    loads whose opposite the ground takes, as the head of a cylinder does. Other loads and weight act on bodies from outside; so what is told is
+    them less the rate of change of momentum: F = sum (F_ext - m a), the shaking force of a mechanism without loads and weight being -sum m a.
     """
     total = np.zeros((len(record.steps), 3))
     for part in (_ideals, _contacts, _springs, _drivers, _motors, _loads):
@@ -104,12 +104,12 @@ def _motors(record: Record) -> Array:
 
 
 def _loads(record: Record) -> Array:
-    """Loads along guides that stand on the ground, as gas presses on the head of its cylinder."""
+    """Loads on the ground itself."""
     t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
-    for k, (particle, function) in enumerate(zip(t.load_particle, t.load_function, strict=True)):
-        if particle == 0:
+    for k, body in enumerate(t.load_particle):
+        if body == 0:
             x, y, fx, fy, moment = (float(record.parameter(f"load_{name}")[k]) for name in ("x", "y", "fx", "fy", "m"))
-            value = record.block("function_value")[:, function]
+            value = record.block("function_value")[:, t.load_function[k]]
             total += value[:, None] * np.array([fx, fy, x * fy - y * fx + moment])
     return total
 

@@ -19,6 +19,7 @@ from ..model.functions import Polynomials
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
+from ..model.weighed import contradictions
 from .assembled import Assembly
 from .checks import refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck
 from .entities import Parts, parts_of, touches_of, turning
@@ -96,7 +97,7 @@ def assemble(
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
-    notes = cautions(mechanism) + strange + missed(mechanism, choice, filler.layout, filler.state)
+    notes = cautions(mechanism) + contradictions(mechanism) + strange + missed(mechanism, choice, filler.layout, filler.state)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),

@@ -278,11 +278,17 @@ def _acting(action: Action, now: Instant) -> Iterator[Applied]:
 
 def _pulling(spring: AnySpring, now: Instant, start: float) -> Iterator[Applied]:
     """Force of a massless element on its two ends; ``start`` is its distance or angle at the start."""
-    ends, element = now.ends(spring), 2 * PARTICLE.SIZE
+    ends = now.ends(spring)
+    for end, force in zip(ends, pull(spring, start, ends), strict=True):
+        yield end.pushed(*force)
+
+
+def pull(spring: AnySpring, start: float, ends: Sequence[End]) -> list[tuple[float, float, float]]:
+    """Force (N, N) and moment (N m) of a massless element on each of its two pins; ``start`` is its distance or angle at the start."""
+    element = 2 * PARTICLE.SIZE
     rows = _records(ends, SPRING.SIZE)
     for name, values in spring_fields(spring, start).items():
         first = element + getattr(SPRING, name)
         rows[first : first + len(values)] = values
     spring_force(rows, element, 0, PARTICLE.SIZE, kind_of_spring(spring), 1.0, 0.0)
-    for base, end in zip((0, PARTICLE.SIZE), ends, strict=True):
-        yield end.pushed(*(rows[base + field] for field in (PARTICLE.fx, PARTICLE.fy, PARTICLE.mz)))
+    return [(rows[base + PARTICLE.fx], rows[base + PARTICLE.fy], rows[base + PARTICLE.mz]) for base in (0, PARTICLE.SIZE)]
