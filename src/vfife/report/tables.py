@@ -15,6 +15,7 @@ from .digits import amount, percent, prefixed, spread_of
 from .trust import lines, verdict
 from .turns import lines as turn_lines
 from .turns import several
+from .wear import CONFORMAL, machine_lines, wear_table, worn
 
 SHOWN = 1e-4  # of a measure: what turns have to differ by to be shown
 NOISE = 1e-6  # of the largest angular acceleration
@@ -39,11 +40,14 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     for title, there, table in (
         (f"Largest reactions ({told['part']})", bool(told["joints"]), _joint_table),
         ("Contact (whole run)", contact, _contact_table),
+        (f"Losses and pressures ({told['part']})", bool(worn(told)), wear_table),
         (f"Largest angular accelerations ({told['part']})", turning, _body_table),
     ):
         if there:
             console.print(Text(title, style="bold"))
             console.print(table(told))
+    if told["conformal"]:
+        console.print(Text(CONFORMAL))
     if told["not_unique"]:
         console.print(Text(SHARED))
     for text in told["warnings"]:
@@ -62,7 +66,8 @@ def _facts(told: dict[str, Any]) -> Table:
         *(("Trust" if k == 0 else "", line) for k, line in enumerate(lines(told))),
         ("Energy", _energy(told)),
         *(("Driver", line) for line in _torques(told)),
-        *(("Laws" if k == 0 else "", line) for k, line in enumerate(_law_lines(told))),
+        *machine_lines(told),
+        *(("Laws" if k == 0 else "", line) for k, line in enumerate((*_law_lines(told), *told["remarks"]))),
     ):
         table.add_row(Text(name, style="cyan"), Text(text))
     return table
