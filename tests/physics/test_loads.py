@@ -9,6 +9,7 @@ from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
 from support import SHARE, bits, go, lanes, particle, times
+from vfife.analysis.ground import ground_load
 from vfife.assembly.assemble import assemble
 from vfife.codegen.python import straight_line
 from vfife.kernels.arrays import FUNCTION, PARTICLE
@@ -194,3 +195,10 @@ def test_the_rate_of_a_travel_is_its_derivative():
     before, now, after = (travel(S, 0, PARTICLE.SIZE, 2 * PARTICLE.SIZE, dt) for dt in (-step, 0.0, step))
     assert now[1] == pytest.approx((after[0] - before[0]) / (2.0 * step), rel=1e-8)
     assert abs(now[1]) > 0.1
+
+
+def test_gas_does_not_shake_the_ground():
+    """It presses on piston and head alike: what the ground feels is -sum m a, with gas and without."""
+    loads = [ground_load(go(m, 2e-5, duration=0.1, outputs=40)) for m in (cylinder(pressure_back=BACK, tilt=0.4), cylinder(bore=1e-6, tilt=0.4))]
+    assert loads[0] == pytest.approx(loads[1], abs=1e-4 * np.abs(loads[1]).max())
+    assert np.abs(loads[1][:, :2]).max() > 100.0

@@ -13,7 +13,7 @@ from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from .measured import Measured, Measures
 from .measures import compared, last_turn, measures, over_run, over_turn
-from .turns import each_turn, each_turn_beside, turns
+from .turns import Turns, each_turn, each_turn_beside, part_of, turns
 
 Array = NDArray[np.float64]
 
@@ -49,9 +49,11 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None) -> Meas
             name: (one, min(low, earlier[name][0]), max(high, earlier[name][1])) if name in earlier else (one, low, high)
             for name, (one, low, high) in found.items()
         }
-    return Measures({
+    every = Measures({
         name: Measured(one, low, high, name not in open_ones, one.lowest, one.highest) for name, (one, low, high) in found.items()
     })  # fmt: skip
+    every.part = part_of(record, counted(record))
+    return every
 
 
 def _reach(record: Record, name: str, one: Measured) -> tuple[float, float]:
@@ -69,8 +71,8 @@ def own_ranges(record: Record, reference: Mapping[str, float] | None = None) -> 
     companions. Of one that is not periodic: means over turns of run and companions together. Of a run of few turns, or one that has not settled:
     its last turn. Counts are those of the whole run.
     """
-    said = turns(record)
-    if said is None or not said.several or (record.companions is not None and len(record.companions.turns) < said.last):
+    said = counted(record)
+    if said is None or not said.several:
         return joined(measures(record, reference), [measures(one, reference) for one in companion_records(record)])
     left = record.companions
     sound = [] if left is None else [k for k in range(len(left.shifts)) if k not in left.lost]
@@ -78,6 +80,14 @@ def own_ranges(record: Record, reference: Mapping[str, float] | None = None) -> 
     taken = [[_of_a_turn(one, reference) for one in lane] for lane in lanes]
     whole = joined(over_run(record), [over_run(one) for one in companion_records(record)])
     return over_turns(taken, together=said.motion == "not periodic") | whole
+
+
+def counted(record: Record) -> Turns | None:
+    """The turns of a run, told by its last one where nothing is kept of those before of its companions."""
+    said = turns(record)
+    if said is not None and record.companions is not None and len(record.companions.turns) < said.last:
+        return dataclasses.replace(said, first=said.last)
+    return said
 
 
 def _of_a_turn(record: Record, reference: Mapping[str, float] | None) -> dict[str, float]:

@@ -62,6 +62,26 @@ def turns(record: Record) -> Turns | None:
     return told(columns, comparison, SETTLED if settle is None else settle)
 
 
+def part_of(record: Record, said: Turns | None) -> str:
+    """Which part of a run its measures are of, in a few words: ``mean of turns 3 to 8``, ``last turn, the 2nd``, ``whole run``."""
+    choice, left = record.assembly.choice, record.companions
+    if record.static:
+        return "all load factors"
+    if said is not None and said.several:
+        many = said.motion == "not periodic" and left is not None
+        beside = f", of the run and {len(left.shifts)} companions" if many and left is not None else ""
+        return f"mean of turns {said.first} to {said.last}{beside}"
+    if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
+        return "whole run"
+    return "last turn" if said is None else f"last turn, the {ordinal(said.last)}"
+
+
+def ordinal(number: int) -> str:
+    """``1st``, ``2nd``, ``3rd``, ``4th`` ..."""
+    ending = "th" if 10 < number % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{ending}"
+
+
 def _unbroken(record: Record) -> bool:
     """Whether no output was lost."""
     return bool(record.steps[-1] == (len(record.steps) - 1) * record.assembly.choice.outputs_every)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...fields import Choice, Many, Measure, Switch, described, quantity
 from ..polynomials import Polynomials, constant, moved
-from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, closes, held, repeated, two_ways, whole_turns
+from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, closes, held, repeated, table, two_ways, whole_turns
 from .load import OVER, Load, Over
 
 OPEN = 1e-3  # of the largest value: by how much two ways may differ where they meet
@@ -99,8 +99,9 @@ class Tabular(Load):
         if not self.axis or not isinstance(values, Sequence):
             return constant(float(values if isinstance(values, int | float) else 1.0)), gap
         places, zero = getattr(self, self.axis), {"angles": self.zero_angle, "travels": self.zero_travel}.get(self.axis, 0.0)
+        out = table(places, values, self.interpolation, repeated=self.repeats)
         if isinstance(back, Sequence):
-            function, gap = two_ways(places, values, back, self.interpolation)
+            function, gap = two_ways(out, table(places, back, self.interpolation))
         else:
-            function = (repeated if self.repeats else held)(places, values, self.interpolation)
+            function = (repeated if self.repeats else held)(out)
         return moved(function, zero), gap
