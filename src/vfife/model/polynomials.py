@@ -62,8 +62,14 @@ class Polynomials:
     def _jumps(self, before: int, after: int, length: float) -> list[float]:
         """By how much value, slope and curvature jump there; 0 for what is next to nothing."""
         ends = [_derivatives(self.coefficients[before], length), _derivatives(self.coefficients[after], 0.0)]
-        least = KINK * max(max(abs(x) * length**k for end in ends for k, x in enumerate(end)), 1e-300)
+        size = max(abs(x) * length**k for end in ends for k, x in enumerate(end))
+        least = KINK * max(size, 1e-300, 0.0 if self.order else self._largest)
         return [abs(x - y) if abs(x - y) * length**k > least else 0.0 for k, (x, y) in enumerate(zip(*ends, strict=True))]
+
+    @cached_property
+    def _largest(self) -> float:
+        """Largest absolute value at the begins of pieces."""
+        return max(abs(row[0]) for row in self.coefficients)
 
     @cached_property
     def bends(self) -> tuple[tuple[float, float], ...]:

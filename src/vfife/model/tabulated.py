@@ -13,7 +13,7 @@ Interpolation = Literal["monotone", "linear", "spline"]
 INTERPOLATIONS: tuple[Interpolation, ...] = ("monotone", "linear", "spline")
 JOINING = "how a table's values are joined: monotone (never beyond them), linear, or a spline, which is smoother and may overshoot"
 APART = 64.0  # ranges of a table by which that of the way back lies before that of the way out
-CLOSED = 1e-9  # of the largest value, by which the first and the last value of a table that repeats may differ
+CLOSED = 1e-8  # of the largest value, by which the first and the last value of a table that repeats may differ
 
 Places = Sequence[float]
 Rows = tuple[tuple[float, ...], ...]
@@ -65,6 +65,11 @@ class Pieces:
     def ends(self) -> tuple[float, float]:
         """Its first and its last value."""
         return self.rows[0][0], polynomial_at(self.rows[-1], self.end - self.starts[-1])
+
+    @property
+    def largest(self) -> float:
+        """Its largest absolute value where pieces begin and end."""
+        return max(abs(value) for value in (*(row[0] for row in self.rows), self.ends[1]))
 
     @property
     def span(self) -> float:
