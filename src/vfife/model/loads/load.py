@@ -56,6 +56,7 @@ class Load(Kind):
         """On which bodies it acts, and how, where its function is 1."""
         raise NotImplementedError
 
+    tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
     along: ClassVar[bool] = False  # whether it acts along the guide of a joint; else at a pin
 
     @property
