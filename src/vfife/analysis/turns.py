@@ -19,7 +19,7 @@ Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
 
 FEW = 5  # turns of a run below which its measures are those of its last period, and no mean
 MANY = 10  # turns after which one that neither repeats nor is about to is called not periodic
-MOST = 256  # turns that a mean is taken over
+MOST = 100  # turns that a mean is taken over
 TREND = 24  # turns back from the end by which it is told whether a motion is settling
 FALLING = -0.9  # correlation of the logarithm of distances with the number of the turn, of a motion that is settling
 FALLEN = 0.7  # by which factor they fall over those turns, at the least
@@ -157,6 +157,6 @@ def each_turn_beside(record: Record, companion: int, first: int, last: int) -> I
     size = outputs * record.assembly.choice.outputs_every
     for turn in range(first, last + 1):
         own = left.turns[turn - 1, :, companion]
-        before = left.turns[turn - 2, :, companion] if turn > 1 else own
+        before = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(own)  # sums begin at 0
         steps = np.array([turn - 1, turn], dtype=np.int64) * size
         yield dataclasses.replace(record, steps=steps, source=np.stack([before, own]), kept=left.kept, companions=None, final=None)
