@@ -4,10 +4,13 @@ import math
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import vfife
 from model_texts import COMPRESSOR as MODEL
 from model_texts import GAS
+from vfife.cli.app import app
+from vfife.cli.filled import filled_in
 from vfife.errors import ModelError
 from vfife.modelfile import csvtables, dump, load, loads
 
@@ -114,6 +117,13 @@ def test_what_is_no_file_or_too_large_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr(csvtables, "MOST_ROWS", 3)
     with pytest.raises(ModelError, match="line 7 is too many"):
         load(model(tmp_path, GAS + 'table = "gas.csv"\n'))
+
+
+def test_check_tells_its_defaults(tmp_path):
+    path = model(tmp_path, GAS + 'table = "gas.csv"\n')
+    assert {"load.gas.interpolation", "load.gas.reverse"} <= {one["path"] for one in filled_in(path, [])}
+    answer = CliRunner().invoke(app, ["check", str(path)])
+    assert answer.exit_code == 0, answer.output
 
 
 def test_other_faults_are_told_beside_it(tmp_path):
