@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
+import vfife
 from support import go, particle, times
 from vfife.analysis.ground import ground_load
 from vfife.assembly.assemble import assemble
@@ -207,3 +208,17 @@ def test_expressions_over_time_angle_and_speed():
     m.guide_force("drag", "guide", expression="-1.5*v*abs(v)", speeds=(-5.0, 5.0))
     record = go(m, 1e-4, duration=1.0, outputs=20)
     assert particle(record, "block")["x"] == pytest.approx(2.0 / 1.5 * np.log(1.0 + 1.5 * 3.0 * times(record) / 2.0), abs=1e-6)
+
+
+def test_a_gas_is_set_from_outside():
+    """By its pressure, in place of its table, beside a load that goes by the crank's angle."""
+    m = cylinder(pressure_back=BACK)
+    m.force("tooth", "rod.end", force=(1.0, 2.0), expression="sin(angle)")
+    sim = vfife.Simulation(m, step=2e-5, force_step=True)
+    assert sim.inputs == {
+        "gas": "pressure of the load above ambient (Pa)", "tooth": "what multiplies the load (1)", "crank": "speed of the driver (rad/s)"
+    }  # fmt: skip
+    sim.set("gas", "3 bar")
+    sim.set("tooth", 0.0)
+    sim.advance(0.05)
+    assert sim.read("external_work") == pytest.approx(3e5 * 0.25 * math.pi * 0.05**2 * 0.1, rel=1e-3), "half a turn: p A s"

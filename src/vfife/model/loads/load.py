@@ -52,6 +52,11 @@ class Load(Kind):
         """Where it acts: a pin, "body.pin", or the joint along whose guide it does."""
         return self.slider
 
+    @property
+    def measured(self) -> tuple[str, str]:
+        """The unit of its function, and what that is."""
+        return "1", "what multiplies the load"
+
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """On which bodies it acts, and how, where its function is 1."""
         raise NotImplementedError
