@@ -192,7 +192,7 @@ def test_turns_lie_over_each_other() -> None:
     assert np.array_equal(turns["joint_force"].sel(joint="C").values, force[1:])
     assert turns["joint_force"].dims == ("turn", "crank_angle", "joint") and turns["joint_force"].units == "N"
     assert float(turns.time.sel(turn=9)[-1]) == pytest.approx(9 * TURN)
-    assert turns.attrs["measures_of"] == f"turns {result.motion.first} to 9"  # type: ignore[union-attr]
+    assert turns.attrs["measures_of"] == result.measures.part
 
 
 def test_turns_that_there_are_not_are_told() -> None:
@@ -263,6 +263,8 @@ def test_every_table_says_which_part_of_the_run_it_is_of() -> None:
     assert "Largest reactions (last turn, the 2nd)" in text_of(short)
     half = vfife.simulate(four_bar("C"), turns=0.5, step="10 us", companions=0, reference=False)
     assert "Largest reactions (whole run)" in text_of(half)
+    odd = vfife.simulate(four_bar("C"), turns=2.3, step="10 us", companions=0, reference=False)  # the last 360 degrees are of two turns
+    assert odd.measures.part == "last turn" and odd.motion is not None and odd.motion.count == 2
     assert "of turns 7 to 12, of the run and 3 companions)" in text_of(astray()) and "lowest to highest turn" in text_of(astray())
 
 
