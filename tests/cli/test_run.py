@@ -22,6 +22,8 @@ from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
 
 KEYS = {
+    "turns",
+    "part",
     "faults",
     "status",
     "step",

@@ -172,8 +172,15 @@ def show(found: Comparison, place: Path) -> None:
         numbers = (f"{1e6 * one['penetration']:.4g}", f"{one['impacts']:,}", f"{100.0 * one['contact_share']:.3g}", f"{one['energy_lost']:.4g}")
         row(table, one["contact"], one["friction"], f"{one['force']:,.6g}", *lips, *numbers, f"{one['wall_s']:.2g}")
     console.print(table)
-    console.print(Text("Force, LIP and depth are the largest in the last turn, LIP against ideal joints; contact is the mean share of the time."))
+    said = f"Force, LIP and depth are the largest ({told_of(found)}), LIP against ideal joints"
+    console.print(Text(f"{said}; contact is the mean share of the time of the run."))
     console.print(Text.assemble(("Folder: ", "bold"), f"{place} ({', '.join(sorted(entry.name for entry in place.iterdir()))})"))
+
+
+def told_of(found: Comparison) -> str:
+    """Which part of the runs their numbers are of."""
+    parts = list(dict.fromkeys(one["part"] for one in found.rows))
+    return parts[0] if len(parts) == 1 else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in found.rows)
 
 
 def end(found: Comparison, place: Path) -> None:

@@ -37,6 +37,8 @@ MODELS = "the model's"
 Folder = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Run folder.", show_default="runs/MODEL")]
 Step = Annotated[str | None, typer.Option(metavar="SECONDS", help='Time step, such as 1e-6 or "1 us", or auto.', show_default=MODELS)]
 Turns = Annotated[float | None, typer.Option(metavar="N", help="Length in turns of the crank.", show_default=MODELS)]
+UNTIL = "End as soon as turns repeat within this share of their largest values, as in 1%, after --turns at the latest."
+Settle = Annotated[str | None, typer.Option(metavar="SHARE", help=UNTIL, show_default=MODELS)]
 Duration = Annotated[str | None, typer.Option(metavar="SECONDS", help="Length in time, instead of turns.")]
 Outputs = Annotated[int | None, typer.Option(metavar="N", min=1, help="Outputs per turn; per run without a crank.", show_default=MODELS)]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures as well.")]
@@ -44,7 +46,7 @@ Reference = Annotated[bool, typer.Option("--reference/--no-reference", help="Com
 ForceStep = Annotated[bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")]
 StartFrom = Annotated[
-    Path | None, typer.Option("--start-from", metavar="RUN", help="A new run from where a former one ended (its folder or file).")
+    Path | None, typer.Option("--start-from", metavar="RUN", help="A new run from where a former one ended (its folder or file), by its clock.")
 ]
 BESIDE = "Runs with displaced steps beside it, 0 to 7, or auto: their range tells how far it can be trusted."
 Companions = Annotated[str | None, typer.Option(metavar="N", help=BESIDE, show_default=MODELS)]
@@ -61,6 +63,7 @@ def run(
     laws: LawsOption = None,
     step: Step = None,
     turns: Turns = None,
+    settle: Settle = None,
     duration: Duration = None,
     outputs: Outputs = None,
     loop: LoopOption = Loops.auto,
@@ -84,7 +87,7 @@ def run(
     from ..results.place import placed
 
     with sentences(str(model)):
-        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions)
+        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions, settle)
         if resume and (begun := to_go_on(folder, model)) is not None:
             goes_on(begun, mechanism, figures, as_json, quiet)
             return

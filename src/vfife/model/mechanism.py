@@ -45,6 +45,9 @@ class StartSettings:
     journals: Journals = described(
         Choice(("centred", "seated")), "journals centred in their bearings, or seated where the ideal reaction presses them", "centred"
     )
+    time: float | None = quantity(
+        "s", "where the clock of drivers and loads stands when the run begins; left out: 0, or where a former run ended from which it goes on", None
+    )
 
 
 Start = StartSettings  # as it was called before
@@ -55,6 +58,7 @@ Start = StartSettings  # as it was called before
 class Settings:
     """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
 
+    ``settle``: the run ends as soon as turns repeat within that share of their largest values, after ``turns`` at the latest.
     ``companions`` are runs beside it whose steps are displaced: their range tells how far a run with contact can be trusted, and an automatic
     step is halved until the largest values of a turn agree within ``tolerance``.
 
@@ -66,6 +70,10 @@ class Settings:
 
     turns: float | None = quantity("1", "length of the run in turns of the crank", None, above=0.0)
     duration: float | None = quantity("s", "length of the run in time, instead of turns", None, above=0.0)
+    settle: float | None = quantity(
+        "1", "distance, as a share of the largest values, within which turns repeat: the run ends where they do, after turns at the latest",
+        None, above=0.0, high=1.0,
+    )  # fmt: skip
     step: float | Literal["auto"] = described(
         Measure("s", above=0.0, words=("auto",)), 'time step, or "auto" for the largest that is stable and accurate', "auto"
     )
@@ -156,6 +164,11 @@ class Mechanism(Builders):
         """What a notebook shows: its drawing, and tables of its parts."""
         return str(answered("html", self))
 
+    @property
+    def clock(self) -> float:
+        """Where the clock (s) of drivers and loads stands when a run begins."""
+        return self.start.time or 0.0
+
     def ideal(self) -> Mechanism:
         """The reference that clearance runs are compared with: every joint ideal, every link rigid with its lumped masses."""
         from .lumping import rigidified
@@ -166,5 +179,5 @@ class Mechanism(Builders):
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
             joints={name: ideal for name, joint in self.joints.items() if (ideal := joint.ideal()) is not None},
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
-            start=StartSettings(),
+            start=StartSettings(time=self.start.time),
         )

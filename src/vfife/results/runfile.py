@@ -98,8 +98,7 @@ class RunFile:
         try:
             file = cls(path, connected(path), gather)
             if file.sealed:
-                for statement in tables.SCHEMA:  # a file of this format may have been begun before it had all of them
-                    file._connection.execute(statement)
+                tables.complete(file._connection)
                 return file
         except sqlite3.Error as error:
             raise StorageError(unwritten(str(path), str(error))) from error
@@ -168,6 +167,8 @@ class RunFile:
             values = json.dumps(beside.told), packed(steps[len(steps) - outputs :].astype(float)), packed(beside.rows.reshape(outputs, -1))
             self._insert("companions", first + len(steps) - outputs, outputs, int(steps[-1]), *values)
             self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
+            for turn, values in enumerate(beside.turns, beside.first):
+                self._insert("turns", turn, turn * beside.steps, packed(values))
 
     def _counts(self) -> tuple[int, int]:
         """Chunks and outputs there are."""
@@ -193,7 +194,7 @@ class RunFile:
     def rewind(self, checkpoint: Checkpoint) -> None:
         """Takes away what was written after a checkpoint, from which the run goes on."""
         with self._transaction():
-            for table, column in (("checkpoints", "step"), ("companions", "last")):
+            for table, column in (("checkpoints", "step"), ("companions", "last"), ("turns", "last")):
                 self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
             self._connection.execute("DELETE FROM history WHERE chunk >= ?", (checkpoint.chunks,))
             self._put({known.COUNTED: None})
@@ -268,7 +269,7 @@ class RunFile:
 
     def _anew(self) -> None:
         """Takes away what was computed, and says what is computed next."""
-        for table in ("history", "checkpoints", "companions"):
+        for table in ("history", "checkpoints", "companions", "turns"):
             self._connection.execute(f"DELETE FROM {table}")
         self._put({**self._next, known.COUNTED: None})
         self._next = {}
@@ -398,6 +399,19 @@ class RunFile:
             self._lose("the companions")
             return None
         return (json.loads(chunks[-1][3]), np.concatenate(steps), np.concatenate(parts)) if chunks else None
+
+    @told
+    def turns(self) -> NDArray[np.float64]:
+        """What companions leave of each whole turn, shape (turns, kept, companions); without any where they are damaged, or none were kept."""
+        if not self.sealed or not tables.has(self._connection, "turns"):
+            return np.zeros((0, 0, 0))
+        found = list(tables.each(self._connection, "turns"))
+        rows = [row for _, row in found if row is not None]
+        parts = [unpacked(row[2]) for row in rows]
+        if [row[0] for row in rows] != list(range(1, len(found) + 1)) or len({part.shape for part in parts}) > 1:
+            self._lose("the companions' turns")
+            return np.zeros((0, 0, 0))
+        return np.array(parts) if parts else np.zeros((0, 0, 0))
 
     @told
     def latest(self) -> Checkpoint | None:

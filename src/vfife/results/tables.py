@@ -28,6 +28,7 @@ COLUMNS = {
         "first INTEGER PRIMARY KEY", "outputs INTEGER NOT NULL", "last INTEGER NOT NULL", "told TEXT NOT NULL", "steps BLOB NOT NULL",
         "data BLOB NOT NULL",
     ),
+    "turns": ("turn INTEGER PRIMARY KEY", "last INTEGER NOT NULL", "data BLOB NOT NULL"),
 }  # fmt: skip
 SCHEMA = [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in COLUMNS.items()]
 KEYS = {table: columns[0].split()[0] for table, columns in COLUMNS.items()}
@@ -35,6 +36,17 @@ STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permi
 
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
+
+
+def has(connection: sqlite3.Connection, table: str) -> bool:
+    """Whether a file has a table: one that was written before there was any lacks it."""
+    return connection.execute("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", (table,)).fetchone() is not None
+
+
+def complete(connection: sqlite3.Connection) -> None:
+    """Makes the tables that a file written before there were any lacks."""
+    for statement in SCHEMA:
+        connection.execute(statement)
 
 
 def insert(connection: sqlite3.Connection, table: str, *values: Any) -> int:

@@ -13,7 +13,9 @@ from ..analysis.around import Around, around
 from ..analysis.guides import PointMotion, point_motion
 from ..analysis.impacts import Impacts, impacts
 from ..analysis.motion import times
+from ..analysis.ranges import counted
 from ..analysis.stress import along
+from ..analysis.turns import Turns
 from ..assembly.assembled import Assembly
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
@@ -22,6 +24,7 @@ from .channel import Channel
 from .channels import channels, entities
 from .provenance import sources, versions
 from .series import Series
+from .turns import latest_turns
 
 if TYPE_CHECKING:
     import pandas
@@ -91,7 +94,8 @@ class View:
     def measures(self) -> Measures:
         """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`.
 
-        Each is a number with ``value``, ``low`` and ``high``, its range over run and companions: :class:`~vfife.analysis.measured.Measured`.
+        Of which turns they are says :attr:`motion`. Each is a number with ``low`` and ``high``, its range over run and companions, and ``lowest``
+        and ``highest``, those of its turns: :class:`~vfife.analysis.measured.Measured`.
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)
 
@@ -142,6 +146,16 @@ class View:
                 "flag_meanings": "free_flight impact continuous_contact",
             }
         return data
+
+    @cached_property
+    def turns(self) -> xarray.Dataset:
+        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see :func:`vfife.results.turns.latest_turns`."""
+        return latest_turns(self)
+
+    @cached_property
+    def motion(self) -> Turns | None:
+        """Whether the turns of the run repeat, from which one on, with which period, and which of them its measures are of; None without turns."""
+        return counted(self.record)
 
     @cached_property
     def series(self) -> Series:
