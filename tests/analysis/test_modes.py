@@ -176,3 +176,34 @@ def test_a_frame_too_large_is_told() -> None:
     with pytest.raises(AssemblyError, match="take fewer elements"):
         modes(beam(3000))
     assert len(link_frequencies(beam(6).bodies["beam"], 2)) == 2
+
+
+@pytest.mark.parametrize(("length", "section", "share"), [
+    (0.26, Section.square(1e-3), 2.09), (1.0, Section.round(0.01), 22.5),
+])  # fmt: skip
+def test_stiffness_proportional_damping_would_divide_the_step(length: float, section: Section, share: float) -> None:
+    """Why there is none (docs/designer.md): 1 % of the first bending mode, C = beta K, is xi w_max/w_1 of the highest, and a central difference
+    with velocities half a step old is stable below 2/w_max (sqrt(1 + xi^2) - xi): here by the largest eigenvalue of its step.
+    """
+    m = Mechanism("rod")
+    part = mesh(m.link("rod", length=length, model="elastic", elements=8, section=section))
+    force, stiffness = np.zeros(27), np.zeros((27, 27))
+    for element in elements_of(part, 0):
+        element.put(np.column_stack([part.position, np.zeros(9)]), force, stiffness)
+    moving = np.setdiff1d(np.arange(27), [0, 1, 25])
+    root = np.sqrt(np.column_stack([part.mass, part.mass, part.inertia]).reshape(-1)[moving])
+    k = stiffness[np.ix_(moving, moving)] / np.outer(root, root)
+    rates = np.sqrt(np.linalg.eigvalsh(k))
+    beta = 2.0 * 0.01 / rates[0]
+    xi = 0.5 * beta * rates[-1]
+    limit = 2.0 / rates[-1] * (math.sqrt(1.0 + xi * xi) - xi)
+
+    def growth(dt: float, damped: float) -> float:
+        one = np.eye(len(k))
+        kick = np.block([[one, np.zeros_like(k)], [-dt * k, one - dt * damped * k]])
+        drift = np.block([[one, dt * one], [np.zeros_like(k), one]])
+        return float(np.abs(np.linalg.eigvals(drift @ kick)).max())
+
+    assert growth(0.999 * limit, beta) < 1.0 + 1e-6 < growth(1.001 * limit, beta)
+    assert growth(0.999 * 2.0 / rates[-1], 0.0) < 1.0 + 1e-6 < growth(1.001 * 2.0 / rates[-1], 0.0)
+    assert 2.0 / rates[-1] / limit == pytest.approx(share, rel=0.01)

@@ -91,6 +91,8 @@ def test_peaks_and_energies_are_those_of_a_run(name, turns, tmp_path):
     (shown,) = found["turns"]
     for joint, force in shown["force"].items():
         assert force == measures[f"{joint}.force.max"]
+    for body, torque in shown["torque"].items():
+        assert torque == measures[f"{body}.torque.max"]
     for contact, depth in zip(record.assembly.contacts, shown["depth"], strict=True):
         assert depth == measures[f"{contact}.penetration.max"]
     for contact, began in zip(record.assembly.contacts, shown["began"], strict=True):

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.topology import GEARED
-from ..kinematics.forces import Datum, actions, driven_body
+from ..kinematics.forces import driven_body
 from ..solvers.record import Record
 from .forces import contact_force
 from .losses import of_window
@@ -94,7 +92,7 @@ def _drivers(record: Record) -> Array:
 def _motors(record: Record) -> Array:
     """Torques against the ground, whose housings stand on it."""
     mechanism, total = record.assembly.mechanism, np.zeros((len(record.steps), 3))
-    at = sum(len(one.ends) for one in actions(dataclasses.replace(mechanism, drivers={}), Datum()))
+    at = sum(len(load.pushes(mechanism.joints)) for load in mechanism.loads.values())
     for name, driver in mechanism.drivers.items():
         if driver.moves:
             continue

@@ -76,7 +76,8 @@ def assemble(
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
-    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism, seats) if wanted(mechanism) and given is None else None)
+    stressed = prestress(mechanism, seats) if wanted(mechanism) and given is None else None
+    filler = Filler(mechanism, numbering, Layout(topology), motion, stressed, given=given is not None)
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)

@@ -37,7 +37,8 @@ def live(
         page = written(found).encode("utf-8")
         place = out if out is not None else Path(f"{(source.resolve() if source.is_dir() else source).stem}.html")
         if len(page) > LARGEST:
-            raise ValueError(f"the page takes {amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may; slide less")
+            sizes = f"{amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may"
+            raise ValueError(f"the page takes {sizes}; slide less, or use fewer elements")
     for note in found.notes:
         tell("note", f"{note}.")
     with writing(str(place)):

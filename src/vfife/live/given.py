@@ -59,6 +59,7 @@ def stepped(assembly: Assembly) -> Json:
         "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows, "joints": own,
         "kept": recorded_rows(assembly).tolist(), "extremes": layout.of("extreme"), "free": list(topology.free), "driven": list(topology.driven),
         "present": [kind == CURRENT for kind in topology.strains], "perTurn": per_turn(assembly),
+        "torques": {body.name: body.driven for body in assembly.bodies.values() if body.driven is not None},
         "alphas": {name: body.row for name, body in assembly.bodies.items()},
     }  # fmt: skip
 
@@ -98,7 +99,14 @@ def joints(assembly: Assembly) -> list[Json]:
         angles = (_angle(assembly, pins[0]), _angle(assembly, pins[1]))
         at = strokes.Asked(outlines.place(assembly, pins[0]), outlines.place(assembly, pins[1]), angles, size)
         drawn, tilt = strokes.of_joint(joint, at, angles, (sides[0] == "ground", sides[1] == "ground"))
-        words = {"words": joint.words, "bodies": sides, "turned": sides[0] != "ground"}
+        around, *reaches = joint.drawn
+        words = {
+            "reaches": [reach or 0.0 for reach in reaches],
+            "around": [list(point) for point in around],
+            "words": joint.words,
+            "bodies": sides,
+            "turned": sides[0] != "ground",
+        }
         found.append({"name": name, "bearing": pins[0], "journal": pins[1], "strokes": drawn, "tilt": tilt, **words})
     return found
 
@@ -147,8 +155,10 @@ def springs(assembly: Assembly) -> list[Json]:
 def loads(assembly: Assembly) -> list[Json]:
     """Forces and moments that are given: where they act."""
     return [
-        {"name": load.name, "at": outlines.pin_of(assembly, load.at), "acts": list(load.acts), "follow": load.follows}
+        {"name": load.name, "at": outlines.pin_of(assembly, f"{push.body}.{push.pin}"), "acts": list(push.acts), "follow": push.follow}
         for load in assembly.mechanism.loads.values()
+        for push in load.pushes(assembly.mechanism.joints)
+        if push.body != "ground"
     ]
 
 

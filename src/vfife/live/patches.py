@@ -28,7 +28,7 @@ from ..simulation import expected_forces, prepare
 from ..solvers.arguments import Asked
 from .given import packed
 from .sliders import POSITIONS, Slide
-from .together import Together, refuse_unfit, together
+from .together import Together, refuse_unfit, together, turned
 
 Array = NDArray[np.float64]
 Bits = NDArray[np.int64]
@@ -151,10 +151,10 @@ class Settings:
         key = tuple((slide.paths, slide.values[k]) for slide, k in zip(self.slides, positions, strict=True) if k != slide.here)
         if key not in self.known:
             try:
-                mechanism, base = self.mechanism(positions), self.base.own.choice
-                turn = turn_of(mechanism)
-                step = base.step if turn is None or base.turn is None else turn / round(base.turn / base.step)
-                found = together(mechanism, step, force=self.given is not None, known=self.ideals)
+                mechanism = self.mechanism(positions)
+                turn, ideal = turn_of(mechanism), self.base.ideal
+                steps = turned(self.base.own, turn), None if ideal is None else turned(ideal, turn)
+                found = together(mechanism, *steps, force=self.given is not None, known=self.ideals)
                 self.known[key] = found if self.base.same_kind(found) else None
             except VfifeError:
                 self.known[key] = None

@@ -38,9 +38,10 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
     """All that the summary of a run says: texts, numbers, lists and dictionaries only.
 
     ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns`` (:func:`~vfife.report.turns.turned`),
-    ``measures``, their ``ranges`` (``low`` and ``high`` over the companions, ``lowest`` and ``highest`` turn), names of those that are
-    ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``conformal``,
-    ``remarks`` and ``warnings`` are what the tables of :func:`show` are made of. The reference is the result's own unless another one is given.
+    the ``part`` of the run that ``measures`` are of, these, their ``ranges`` (``low`` and ``high`` over the companions, ``lowest`` and ``highest``
+    turn), names of those that are ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``,
+    ``conformal``, ``remarks`` and ``warnings`` are what the tables of :func:`show` are made of. The reference is the result's own unless another
+    one is given.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns = result.record, result.record.assembly.choice, turned(result)
@@ -70,6 +71,7 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "remarks": [] if record.static else quiet(result),
         "measures": measures,
         "turns": turns,
+        "part": result.measures.part,
         "ranges": {name: _range(one) for name, one in result.measures.items()} if record.companions or record.estimate or several(turns) else {},
         "not_unique": [name for name, one in result.measures.items() if not one.unique],
         "trust": trusted(result),

@@ -11,7 +11,6 @@ from ..assembly.possible import outlook
 from ..errors import suggestion
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
-from ..report.turns import part_of
 from ..result import Result
 from ..results.comparison import Comparison
 from ..simulation import Prepared, carry_out, prepare, reference_of
@@ -165,7 +164,7 @@ def numbers_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
         "contact": noun.contact.name,
         "friction": noun.friction.name,
         "status": result.record.status,
-        "part": part_of(result),
+        "part": measures.part,
         "force": max(one["force.max"] for one in each.values()),
         "lip_force": max(lips, default=None),
         "lip_acceleration": max(lip, default=None),

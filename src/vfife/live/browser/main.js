@@ -40,7 +40,7 @@ const cards = [
 if (!perTurn && cards[0]?.id === "forces") cards[0].title = "Joint forces over time";
 
 const OPTIONS = {
-  joint: () => Object.keys(own.joints),
+  joint: () => [...Object.keys(own.joints), ...Object.keys(own.torques).map((name) => TORQUE + name)],
   body: () => given.bodies.map((body) => body.name),
   quantity: () => Object.keys(QUANTITIES),
 };
@@ -93,21 +93,34 @@ for (const card of cards) {
 // Charts are drawn one a frame, so that the mechanism never waits for them.
 let stale = [];
 let staleAt = 0;
+let spentOnCharts = 0; // ms
 
 function dirty(now = false) {
   if (now) staleAt = 0;
 }
 
 function drawStale(time) {
-  if (!stale.length && time - staleAt > (clock.playing ? 220 : 120) && (clock.playing || staleAt === 0 || running.store.end < running.until)) {
+  // Not more often than takes a sixth of the time, however slow the machine is.
+  if (
+    !stale.length &&
+    time - staleAt > Math.max(clock.playing ? 220 : 120, 6 * spentOnCharts) &&
+    (clock.playing || staleAt === 0 || running.store.end < running.until)
+  ) {
     stale = [...cards, { id: "peaks" }];
     staleAt = time;
+    spentOnCharts = 0;
   }
   const card = stale.shift();
   if (!card) return;
+  const entered = performance.now();
+  drawCard(card);
+  spentOnCharts += performance.now() - entered;
+}
+
+function drawCard(card, unseen = false) {
   if (card.id === "peaks") return writePeaks($("peak-table"), running, other);
   const box = card.canvas.getBoundingClientRect();
-  if (box.bottom < 0 || box.top > window.innerHeight) return;
+  if (!unseen && (box.bottom < 0 || box.top > window.innerHeight)) return;
   const made = canvasFor(card.canvas);
   if (!made || !running.store.end) return;
   card.draw(made.pen, made.width, made.height, running, clock.head, other?.store.end ? other : null);
@@ -116,9 +129,10 @@ function drawStale(time) {
 
 // ------------------------------------------------------------------------------------------------------------------ clock
 
-const frames = { times: [], count: 0 };
+const frames = { times: [], spent: [], count: 0 };
 
 function frame(time) {
+  const entered = performance.now();
   const passed = Math.min(time - (clock.last || time), 100) / 1000;
   clock.last = time;
   const { store, reader } = running;
@@ -142,6 +156,8 @@ function frame(time) {
   frames.count += 1;
   frames.times.push(time);
   if (frames.times.length > 60) frames.times.shift();
+  frames.spent.push(performance.now() - entered); // ms of drawing
+  if (frames.spent.length > 240) frames.spent.shift();
   requestAnimationFrame(frame);
 }
 
@@ -295,6 +311,9 @@ document.addEventListener("keydown", (event) => {
 });
 
 window.addEventListener("resize", () => dirty(true));
+window.addEventListener("beforeprint", () => {
+  for (const card of cards) drawCard(card, true);
+});
 window.addEventListener("scroll", () => dirty(true), { passive: true });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => {
   setTheme(event.matches ? "dark" : "light");

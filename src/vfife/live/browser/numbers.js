@@ -1,5 +1,7 @@
 // What rows of the state say: motion, forces and energies of one output, by the same formulas as Python's analysis.
 
+const TORQUE = "torque of "; // before the name of a driven body, where a chart shows that in place of a joint's force
+
 class Reader {
   // `sim` is how a mechanism is stepped, `state` its numbers at the start, `setting` where plays and energies are.
   constructor(sim, state, setting) {
@@ -18,6 +20,7 @@ class Reader {
     this.energies = setting.part("energies");
     this.free = new Set(sim.free);
     this.found = {};
+    this.squares = {}; // columns of the largest squared force, by joint
     this.first = null; // the rows of output 0
   }
 
@@ -118,11 +121,20 @@ class Reader {
     return sum;
   }
 
-  // Largest force of a joint since the output before (N), of the steps in between; of a block in a guide that of one corner.
+  // What is chosen for a chart at an output: size of a joint's force (N), or a driver's torque (N m).
+  size(data, at, name) {
+    if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque")[this.sim.torques[name.slice(TORQUE.length)]]];
+    return Math.hypot(...this.force(data, at, name));
+  }
+
+  // Largest force of a joint since the output before (N), of the steps in between; of a block in a guide that of one corner. Or largest torque.
   forceMax(data, at, name) {
+    if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque_max")[this.sim.torques[name.slice(TORQUE.length)]]];
     const { block, at: places } = this.sim.joints[name];
-    const column = this.of(`${block}_force_squared_max`);
-    return Math.sqrt(places.reduce((most, k) => Math.max(most, data[at + column[k]]), 0));
+    this.squares[name] ??= Int32Array.from(places, (k) => this.of(`${block}_force_squared_max`)[k]);
+    let most = 0;
+    for (const column of this.squares[name]) most = Math.max(most, data[at + column]);
+    return Math.sqrt(most);
   }
 
   // ---------------------------------------------------------------------------------------------------------- energies

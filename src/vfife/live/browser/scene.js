@@ -12,6 +12,7 @@ class Scene {
     this.seen = 0;
     this.ways = given.joints.map(() => [0, 0]);
     this.guided = given.joints.map((joint) => joint.strokes.some((stroke) => stroke.points.some((point) => point.slice(6).some(Boolean))));
+    this.trails = new Map();
     this.traces = given.bodies.flatMap((body) => body.loose).slice(0, 4);
     this.show = { names: true, forces: true, traces: true };
     this.magnify = 1;
@@ -40,6 +41,10 @@ class Scene {
         for (const { points } of sign.strokes) for (let i = 0; i < points.length; i += 8) this.reach(carried(points[i]));
       }
       given.joints.forEach((joint, k) => {
+        [joint.bearing, joint.journal].forEach((pin, side) => {
+          const [[x, y], r] = [pose.place(pin), joint.reaches[side]];
+          if (r) for (const corner of [-r, r]) this.reach([x + corner, y + corner]);
+        });
         if (!this.guided[k]) return;
         const [bearing, journal, angle] = [pose.place(joint.bearing), pose.place(joint.journal), pose.angle(joint.bearing[0]) + joint.tilt];
         const way = Math.cos(angle) * (journal[0] - bearing[0]) + Math.sin(angle) * (journal[1] - bearing[1]);
@@ -139,20 +144,38 @@ class Scene {
   }
 
   trace(pen, to, running, head, pose) {
-    const { store, reader } = running;
+    const { store } = running;
     const from = Math.max(store.begin, Math.floor(head) - (perTurn ?? wholeRun));
     pen.lineWidth = 1.5;
     this.traces.forEach((pin, k) => {
+      const way = this.way(running, pin);
       pen.strokeStyle = ink.bodies[(k + 1) % 6];
       pen.setLineDash(DASHES[k % 6]);
       pen.beginPath();
       const stride = Math.max(1, Math.ceil((head - from) / 900));
-      for (let n = from; n <= head; n += stride) pen.lineTo(...to(new Pose(reader, store.data, store.offset(n)).place(pin)));
+      for (let n = from; n <= head; n += stride) pen.lineTo(...to(way(n)));
       pen.lineTo(...to(pose.place(pin)));
       pen.stroke();
       pen.setLineDash([]);
       disc(pen, to(pose.place(pin)), 3, ink.bodies[(k + 1) % 6], ink.paper);
     });
+  }
+
+  // Where a pin was at an output, found once for each.
+  way({ reader, store }, pin) {
+    if (!this.trails.has(pin) || this.trails.get(pin).store !== store) {
+      const places = new Float64Array(2 * store.capacity);
+      this.trails.set(pin, { store, places, of: new Int32Array(store.capacity).fill(-1) });
+    }
+    const { places, of } = this.trails.get(pin);
+    return (n) => {
+      const at = n % store.capacity;
+      if (of[at] !== n) {
+        places.set(new Pose(reader, store.data, store.offset(n)).place(pin), 2 * at);
+        of[at] = n;
+      }
+      return [places[2 * at], places[2 * at + 1]];
+    };
   }
 
   // -------------------------------------------------------------------------------------------------- signs of joints

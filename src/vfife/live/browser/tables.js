@@ -21,6 +21,10 @@ function peaks(running) {
       ideal: running.ideally("force", name),
     });
   }
+  for (const name of Object.keys(own.torques)) {
+    const values = turns.map((turn) => turn.torque[name]);
+    found.push({ what: "torque", name, unit: "N m", joint: TORQUE + name, values, ideal: running.ideally("torque", name) });
+  }
   for (const body of turning) {
     const values = turns.map((turn) => turn.alpha[body.name]);
     found.push({ what: "angular acceleration", name: body.name, unit: "rad/s²", values, ideal: running.ideally("alpha", body.name) });
