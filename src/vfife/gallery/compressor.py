@@ -58,7 +58,7 @@ def gas() -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
     left = DEAD * STROKE
 
     def along(start: float, pressure: float, place: float) -> float:
-        return pressure * ((start + left) / (place + left)) ** POLYTROPIC
+        return float(pressure * ((start + left) / (place + left)) ** POLYTROPIC)
 
     ways = sorted(1e-3 * place for place in PLACES)[::-1]
     up = tuple(round(min(DELIVERY, along(STROKE, SUCTION, place)), -1) for place in ways)
