@@ -172,5 +172,9 @@ def _angle(assembly: Assembly, pin: outlines.Pin) -> float:
 def extent(assembly: Assembly) -> float:
     """About the size of a drawing (m): the largest side of what the mechanism spans at its start."""
     at = [outlines.place(assembly, pin) for body in assembly.bodies.values() for piece in outlines.drawn(assembly, body)["pieces"] for pin in piece]
+    for joint in assembly.mechanism.joints.values():
+        for end, reach in zip((joint.bearing, joint.journal), joint.drawn[1:], strict=True):
+            x, y = outlines.place(assembly, outlines.pin_of(assembly, end))
+            at += [(x - reach, y - reach), (x + reach, y + reach)] if reach else []
     spread = np.ptp(np.array([*at, *assembly.mechanism.points.values()], dtype=float).reshape(-1, 2), axis=0)
     return float(spread.max(initial=0.0)) or 1.0
