@@ -14,9 +14,9 @@ from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump
 
 
-def few(slide: Slide, count: int = 3) -> Slide:
-    """A slider with few positions, its ends among them."""
-    places = sorted({0, slide.here, len(slide.values) - 1})[:count]
+def few(slide: Slide) -> Slide:
+    """A slider with two positions: the model's own and an end."""
+    places = sorted({slide.here, len(slide.values) - 1 if slide.here == 0 else 0})
     return dataclasses.replace(slide, values=tuple(slide.values[k] for k in places), here=places.index(slide.here))
 
 
