@@ -23,7 +23,7 @@ export MPLBACKEND ?= Agg
 # A test run starts a hundred processes, and each would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test oldest coverage lint docs bench verify soak mutations clean help
+.PHONY: demo test oldest coverage lint docs package release bench verify soak mutations clean help
 
 demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with figures, into runs/four_bar
 	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures --force
@@ -48,6 +48,13 @@ lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
 	@$(PYTHON) -m sphinx -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+package: $(VENV)/.dev  ## build wheel and sdist into dist/, and try the wheel in a bare environment outside this folder
+	@$(PYTHON) .ci/package.py
+
+release: $(VENV)/.dev  ## put version and date where they stand, then make package: make release VERSION=0.2.0
+	@$(PYTHON) .ci/release.py "$(VERSION)"
+	@$(PYTHON) .ci/package.py
 
 bench: $(VENV)/.runtime  ## measure speed into benchmarks/latest.json
 	@$(PYTHON) benchmarks/run.py

@@ -19,6 +19,7 @@ from vfife.results.runfile import RunFile
 
 KEYS = {
     "turns",
+    "part",
     "faults",
     "status",
     "step",

@@ -1,8 +1,6 @@
 """Data-driven = generated in 1, 2, 4 and 8 lanes = interpreted = JavaScript, to the bit, on runs rich in contacts, tables, drivers and frames."""
 
-import dataclasses
 import json
-import math
 import shutil
 import subprocess
 from functools import cache
@@ -11,93 +9,14 @@ import numpy as np
 import pytest
 
 import mechanisms
-from support import CONTACT_LAWS, SQUARE, bits, contact_law, four_bar, lanes, with_settings
+from lane_models import LANES, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars
+from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
 from vfife.codegen import javascript
 from vfife.codegen.python import straight_line
 from vfife.kernels.arrays import BLOCKS
-from vfife.laws import Ambrosio, Frictionless, Hydrodynamic, LankaraniNikravesh, Pereira
-from vfife.model.drivers import Harmonic, Torque
-from vfife.model.loads import PointForce
-from vfife.model.mechanism import Mechanism
 
-LANES = 4
 EIGHT = tuple(k % LANES for k in range(8))
-
-
-def rigid_bars(lane: int) -> Mechanism:
-    """Case c: three clearance joints that share bodies, friction with its moments."""
-    return four_bar("BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]})
-
-
-def two_particle_bars(lane: int) -> Mechanism:
-    """The paper's links: a frame element each, joints with particles of their own and other laws each, one with a power of the depth."""
-    m = four_bar("BCD", "two-particle", clearance=1e-4 * (1 + lane), friction=Ambrosio(coefficient=0.1, v0=0.01, v1=0.1), section=SQUARE)
-    m.joints["C"] = dataclasses.replace(m.joints["C"], contact=Pereira(restitution=0.5))
-    m.joints["D"] = dataclasses.replace(m.joints["D"], friction=Frictionless())
-    return m
-
-
-def one_clearance(lane: int) -> Mechanism:
-    """Case b: a clearance joint between bodies that hang in ideal joints."""
-    return four_bar("C", clearance=2e-4 * (1 + 0.4 * lane), contact=LankaraniNikravesh(restitution=0.9 - 0.2 * lane, stiffness=6.6e10))
-
-
-def elastic_bars(lane: int) -> Mechanism:
-    """Frame elements and ideal joints."""
-    return four_bar("", "elastic", speed=50 * math.pi * (1 - 0.1 * lane), elements=2, section=SQUARE)
-
-
-def swing(lane: int) -> Mechanism:
-    """Drivers and loads over time, damping, a joint with clearance on one without."""
-    return mechanisms.swing(LankaraniNikravesh(restitution=0.8, stiffness=1e9), lane)
-
-
-def journals(lane: int) -> Mechanism:
-    """Every contact law there is, in one topology: laws of one form take turns in the lanes of as many joints as that needs."""
-    forms: dict[type, list[type]] = {}
-    for law in CONTACT_LAWS:
-        forms.setdefault(law.form(), []).append(law)
-    m = Mechanism("journals")
-    m.point("O", 0.0, 0.0)
-    for form, laws in forms.items():
-        for k in range(-(-len(laws) // LANES)):
-            name, law = f"{form.__name__}{k}", laws[(LANES * k + lane) % len(laws)]
-            m.rigid_body(name, mass=0.5, inertia=2e-5, pins={"eye": (0.0, 0.0)}, velocity=(0.6, 0.2 + 0.1 * lane, 30.0))
-            chosen = contact_law(law, restitution=0.8 + 0.04 * lane)
-            m.clearance(name, "ground.O", f"{name}.eye", clearance=2e-4, bearing_radius=0.01, contact=chosen)
-    return m
-
-
-def machinery(lane: int) -> Mechanism:
-    """Gears, a guide, springs, a stop, torques over speed and angle, a motion that repeats itself, an oil film beside a dry joint."""
-    f = 1.0 + 0.05 * lane
-    m = Mechanism("machinery", gravity=(0.2, -9.81 * f))
-    for k, at in enumerate(((0.0, 0.0), (1.0, 0.2), (2.0, 0.1), (3.0, 0.0))):
-        m.point(f"O{k}", *at)
-    m.rigid_body("wheel", mass=1.0, inertia=0.02, position=(0.0, 0.0), pins={"eye": (0.05, 0.0)}, velocity=(0.0, 0.0, 9.0 * f))
-    m.rigid_body("pinion", mass=0.5, inertia=0.004, position=(1.0, 0.2))
-    m.revolute("O0", "ground.O0", "wheel.center")
-    m.revolute("O1", "ground.O1", "pinion.center")
-    m.gear("mesh", "wheel", "pinion", ratio=-2.5)
-    m.drivers["motor"] = Torque(body="wheel", value=(3.0 * f, 0.0, -1.0), speeds=(-5.0, 0.0, 30.0))
-    m.rigid_body("arm", mass=1.0, inertia=0.1, pins={"far": (0.3, 0.02)}, position=(2.0, 0.1), angle=0.2)
-    m.revolute("O2", "ground.O2", "arm.center")
-    m.rigid_body("block", mass=0.4, inertia=2e-3, pins={"pin": (0.01, 0.03)}, position=(2.2, 0.15), angle=0.5)
-    m.slider("along", "arm.far", "block.center", direction=(1.0, 0.2))
-    m.drivers["push"] = Harmonic(slider="along", amplitude=0.03 * f, frequency=900.0)
-    m.drivers["cam"] = Torque(body="arm", against="wheel", value=(0.4, -0.6, 0.1), angles=(-1.0, 0.5, 2.0))
-    m.spring("s", "wheel.eye", "block.pin", stiffness=900.0, damping=4.0, free_length=0.3)
-    m.torsional_spring("t", "ground", "arm", stiffness=5.0, damping=0.02, free_angle=0.2)
-    m.stop("st", "arm", "pinion", low=-0.2, high=0.1, stiffness=80.0, damping=0.05)
-    m.rigid_body("shaft", mass=0.05, inertia=1e-3, pins={"eye": (0.0, 0.0)}, position=(3.0, 0.0), velocity=(0.1, 0.0, 300.0 * f))
-    film = Hydrodynamic(viscosity=0.03)
-    m.clearance("journal", "ground.O3", "shaft.eye", clearance=1e-4, bearing_radius=0.02, axial_length=0.02, contact=film)
-    m.rigid_body("ring", mass=0.3, inertia=1e-4, pins={"eye": (0.0, 0.0)}, position=(3.0, 0.0), velocity=(0.4, 0.3 * f, -40.0))
-    dry = {"contact": LankaraniNikravesh(restitution=0.7, stiffness=1e9), "friction": Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2)}
-    m.clearance("dry", "shaft.eye", "ring.eye", clearance=1e-4, bearing_radius=0.01, **dry)
-    m.loads["follow"] = PointForce(name="follow", at="ring.eye", force=(3.0, 1.0), moment=0.1, follow=True)
-    return with_settings(m, damping=0.5)
 
 
 # model, step, steps between outputs, outputs, outputs to interpret

@@ -29,6 +29,13 @@ def test_readme_code_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert (tmp_path / "orbits.png").stat().st_size > 10_000
 
 
+def test_code_of_the_designers_page_runs() -> None:
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "designer.md").read_text(encoding="utf-8"), re.S)
+    assert blocks
+    for block in blocks:
+        exec(compile(block, "designer.md", "exec"), {"__name__": "__main__"})
+
+
 def test_demo_json_is_one_object(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "vfife", "run", str(ROOT / "examples/four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--json"]
     done = subprocess.run([*command, "--step", "1e-6"], capture_output=True, text=True)

@@ -112,6 +112,56 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
     assert told["warnings"][0] == verdict(told)
 
 
+def test_means_of_a_chaotic_motion_hold_where_single_turns_do_not() -> None:
+    """At another step all turns are others; the mean over turns and companions is the same within its range, or hardly outside."""
+    one = astray()
+    other = vfife.simulate(vfife.gallery.slider_crank_loose_pin(), turns=12, outputs=OUTPUTS, companions=3, step=math.pi / 50.0 / (190 * OUTPUTS))
+    names = ("pin.force.max", "rod.angular_acceleration.max", "guide.force.max")
+    turnly = [np.sqrt(peaks(result, "contact_force_squared_max", 0))[6:] for result in (one, other)]
+    assert np.abs(turnly[1] / turnly[0] - 1.0).max() > 1.0  # a single turn is anything
+    for name in names:
+        a, b = one.measures[name], other.measures[name]
+        assert abs(b / a - 1.0) < 0.2 and a.low < b.high and b.low < a.high, name
+
+
+def oscillator(damping: float) -> vfife.Mechanism:
+    """A crank that turns at 10 rad/s, and beside it a block on a spring, pulled by a constant force, let go from where the spring is slack."""
+    m = vfife.Mechanism("oscillator")
+    for name, x in (("A", 0.0), ("G", 1.0), ("S", 1.5)):
+        m.point(name, x, 0.0)
+    m.link("crank", length=0.1, mass=1.0)
+    m.revolute("A", "ground.A", "crank.start")
+    m.drive("crank", speed=10.0)
+    m.rigid_body("block", mass=MASS, inertia=1e-3, position=(1.0, 0.0))
+    m.slider("G", "ground.G", "block.center")
+    m.spring("S", "ground.S", "block.center", stiffness=STIFFNESS, damping=damping)
+    m.force("pull", "block.center", force=(PULL, 0.0))
+    return m
+
+
+MASS, STIFFNESS, PULL = 1.0, 4000.0, 100.0
+
+
+@pytest.mark.parametrize("decay", [0.8, 1.2])
+def test_an_oscillator_settles_when_its_transient_has_gone(decay: float) -> None:
+    """The spring bears P + exp(-d t) (...) by the closed form; from which turn on that repeats within 1 % is known without a run."""
+    turn, outputs = 2.0 * math.pi / 10.0, 720
+    result = vfife.simulate(oscillator(2.0 * decay * MASS), turns=20, outputs=outputs, settle=0.01, companions=0)
+    omega = math.sqrt(STIFFNESS / MASS - decay**2)
+    t = np.arange(20 * outputs * 8 + 1) * turn / (outputs * 8)
+    x0 = -PULL / STIFFNESS  # from where it rests in the end
+    x = np.exp(-decay * t) * x0 * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
+    a = -2.0 * decay * (-np.exp(-decay * t) * x0 * (omega + decay**2 / omega) * np.sin(omega * t)) - STIFFNESS / MASS * x
+    squares = (PULL - MASS * a) ** 2
+    intervals = np.maximum(squares[1:].reshape(-1, 8).max(axis=1), squares[:-1:8]).reshape(20, outputs)
+    apart = [float(np.abs(two - one).max() / max(one.max(), two.max())) for one, two in zip(intervals, intervals[1:], strict=False)]
+    wanted = 2 + next(k for k in range(len(apart)) if apart[k] <= 0.01)
+    said = result.motion
+    assert said is not None and (said.motion, said.since, said.count) == ("periodic", wanted, wanted + 1) and 3 < wanted < 19
+    assert said.distance == pytest.approx(apart[wanted - 1], rel=0.05)
+    assert math.log(apart[wanted - 1] / apart[wanted - 2]) == pytest.approx(-decay * turn, rel=0.05)
+
+
 def test_statistics_over_turns_of_made_up_lanes() -> None:
     lanes = [[{"a": 1.0}, {"a": 2.0}], [{"a": 4.0}, {"a": 5.0}]]
     one, both = over_turns(lanes, together=False)["a"], over_turns(lanes, together=True)["a"]
@@ -206,6 +256,7 @@ def test_every_table_says_which_part_of_the_run_it_is_of() -> None:
     assert said is not None
     text = text_of(result)
     part = f"mean of turns {said.first} to 9"
+    assert result.measures.part == result.summary["part"] == part and part in repr(result.measures)
     assert f"Largest reactions ({part})" in text and f"Largest angular accelerations ({part})" in text and "Contact (whole run)" in text
     assert f"repeats itself from turn {said.since} on" in text
     short = vfife.simulate(four_bar("C"), turns=2, step="10 us", companions=0, reference=False)

@@ -37,13 +37,15 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     """Everything that is known before a run."""
     mechanism = read_model(model, texts, laws)
     from ..assembly.assemble import assemble
+    from ..assembly.possible import outlook
     from ..assembly.timestep import CONTACT_STEPS
     from ..report import described
     from ..simulation import expected_forces, first_contact_steps, ideal_of, referred
     from .cost import estimate, too_much
     from .filled import filled_in
 
-    ideal = ideal_of(mechanism)
+    seen = outlook(mechanism)
+    ideal = ideal_of(mechanism) if seen.through else None
     long = ideal is not None and estimate(ideal)["seconds"] > BRIEF
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
@@ -67,7 +69,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
         "estimate": cost | {"asks_for_yes": too_much(cost, Path())},
         "defaults": filled_in(model, overrides(texts)),
-        "notes": list(assembly.notes),
+        "notes": [*assembly.notes, *seen.notes],
     }
 
 

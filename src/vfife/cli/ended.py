@@ -102,6 +102,8 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "Damage", f"{', '.join(found['damage'])} cannot be read"
     for event in found["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
+    if part := (found["summary"] or {}).get("part"):
+        yield "Measures", f"{part}; counts, shares and energies are those of the whole run"
     for name, value in ((found["summary"] or {}).get("measures") or {}).items():
         yield "Measure", f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
 

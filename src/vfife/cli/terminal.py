@@ -120,8 +120,13 @@ def print_json(value: Any) -> None:
 
 
 def json_text(value: Any) -> str:
-    """JSON by the book: numbers that are not finite become null, numpy's become Python's."""
-    return json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    """JSON by the book: numbers that are not finite become null, numpy's become Python's; signs that cannot be printed are escaped."""
+    text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    return "".join(sign if sign.isprintable() or sign == "\n" else json.dumps(sign)[1:-1] for sign in text) if not _printable(text) else text
+
+
+def _printable(text: str) -> bool:
+    return text.replace("\n", "").isprintable()
 
 
 def plain(value: Any) -> Any:

@@ -156,9 +156,10 @@ class Runner:
         """``outputs`` times ``count`` steps from where the state is.
 
         An interval between two outputs may be taken in several calls: the extremes begin ``anew`` in the first of them only, and the last alone
-        has to ``record``.
+        has to ``record``. Zeros that are recorded have no sign: terms that a topology makes zero drop out of a straight line, and signs with them.
         """
         out = np.zeros((outputs, len(self.kept) if record else 0, self.lanes))
         self.take(self.done, count, out, anew, self.look)
         self.done += count * outputs
+        out += 0.0
         return out

@@ -22,12 +22,15 @@ from ..fields import quantity as quantity
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3)."""
+    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3), and its hardness (Pa) where it is known."""
 
     name: str = "steel"
     youngs_modulus: float = quantity("Pa", "Young's modulus", 207e9, above=0.0)
     poissons_ratio: float = quantity("1", "Poisson's ratio", 0.3, above=-1.0, high=0.5)
     density: float = quantity("kg/m^3", "density", 7800.0, above=0.0)
+    hardness: float | None = quantity(
+        "Pa", "indentation hardness: Brinell's or Vickers' number times 9.81 MPa; if left out, that of `vfife materials`, or none", None, above=0.0
+    )
 
     @property
     def compliance(self) -> float:
@@ -156,6 +159,10 @@ class Law:
 
         With the deepest penetration (m) and the fastest impact (m/s) of a run also those on what only the run can tell.
         """
+        return ()
+
+    def remarks(self, pair: Pair, penetration: float, impact_speed: float) -> tuple[str, ...]:
+        """Sentences, without a full stop, on what goes beyond the theory of the law as nearly all machines do: told in a line and no warning."""
         return ()
 
     def derived(self, pair: Pair) -> dict[str, str]:

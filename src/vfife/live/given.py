@@ -155,8 +155,10 @@ def springs(assembly: Assembly) -> list[Json]:
 def loads(assembly: Assembly) -> list[Json]:
     """Forces and moments that are given: where they act."""
     return [
-        {"name": load.name, "at": outlines.pin_of(assembly, load.at), "acts": list(load.acts), "follow": load.follows}
+        {"name": load.name, "at": outlines.pin_of(assembly, f"{push.body}.{push.pin}"), "acts": list(push.acts), "follow": push.follow}
         for load in assembly.mechanism.loads.values()
+        for push in load.pushes(assembly.mechanism.joints)
+        if push.body != "ground"
     ]
 
 

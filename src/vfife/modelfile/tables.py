@@ -33,7 +33,7 @@ class Table:
     """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word`` of the kind.
 
     ``optional``: the tag may be left out. ``beside`` are the words of other kinds. ``target`` is what a driver drives. A ``whole`` table gives all
-    its keys, whatever the noun has by default.
+    its keys, whatever the noun has by default, but those that may stay unknown.
     """
 
     noun: Any
@@ -67,7 +67,7 @@ class Table:
         if hasattr(self.noun, "shapes"):
             return ()
         tag = (self.tag,) if self.tag and not self.optional else ()
-        return (*tag, *(key for key, field in self.fields.items() if self.whole or required(field)))
+        return (*tag, *(key for key, field in self.fields.items() if (self.whole and field.default is not None) or required(field)))
 
     def value(self, key: str) -> Value:
         """What a key holds."""

@@ -17,6 +17,7 @@ from .packing import packed, unpacked
 
 KEYS = "*"  # the entry that names all others
 FIRST = "first output"  # its copy
+COUNTED = "counted"  # what a run that ended left: where all of a table is damaged, nothing else tells of it
 NOT_COPIED = {"summary"}  # what can be told again from the rest
 
 
@@ -55,6 +56,21 @@ def read(connection: sqlite3.Connection, lose: Callable[[str], None]) -> dict[st
     for name in sorted((lost | set(names or ())) - set(found) - {KEYS}):
         lose(f"its {name}")
     return found
+
+
+def count(connection: sqlite3.Connection, history: tuple[int, int]) -> dict[str, Any]:
+    """What there is of everything but the meta itself: chunks and outputs of the ``history``, rows of the other tables."""
+    rows = {
+        table: connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in ("checkpoints", "companions", "reference", "events")
+    }
+    return {COUNTED: {"history": history, **rows}}
+
+
+def counted(connection: sqlite3.Connection, table: str) -> Any:
+    """How many rows of a table there were when the run ended, chunks and outputs of the history; zero before, or where nobody knows."""
+    row = tables.sound(connection, "meta", COUNTED) or tables.sound(connection, "copies", f"meta.{COUNTED}")
+    found = None if row is None else json.loads(row[1])
+    return (found or {"history": (0, 0)}).get(table, 0)
 
 
 def first_output(connection: sqlite3.Connection) -> NDArray[np.float64] | None:

@@ -197,6 +197,7 @@ class RunFile:
             for table, column in (("checkpoints", "step"), ("companions", "last"), ("turns", "last")):
                 self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
             self._connection.execute("DELETE FROM history WHERE chunk >= ?", (checkpoint.chunks,))
+            self._put({known.COUNTED: None})
 
     @told
     def event(self, step: int, text: str) -> None:
@@ -222,7 +223,9 @@ class RunFile:
     def finish(self, status: str, summary: Mapping[str, Any] | None = None, **meta: Any) -> None:
         """Says how the run ended ("complete", "interrupted", "diverged"), with its summary and what else is known."""
         with self._transaction():
-            self._put({"status": status, "finished": now(), "summary": dict(summary or {}), **meta})
+            self._put(
+                {"status": status, "finished": now(), "summary": dict(summary or {}), **meta, **known.count(self._connection, self._counts())}
+            )
 
     @contextmanager
     def _transaction(self, patience: float = 0.0) -> Iterator[None]:
@@ -268,7 +271,7 @@ class RunFile:
         """Takes away what was computed, and says what is computed next."""
         for table in ("history", "checkpoints", "companions", "turns"):
             self._connection.execute(f"DELETE FROM {table}")
-        self._put(self._next)
+        self._put({**self._next, known.COUNTED: None})
         self._next = {}
 
     # ------------------------------------------------------------------------------------------------------- reading
@@ -339,7 +342,8 @@ class RunFile:
     def _planned(self) -> tuple[int, int]:
         """Chunks and outputs that there should be."""
         numbers = tables.keys(self._connection, "history")
-        counts = [(0, 0)]
+        chunks, total = known.counted(self._connection, "history")
+        counts = [(int(chunks), int(total))]
         for _, row in tables.each(self._connection, "checkpoints"):
             counts += [(int(row[1]), int(row[2]))] if row is not None else []
         for chunk in reversed(numbers):
@@ -384,6 +388,9 @@ class RunFile:
         if not self.sealed:
             return formerfile.companions(self._connection, self)
         found = list(tables.each(self._connection, "companions"))
+        if len(found) < known.counted(self._connection, "companions"):
+            self._lose("the companions")
+            return None
         chunks = [row for _, row in found if row is not None]
         steps, parts = [unpacked(row[4]).astype(np.int64) for row in chunks], [unpacked(row[5]) for row in chunks]
         fit = all(len(one) == len(part) and part.ndim == 2 and part.shape[1] == parts[0].shape[1] for one, part in zip(steps, parts, strict=True))
@@ -411,7 +418,10 @@ class RunFile:
         """The latest checkpoint that is whole, from which the run can go on; None where there is none, or the file is of a former format."""
         if not self.sealed:
             return None
-        for step, row in reversed(list(tables.each(self._connection, "checkpoints"))):
+        found = list(tables.each(self._connection, "checkpoints"))
+        if len(found) < known.counted(self._connection, "checkpoints"):
+            self._lose("a checkpoint")
+        for step, row in reversed(found):
             if row is None:
                 self._lose(f"the checkpoint of step {step:,}")
                 continue
@@ -432,7 +442,10 @@ class RunFile:
         """Step, time (UTC) and text of the events, in their order."""
         if not self.sealed:
             return list(self._connection.execute("SELECT step, time, text FROM events ORDER BY number"))
-        return [row[1:] for _, row in tables.each(self._connection, "events") if row is not None]
+        found = [row[1:] for _, row in tables.each(self._connection, "events") if row is not None]
+        if len(found) < known.counted(self._connection, "events"):
+            self._lose("some of its events")
+        return found
 
     @property
     @told
@@ -446,7 +459,7 @@ class RunFile:
         if self.sealed:
             found = dict(tables.each(self._connection, "reference"))
             parts = {key: row[1] for key, row in found.items() if row is not None}
-            if len(parts) != len(found):
+            if len(parts) != max(len(found), known.counted(self._connection, "reference")):
                 self._lose("the ideal reference")
                 return None
         else:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.turns import turns
 from ..errors import VfifeError
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
 
@@ -23,7 +22,7 @@ def latest_turns(view: View) -> xarray.Dataset:
     A turn is counted from 1 and ends where the next one begins; its angle (degrees) is that from the last whole turn of the crank before its begin.
     Raises VfifeError where there is no whole turn of a crank at constant speed, or the step does not divide it.
     """
-    said, outputs, angle = turns(view.record), outputs_of_a_turn(view.record.assembly), view.crank_angle
+    said, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
     if said is None or outputs is None or angle is None:
         raise VfifeError(
             f"{view.name}: there are no turns to lay over each other: that takes a crank at constant speed, a run of a turn at the least, and a "

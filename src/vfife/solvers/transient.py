@@ -247,7 +247,7 @@ class Stepping:
 
     def record(self, status: Status) -> Record:
         """What the run leaves."""
-        final = self.runner.states[:, 0].copy() if status == Status.COMPLETE else None
+        final = self.runner.states[:, 0] + 0.0 if status == Status.COMPLETE else None
         if self.file is not None:  # an interrupt may have come after a chunk was written, and before it was counted
             steps, source = self.file.steps, self.file.later()
             record = Record(self.assembly, steps, source, self.kept, self.wall, self.loop, status, final)

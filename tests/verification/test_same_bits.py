@@ -1,0 +1,113 @@
+"""The twelve golden cases in every width, number of threads and kind of processor: the hashes that are kept, to the sign of a zero.
+
+Code for a processor without vectors wider than two numbers, and for one with AVX2, runs on any of today. Code with AVX-512 runs where there is such
+a processor, and is read elsewhere: it has the same operations, none of them fused.
+"""
+
+import os
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Iterable
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from support import four_bar
+from vfife.codegen import native
+from vfife.codegen.llvm import written
+from vfife.solvers.ensemble import ensemble
+
+TESTS = Path(__file__).resolve().parents[1]
+spec = spec_from_file_location("golden", TESTS / "golden" / "test_golden.py")
+golden = module_from_spec(spec)
+spec.loader.exec_module(golden)
+
+pytestmark = pytest.mark.verify
+X86 = pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="asks for x86 processors")
+FUSED = re.compile(r"\bvfn?m(add|sub)")
+# What LLVM calls them: the first of their line, with SSE4, with AVX2 (and fused products, which nobody may use), with AVX-512.
+BASELINE, SSE4, AVX2, AVX512 = "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4"
+
+
+@pytest.fixture
+def code_for(monkeypatch):
+    """Has steps compiled for another processor of this kind."""
+
+    def use(name: str) -> None:
+        monkeypatch.setattr(native, "processor", lambda: (name, ""))
+        native.straight_line.cache_clear()
+
+    yield use
+    native.straight_line.cache_clear()
+
+
+@pytest.mark.parametrize("lanes", [2, 4, 8])
+@pytest.mark.parametrize("name", golden.RICH)
+def test_any_width(name, lanes):
+    """A run with so many lanes, companions in the others."""
+    assert golden.digest(name, "generated", companions=lanes - 1) == golden.known(name)
+
+
+@X86
+@pytest.mark.parametrize("processor", [BASELINE, SSE4, AVX2])
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8])
+def test_any_processor(processor, lanes, code_for):
+    if processor == AVX2 and "+avx2" not in native.processor()[1]:
+        pytest.skip("this processor has no AVX2")
+    code_for(processor)
+    names = golden.RICH if lanes in (1, 4) else ("four_bar_case_c", "two_particle_bars", "every law")
+    found = {name: golden.digest(name, "generated", companions=lanes - 1) for name in names}
+    assert found == {name: golden.known(name) for name in names}
+
+
+@X86
+@pytest.mark.parametrize("name", golden.RICH)
+def test_code_with_avx_512(name, code_for):
+    """Run where it can be. Elsewhere its text is read: vectors of eight numbers, and no product fused with a sum."""
+    runs = "+avx512f" in native.processor()[1]
+    code_for(AVX512)
+    if runs:
+        assert golden.digest(name, "generated", companions=7) == golden.known(name)
+    module = native._target().parse_assembly(written(golden.start(name).topology, 8))
+    assembly = native.machine().emit_assembly(module)
+    assert len(re.findall(r"\bvmulpd\b.*%zmm", assembly)) > 20
+    assert not FUSED.search(assembly)
+
+
+CHILD = """
+import sys
+sys.path[:0] = [{tests!r}, {tests!r} + "/golden"]
+from one_loop import ForAllLaws
+from vfife.codegen import compile, native, runner
+runner.DataDriven = ForAllLaws
+native.processor = compile.processor = lambda: ({name!r}, "")
+import test_golden
+for name in test_golden.RICH:
+    print(test_golden.digest(name, "data-driven"))
+"""
+
+
+@X86
+def test_the_data_driven_loop_for_the_first_processor_of_its_line():
+    """numba is told, too, what it compiles for."""
+    environment = os.environ | {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": "-avx,-avx2,-fma,-avx512f"}
+    child = [sys.executable, "-c", CHILD.format(tests=str(TESTS), name=BASELINE)]
+    found = subprocess.run(child, env=environment, capture_output=True, text=True, check=True).stdout.split()
+    assert found == [golden.known(name) for name in golden.RICH]
+
+
+@pytest.mark.parametrize("workers", range(1, 9))
+def test_any_number_of_threads(workers):
+    """Sixteen members with clearances of their own, four lanes at a time."""
+
+    def rows(members: Iterable[int], **how) -> np.ndarray:
+        made = [four_bar("BCD", clearance=2e-4 * (1 + 0.05 * k)) for k in members]
+        return np.stack([one.last.rows for one in ensemble(made, step=4e-6, turns=1, outputs=40, **how)])
+
+    found = rows(range(16), lanes=4, workers=workers)
+    assert found[[0, 15]].tobytes() == rows((0, 15), lanes=1, workers=1).tobytes()
+    assert not np.signbit(found[found == 0.0]).any()
