@@ -27,7 +27,7 @@ class Stepper {
       this.next += steps;
       const at = made * kept.length;
       for (let k = 0; k < kept.length; k++) {
-        const value = this.state[kept[k]];
+        const value = this.state[kept[k]] + 0; // zeros that are recorded have no sign
         rows[at + k] = value;
         if (!Number.isFinite(value)) this.sound = false;
       }
