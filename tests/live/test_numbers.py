@@ -11,10 +11,12 @@ from support import with_settings
 from vfife import gallery, simulate
 from vfife.analysis.forces import joint_force, joint_rows
 from vfife.codegen.runner import Runner
+from vfife.live.page import written
 from vfife.live.patches import patched
-from vfife.live.sliders import asked_slides
+from vfife.live.sliders import asked_slides, default_slides
 from vfife.live.together import together
 from vfife.model.functions import turn_of
+from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump, loads
 from vfife.solvers.record import recorded_rows
 
@@ -130,3 +132,26 @@ def test_a_setting_of_the_page_is_the_model_with_these_values(tmp_path):
     assert loads(found[1]) == wanted
     fine = together(wanted, turn_of(wanted) / (wanted.settings.outputs * found[2]))
     assert (bits_of(found[0], 1)[:, 0] == fine.vector.view(np.uint64)).all()
+
+
+def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
+    """A seated start: every position of every slider has the numbers of its own, and moving one puts the others of its group back."""
+    mechanism = gallery.four_bar_case_c()
+    mechanism.start = StartSettings(journals="seated")
+    slides = [dataclasses.replace(one, values=one.values[-2:] + (one.values[one.here],), here=2) for one in default_slides(mechanism)[:4]]
+    slides = [dataclasses.replace(one, values=tuple(sorted(one.values)), here=sorted(one.values).index(one.values[2])) for one in slides]
+    found = patched(mechanism, slides)
+    assert [group.singly for group in found.groups] == [True]
+    there = run_by_node(
+        written(found),
+        """
+        const every = given.slides.flatMap((slide, s) => slide.values.map((_, k) => new Setting().with(s, k)));
+        return every.map((one) => [one.positions, bits(one.vector), one.with(0, 0).positions, one.model]);
+        """,
+        tmp_path,
+    )
+    assert len(there) == sum(len(slide.values) for slide in found.slides)
+    for positions, numbers, after, model in there:
+        assert (bits_of(numbers, 1)[:, 0] == found.laid(positions).view(np.uint64)).all()
+        assert after == [0, *(slide.here for slide in found.slides[1:])]
+        assert model == found.written(positions)

@@ -59,6 +59,24 @@ def test_patches_that_do_not_combine_are_grouped():
     assert len({numbers.tobytes() for numbers in apart}) == len(apart)
 
 
+def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
+    """Five sliders of a seated start keep all their positions; two of them moved at once is no setting."""
+    mechanism = gallery.four_bar_case_c()
+    mechanism.start = StartSettings(journals="seated")
+    slides = [few(slide) for slide in default_slides(mechanism)[:5]]
+    found = patched(mechanism, slides)
+    (group,) = (group for group in found.groups if group.singly)
+    assert group.sliders == (0, 1, 2, 3) and len(group.values) == 5
+    assert "one at a time" in found.notes[-1]
+    settings = Settings(mechanism, found.slides, found.base.own.choice.step)
+    here = [slide.here for slide in found.slides]
+    for s, slide in enumerate(found.slides):
+        positions = tuple(1 - slide.here if k == s else one for k, one in enumerate(here))
+        assert same(found.laid(positions), settings.at(positions).vector)
+    with pytest.raises(ValueError):
+        found.laid([1 - one for one in here])
+
+
 def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():
     mechanism = gallery.four_bar_case_c()
     alone = patched(mechanism, []).base.own.choice

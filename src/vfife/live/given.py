@@ -153,13 +153,17 @@ def springs(assembly: Assembly) -> list[Json]:
 
 
 def loads(assembly: Assembly) -> list[Json]:
-    """Forces and moments that are given: where they act."""
-    return [
-        {"name": load.name, "at": outlines.pin_of(assembly, f"{push.body}.{push.pin}"), "acts": list(push.acts), "follow": push.follow}
-        for load in assembly.mechanism.loads.values()
-        for push in load.pushes(assembly.mechanism.joints)
-        if push.body != "ground"
-    ]
+    """Forces and moments that are given: where they act on a body that can move, and which particle turns their direction (the ground: none)."""
+    found = []
+    for load in assembly.mechanism.loads.values():
+        for push in load.pushes(assembly.mechanism.joints):
+            if push.body == "ground":
+                continue
+            at = outlines.pin_of(assembly, f"{push.body}.{push.pin}") if push.pin else outlines.centre_of(assembly, push.body)
+            turner = push.aligned or (push.body if push.follow else "ground")
+            particle = 0 if turner == "ground" else assembly.bodies[turner].particles[0]
+            found.append({"name": load.name, "at": at, "acts": list(push.acts), "turner": particle})
+    return found
 
 
 def points(assembly: Assembly) -> list[list[float]]:

@@ -328,17 +328,17 @@ class Scene {
   measureForces(running) {
     const most = (turns) => Math.max(0, ...turns.flatMap((turn) => Object.values(turn.force)));
     const largest = most(running.turns.shown);
-    const without = running.idealTurns ? most(running.idealTurns.shown) : 0;
+    const without = running.idealTurns ? most(running.idealTurns.done) : 0;
     this.largest = largest;
     this.reference = without > 1e-9 * largest ? Math.min(largest, 1.5 * without) : largest;
   }
 
   loads(pen, to, pose) {
-    for (const { at, acts, follow } of given.loads) {
+    for (const { at, acts, turner } of given.loads) {
       const size = Math.hypot(acts[0], acts[1]);
       const here = to(pose.place(at));
       if (size > 0) {
-        const [c, s] = follow ? [Math.cos(pose.angle(at[0])), Math.sin(pose.angle(at[0]))] : [1, 0];
+        const [c, s] = [Math.cos(pose.angle(turner)), Math.sin(pose.angle(turner))];
         const away = [(c * acts[0] - s * acts[1]) / size, (s * acts[0] + c * acts[1]) / size];
         const length = 0.13 * this.size * this.scale;
         arrow(pen, [here[0] - length * away[0], here[1] + length * away[1]], here, ink.accent, 2);
