@@ -29,6 +29,7 @@ demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with fi
 	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures --force
 
 test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
+	@command -v chromium >/dev/null || echo "No chromium here: tests of pages in a browser are skipped (on Debian: apt-get install chromium)."
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
 
 oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the oldest that is allowed
@@ -37,11 +38,12 @@ oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the
 coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines the tests run
 	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=src/vfife/kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)
 
-lint: $(VENV)/.dev  ## style, types, import contracts
+lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 	@$(PYTHON) -m ruff check .
 	@$(PYTHON) -m ruff format --check src tests benchmarks examples
 	@$(PYTHON) -m mypy
 	@$(VENV)/bin/lint-imports
+	@$(VENV)/bin/biome check --error-on-warnings
 
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
 	@$(PYTHON) -m sphinx -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html

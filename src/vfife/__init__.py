@@ -1,35 +1,36 @@
 """vfife: planar mechanisms whose pins have play, by the vector form intrinsic finite element method.
 
-Everything a script needs is here: nouns, laws, ways to run them and the files they leave. Numba, xarray and matplotlib are loaded only when
-something asks for them.
+Everything a script needs is here: nouns, laws, ways to run them and the files they leave. Nothing is loaded before it is asked for, so that the
+command line hears signals from its first line on; numba, xarray and matplotlib only where something needs them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from sys import modules as _modules
 from typing import TYPE_CHECKING, Any
 
-from .laws import MATERIALS, ContactLaw, FrictionLaw, Law, Material, Pair, quantity
-from .laws import contact as _contact
-from .laws import friction as _friction
-from .laws.contact import *  # noqa: F403
-from .laws.friction import *  # noqa: F403
 from .model import above as _above
-from .model import drivers as _drivers
-from .model import joints as _joints
-from .model import loads as _loads
-from .model import springs as _springs
-from .model.bodies import Frame, Link, Member, PointMass, RigidBody, Section
-from .model.drivers import *  # noqa: F403
-from .model.joints import *  # noqa: F403
-from .model.loads import *  # noqa: F403
-from .model.mechanism import Mechanism, Settings, StartSettings
-from .model.springs import *  # noqa: F403
 
 if TYPE_CHECKING:
     from . import errors, gallery
     from .errors import VfifeError
+    from .laws import MATERIALS, ContactLaw, FrictionLaw, Law, Material, Pair, quantity
+    from .laws import contact as _contact
+    from .laws import friction as _friction
+    from .laws.contact import *  # noqa: F403
+    from .laws.friction import *  # noqa: F403
     from .laws.user import load_laws
+    from .model import drivers as _drivers
+    from .model import joints as _joints
+    from .model import loads as _loads
+    from .model import springs as _springs
+    from .model.bodies import Frame, Link, Member, PointMass, RigidBody, Section
+    from .model.drivers import *  # noqa: F403
+    from .model.joints import *  # noqa: F403
+    from .model.loads import *  # noqa: F403
+    from .model.mechanism import Mechanism, Settings, StartSettings
+    from .model.springs import *  # noqa: F403
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
@@ -37,12 +38,14 @@ if TYPE_CHECKING:
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
+    from .study.stepped import Simulation
 
 __version__ = "0.1.0"
 
 _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
     "Result": "result",
+    "Simulation": "study.stepped",
     "Status": "solvers.status",
     "VfifeError": "errors",
     "compare": "study.compare",
@@ -56,6 +59,17 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "resume": "simulation",
     "save_model": "modelfile.files",
     "simulate": "simulation",
+}
+_ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
+    "laws": ("MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"),
+    "laws.contact": None,
+    "laws.friction": None,
+    "model.bodies": ("Frame", "Link", "Member", "PointMass", "RigidBody", "Section"),
+    "model.joints": None,
+    "model.springs": None,
+    "model.drivers": None,
+    "model.loads": None,
+    "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
 }
 _FORMER = {"Start": "StartSettings"}  # what a name of version 0.1 is called now
 
@@ -79,8 +93,12 @@ _above.ANSWERS |= {
 }
 
 
+_LISTED: list[str] = []  # the public names that no room lists
+
+
 def __dir__() -> list[str]:
     """What can be completed: all public names, loaded or not."""
+    _furnish()
     return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})
 
 
@@ -91,14 +109,29 @@ def __getattr__(name: str) -> Any:
 
         now = _FORMER[name]
         warnings.warn(f"vfife.{name} is called vfife.{now} now; the old name goes with the next version", DeprecationWarning, stacklevel=2)
-        return globals()[now] if now in globals() else __getattr__(now)
+        return getattr(_modules[__name__], now)
     if name in _LAZY:
         from importlib import import_module
 
         value = getattr(import_module(f".{_LAZY[name]}", __name__), name) if _LAZY[name] else import_module(f".{name}", __name__)
         globals()[name] = value
         return value
+    if "__all__" not in globals() and (name == "__all__" or not name.startswith("__")):
+        _furnish()
+        return getattr(_modules[__name__], name)
     raise AttributeError(f"module 'vfife' has no attribute {name!r}")
+
+
+def _furnish() -> None:
+    """Loads the rooms of nouns and laws, and lists their names."""
+    from importlib import import_module
+
+    listed = list(_LISTED)
+    for room, names in _ROOMS.items():
+        module = import_module(f".{room}", __name__)
+        globals().update({name: getattr(module, name) for name in names or module.__all__})
+        listed += [] if names else module.__all__
+    globals()["__all__"] = listed
 
 
 # Laws and kinds make themselves known in their rooms, so that a new one is its file and an import line there.
@@ -119,6 +152,7 @@ __all__ = [
     "RigidBody",
     "Section",
     "Settings",
+    "Simulation",
     "StartSettings",
     "Status",
     "VfifeError",
@@ -135,9 +169,13 @@ __all__ = [
     "save_model",
     "simulate",
 ]
-__all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists
-__all__ += _friction.__all__
-__all__ += _joints.__all__
-__all__ += _springs.__all__
-__all__ += _drivers.__all__
-__all__ += _loads.__all__
+if TYPE_CHECKING:
+    __all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists
+    __all__ += _friction.__all__
+    __all__ += _joints.__all__
+    __all__ += _springs.__all__
+    __all__ += _drivers.__all__
+    __all__ += _loads.__all__
+else:
+    _LISTED += __all__
+    del __all__  # it is whole when the rooms are loaded: __getattr__ sees to that

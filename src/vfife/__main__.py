@@ -1,7 +1,27 @@
-"""``python -m vfife``."""
+"""``vfife`` and ``python -m vfife``."""
 
 from __future__ import annotations
 
-from .cli.app import app
+import sys
 
-app(prog_name="vfife")
+from .cli import asked, signals
+
+
+def main() -> None:
+    """The command line. Signals are heard before it is loaded, and until the process has ended."""
+    signals.listen()
+    asked.ASKED.as_json = "--json" in sys.argv
+    try:
+        from .cli.app import app
+
+        app(prog_name="vfife")
+    except BaseException as error:
+        if signals.NOW.heard and (not isinstance(error, SystemExit) or error.code == 1):  # whatever a KeyboardInterrupt became on its way
+            signals.end_at_once()
+        raise
+    finally:
+        signals.rest()
+
+
+if __name__ == "__main__":
+    main()

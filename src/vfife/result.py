@@ -46,6 +46,22 @@ class Result(View):
 
         write_netcdf(self.data, Path(path))
 
+    def export(self, path: str | Path, figure: str | None = None) -> None:
+        """Writes all channels with their units, or a figure, in the format that the file's ending says; what is there gives way when it is whole.
+
+        Data: ``.csv``, ``.nc`` (NetCDF), ``.mat`` (MATLAB), ``.parquet`` (with pyarrow). Figures: ``.svg``, ``.pdf``, ``.png``; ``figure`` names
+        one, as :meth:`plot` does, where the file is not called by its name. Raises VfifeError for another ending or figure, OSError.
+        """
+        from .results.export import FORMATS, export
+
+        path = Path(path)
+        if path.suffix.lower() in FORMATS and figure is None:
+            export(self, path)
+            return
+        from .plots import save_one
+
+        save_one(self, figure, path, FORMATS)
+
     def save(self, path: str | Path) -> None:
         """Writes a run file that :meth:`load` reads; one that is there already gives way when the new one is whole."""
         path = Path(path)

@@ -26,7 +26,7 @@ from .results.companions import kept_companions
 from .results.lock import Lock
 from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
-from .results.restart import extended, refuse_ended, restart_record, restarted, same_layout
+from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout
 from .results.runfile import RunFile
 from .results.start_from import States, initial_state
 from .results.view import View
@@ -91,16 +91,32 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
     return {name.removesuffix(".force.max"): value for name, value in reference.measures.items() if name.endswith(".force.max")}
 
 
-def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+def comparable(mechanism: Mechanism) -> bool:
+    """Whether there is an ideal mechanism to compare with turn by turn: play, a driver, and joints that are still joints without their play."""
+    if mechanism.settings.analysis == "static" or not mechanism.contacts or not any(driver.moves for driver in mechanism.drivers.values()):
+        return False
+    return len(mechanism.ideal().joints) == len(mechanism.joints)
+
+
+def ideal_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Assembly | None:
     """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
-    if mechanism.settings.analysis == "static":
+    if not comparable(mechanism):
         return None
-    moving = [driver for driver in mechanism.drivers.values() if driver.moves]
-    if not mechanism.contacts or not moving or len(mechanism.ideal().joints) < len(mechanism.joints):
-        return None
-    if all(driver.steady_speed is not None for driver in moving):
+    if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
         turns, duration = 1.0, None
-    record = run(assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration))
+    return assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration)
+
+
+def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+    """What the ideal mechanism does (:func:`ideal_of`). Raises KeyboardInterrupt where it is interrupted."""
+    return referred(ideal_of(mechanism, turns, duration))
+
+
+def referred(ideal: Assembly | None) -> Result | None:
+    """The result of an ideal mechanism, if there is one. Raises KeyboardInterrupt where it is interrupted."""
+    if ideal is None:
+        return None
+    record = run(ideal)
     if record.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return Result(record)
@@ -117,6 +133,7 @@ def simulate(
     reference: bool | Result = True,
     force_step: bool = False,
     companions: int | str | None = None,
+    settle: float | str | None = None,
     progress: Callable[[Progress], None] | None = None,
     file: RunFile | None = None,
     start: StartFrom | None = None,
@@ -126,7 +143,8 @@ def simulate(
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; both as numbers or as texts with a unit, "1 us". ``outputs`` per turn
     (per run without a crank); ``loop`` "auto", "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run
     the ideal mechanism to compare with, or its result. ``companions``: runs with displaced steps beside one with contact, 0 to 7, which give
-    measures their ranges; "auto" as many as fill the lanes. An automatic step is halved, three times at the most, until run and companions agree
+    measures their ranges; "auto" as many as fill the lanes. ``settle`` (1): the run ends as soon as its turns repeat within that share of their
+    largest values, and after ``turns`` at the latest. An automatic step is halved, three times at the most, until run and companions agree
     within the tolerance of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask for a static
     analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
     ``step``. ``file``: a run file that takes the outputs while they come, which are not kept in memory then. ``start``: a former run (or its
@@ -135,7 +153,8 @@ def simulate(
     """
     given = Arguments("simulate")
     given.mechanism(mechanism)
-    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions)
+    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions,
+                      settle=settle)  # fmt: skip
     given.one_of("reference", reference, (bool, Result), "True, False or a Result")
     given.one_of("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
     given.one_of("file", file, (RunFile, type(None)), "a RunFile")
@@ -146,6 +165,8 @@ def simulate(
 
 def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True, start: StartFrom | None = None) -> Prepared:
     """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`."""
+    if asked.settle is not None:
+        mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, settle=asked.settle))
     validate(mechanism)
     if mechanism.settings.analysis == "static":
         if start is not None:
@@ -323,4 +344,6 @@ def assembled_at(
     given = initial_state(start, mechanism, time)
     assembly = assemble(mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length)
     record = restart_record(start, time)
+    if isinstance(start, View) and time is None:
+        refuse_stateless(start.record, start.name, same_layout(assembly, start.record))
     return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly

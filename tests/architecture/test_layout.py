@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from architecture.sources import SOURCE, Function, files, report
 
-ENTRIES = 25  # of a folder that is read at a glance
+ENTRIES = 26  # of a folder that is read at a glance
 FILE_STOP = 500
 FUNCTION_STOP = 60
 

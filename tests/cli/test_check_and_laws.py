@@ -84,6 +84,38 @@ def test_check_speaks_of_every_example(command: Callable, name: str) -> None:
     for word in ("mass, kg", "Degrees of freedom", *lasting, "taken by default"):
         assert word in done.stdout
     assert ("INFERRED" in done.stdout) == (name == "four_bar")
+    assert len(done.stdout.splitlines()) < 50 and "filled in" not in done.stdout
+
+
+def test_all_that_check_knows_is_told_with_long(command: Callable) -> None:
+    short, long = (command("check", CASE_C, *words).stdout for words in ([], ["--long"]))
+    assert "run.energy_limit" not in short and "run.energy_limit" in long and "filled in" in long
+    found = json.loads(command("check", CASE_C, "--json").stdout)
+    assert f"{len(found['defaults'])} values" in short
+    assert all(f"{value:.4g} s  {name}" in long for name, value in found["step"]["limits"].items())
+
+
+def test_a_long_ideal_reference_is_forecast_and_not_run(command: Callable) -> None:
+    """One slow turn of it would take hours for a stiff spring, though the run itself is short."""
+    Path("m.toml").write_text(CASE_C.read_text() + '[spring.s]\nfirst = "ground.D"\nsecond = "coupler.end"\nstiffness = 1e9\nfree_length = 0.46\n')
+    slow = ["--set", "driver.crank.speed=1e-8"]
+    told = command("run", "m.toml", *slow, "--duration", "1e-3", "--json")
+    assert told.exit_code == 2 and "--yes" in told.stderr and not Path("runs").exists(), told.stderr
+    found = json.loads(command("check", "m.toml", *slow, "--json").stdout)
+    assert found["estimate"]["ideal_seconds"] > 3600.0 and "h" in found["estimate"]["asks_for_yes"]
+    assert {joint["expected_force"] for joint in found["joints"]} == {None}
+    text = command("check", "m.toml", *slow).stdout
+    assert "The ideal mechanism alone takes" in text and "vfife run wants --yes" in text
+
+
+def test_a_long_static_analysis_is_asked_for_twice(command: Callable) -> None:
+    """A million load factors of a thousand elements; some few take their time from measured ones."""
+    model = ROOT / "examples" / "elastica_circle.toml"
+    found = json.loads(command("check", model, "--json").stdout)["estimate"]
+    assert 0.05 < found["seconds"] < 10.0 and found["asks_for_yes"] == ""
+    long = ["--set", "body.strip.elements=1000", "--set", f"run.load_factors={[k / 2000 for k in range(1, 2001)]}"]
+    told = command("run", model, *long)
+    assert told.exit_code == 2 and "--yes" in told.stderr and "load_factors" in told.stderr and not Path("runs").exists(), told.stderr
 
 
 def test_laws_are_described(command: Callable) -> None:
@@ -97,6 +129,15 @@ def test_laws_are_described(command: Callable) -> None:
             assert {"name", "unit", "meaning"} <= set(one) <= {"name", "unit", "meaning", "default", "above", "low", "high", "choices"}
             assert one["unit"]
             assert one["meaning"]
+
+
+def test_each_law_has_a_line(command: Callable) -> None:
+    lines = command("laws").stdout.splitlines()
+    found = json.loads(command("laws", "--json").stdout)
+    assert len(lines) == len(found) + 3
+    for law in found:
+        assert any(line.startswith(law["name"]) and law["source"][:20] in line and len(line) <= 120 for line in lines)
+    assert command("laws", "--long").stdout.count("parameter ") > 20
 
 
 def test_one_law(command: Callable) -> None:

@@ -1,15 +1,20 @@
 """`vfife compare` and vfife.compare: the runs are those that `vfife run` makes with each law, and nothing else differs."""
 
 import csv
+import errno
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import vfife
 from cli.models import CASE_C
 from laws.test_own_laws import COPY
+from vfife import result
+from vfife.study import compare as study
 
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
@@ -56,6 +61,79 @@ def test_an_interrupt_keeps_what_is_complete() -> None:
     except KeyboardInterrupt:
         pytest.fail("the run that was complete is lost")
     assert len(found.rows) == 1 and found.planned == 3
+
+
+class Killed(BaseException):
+    """What nobody catches."""
+
+
+def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the runs that were complete, to the bit; nothing is run again, and what kept them is gone at the end."""
+    words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,pereira,hertz", "--turns", 0.2, "--no-figures", "--json")
+    whole = json.loads(command(*words, "-o", "whole").stdout)["runs"]
+    carry_out, made = study.carry_out, list[str]()
+
+    def carried(one: Any, **how: Any) -> vfife.Result:
+        made.append(one.assembly.mechanism.clearances["B"].contact.name)
+        if len(made) == 2:
+            raise broken()
+        return carry_out(one, **how)
+
+    monkeypatch.setattr(study, "carry_out", carried)
+    broken: type[BaseException] = Killed
+    with pytest.raises(Killed):
+        command(*words, "-o", "out")
+    assert made == ["lankarani-nikravesh", "pereira"]
+    made.clear()
+    broken = KeyboardInterrupt
+    done = command(*words, "-o", "out")
+    assert made == ["pereira", "hertz"]
+    assert done.exit_code == 130 and "2 of 3 runs are complete" in done.stderr and "with -o out goes on after them" in done.stderr
+    other = command(*words, "-o", "out", "--set", "joint.B.clearance=0.3 mm")
+    assert other.exit_code == 2 and "of another model" in other.stderr
+    made.clear()
+    done = command(*words, "-o", "out")
+    assert done.exit_code == 0 and made == ["hertz"]
+    for one, again in zip(whole, json.loads(done.stdout)["runs"], strict=True):
+        assert {**one, "wall_s": 0.0} == {**again, "wall_s": 0.0}
+    assert sorted(path.name for path in Path("out").iterdir()) == ["compare.csv", "compare.json", "model.toml"]
+    before = Path("out/compare.json").read_bytes()
+    refused = command(*words, "-o", "out")
+    assert refused.exit_code == 2 and "--force" in refused.stderr and Path("out/compare.json").read_bytes() == before
+    made.clear()
+    monkeypatch.setattr(study, "carry_out", carry_out)
+    assert command(*words, "-o", "out", "--force").exit_code == 0
+
+
+def test_a_part_that_is_damaged_is_made_again(tmp_path: Path) -> None:
+    model, laws = vfife.load_model(CASE_C), ["pereira", "hertz", "flores"]
+    last = []
+
+    def progress(name: str) -> None:
+        if name.startswith("3 of 3") and not last:
+            last.append(name)
+            raise KeyboardInterrupt
+
+    assert len(vfife.compare(model, laws, progress=progress, folder=tmp_path, turns=0.1).rows) == 2
+    for part in tmp_path.iterdir():
+        part.write_bytes(part.read_bytes()[:5000])
+    found = vfife.compare(model, laws, progress=progress, folder=tmp_path, turns=0.1)
+    assert [row["status"] for row in found.rows] == ["complete"] * 3 and found.rows[0]["impacts"] >= 0
+
+
+@pytest.mark.parametrize("what", ["keep", "summary"])
+def test_a_full_disk_is_told(command: Callable, monkeypatch: pytest.MonkeyPatch, what: str) -> None:
+    words = ("compare", CASE_C, "--contact", "pereira,hertz", "--turns", 0.1, "-o", "out", "--no-figures")
+
+    def full(*args: Any, **how: Any) -> Any:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "somewhere")
+
+    with monkeypatch.context() as context:
+        context.setattr(*((result.os, "replace") if what == "keep" else (vfife.Comparison, "write_csv")), full)
+        done = command(*words, "--json")
+    assert done.exit_code == 5 and "bytes are free there" in done.stderr and "goes on after them" in done.stderr, (done.stderr, done.exception)
+    assert json.loads(done.stdout)["status"] == "storage" and not Path("out/run.lock").exists()
+    assert command(*words, *(["--force"] if what == "summary" else []), "--quiet").exit_code == 0
 
 
 def test_the_command(command: Callable, tmp_path: Path) -> None:

@@ -1,9 +1,11 @@
 """`vfife info`, `plot` and `export` on a run that came to its end."""
 
 import json
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray
 
@@ -47,7 +49,33 @@ def test_export(command: Callable, case_c_run: Path) -> None:
     assert Path("out.nc").stat().st_mtime_ns > before
 
 
+def test_export_in_other_formats(command: Callable, case_c_run: Path) -> None:
+    for target, more in (("out.csv", ()), ("out.mat", ()), ("forces.svg", ()), ("mine.png", ("--figure", "orbits"))):
+        done = command("export", case_c_run, target, *more)
+        assert done.exit_code == 0 and target in done.stdout and Path(target).stat().st_size > 5000
+    for target, said in (("out.xlsx", ".csv, .nc"), ("force.svg", 'mean "forces"')):
+        done = command("export", case_c_run, target)
+        assert done.exit_code == 2 and said in done.stderr and not Path(target).exists()
+
+
 def test_export_to_nowhere(command: Callable, case_c_run: Path, tmp_path: Path) -> None:
     for target in (tmp_path, tmp_path / "no such folder" / "out.nc"):
         assert command("export", case_c_run, target).exit_code == 2
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("statement", ["data = zeroblob(40)", "seal = zeroblob(16)", "steps = zeroblob(8)"])
+def test_lost_first_blocks_lose_themselves_and_no_more(command: Callable, pendulum: Path, statement: str) -> None:
+    """The first output, from which energies count, and what the run says of itself are there a second time: the rest is as it was."""
+    assert command("run", pendulum, "-o", "out", "--quiet").exit_code == 0
+    whole = vfife.load_result("out")
+    with sqlite3.connect("out/run.sqlite") as connection:
+        connection.execute(f"UPDATE history SET {statement} WHERE chunk < 2")
+        connection.execute("UPDATE meta SET seal = x'00' WHERE key IN ('model', 'kept', 'choice')")
+    told, exported = command("info", "out"), command("export", "out", "out.nc")
+    assert told.exit_code == exported.exit_code == 0, (told.stderr, exported.stderr)
+    result = vfife.load_result("out")
+    kept = np.searchsorted(whole.time, result.time)
+    assert result.record.lost and result.record.lost[0] in told.stdout and result.record.lost[0] in exported.stderr
+    assert kept[0] == 0 and 1 <= len(kept) < len(whole.time)
+    assert (result.record.rows == whole.record.rows[kept]).all() and (result.ledger.residual == whole.ledger.residual[kept]).all()

@@ -18,6 +18,7 @@ from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
 
 KEYS = {
+    "turns",
     "faults",
     "status",
     "step",

@@ -70,6 +70,8 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     "a misspelt path": (lambda: vfife.load("examples/slider_crank.toml", {"run.turn": 2}), ("run.turn", "no 'turn' in run", "run.turns")),
     "a file that is not there": (lambda: vfife.load("nowhere.toml"), ("nowhere.toml", "cannot be read", "check the name")),
     "a misspelt figure": (lambda: result().plot("force"), ("no figure", 'mean "forces"')),
+    "a misspelt joint of a result": (lambda: result().joint("pivott"), ("no joint", 'mean "pivot"')),
+    "a format that is not written": (lambda: result().export("out.xlsx"), ("out.xlsx", ".csv", ".parquet")),
 }
 
 

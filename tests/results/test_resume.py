@@ -138,6 +138,48 @@ def test_between_two_outputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lo
     same(tmp_path / "whole.sqlite", path)
 
 
+UNTIL = Asked(turns=9, step=5e-6, outputs=200, companions=3, settle=0.005)
+
+
+@pytest.fixture(scope="module")
+def settled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("settled") / "run.sqlite"
+    result = write(path, four_bar("BCD"), UNTIL, reference=False)
+    assert result.motion is not None and 4 < result.motion.count < 9
+    return path
+
+
+@pytest.mark.parametrize("call", [15, 60, 110])
+def test_a_run_until_it_repeats_goes_on_and_ends_in_the_same_turn(
+    settled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int
+) -> None:
+    """With what companions leave of each turn, and the same mean over the turns after the transient."""
+    path = tmp_path / "run.sqlite"
+    with monkeypatch.context() as context:
+        paced(context, 400)
+        context.setattr(transient, "CHECKPOINT_SECONDS", 0.0)
+        kill_at(context, call)
+        assert killed_run(path, four_bar("BCD"), UNTIL, reference=False)
+    result = vfife.resume(path)
+    same(settled, path)
+    with RunFile.open(settled) as whole, RunFile.open(path) as again:
+        assert (bits(whole.turns()) == bits(again.turns())).all() and len(again.turns()) == result.motion.count  # type: ignore[union-attr]
+
+
+def test_a_run_that_has_settled_goes_on_where_it_is_asked_to(settled: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.sqlite"
+    path.write_bytes(settled.read_bytes())
+    before = vfife.load_result(settled)
+    with pytest.raises(ResumeError, match="complete"):
+        vfife.resume(path)
+    longer = vfife.resume(path, until=0.32)
+    assert len(longer.record.steps) == 8 * 200 + 1 and longer.motion.count == 8  # type: ignore[union-attr]
+    assert (bits(longer.record.rows[: len(before.record.rows)]) == bits(before.record.rows)).all()
+    straight = vfife.simulate(four_bar("BCD"), turns=8, step=5e-6, outputs=200, companions=3, reference=False)
+    assert dict(longer.measures) == dict(straight.measures)
+    assert all((one.low, one.high) == (longer.measures[name].low, longer.measures[name].high) for name, one in straight.measures.items())
+
+
 def arch() -> vfife.Mechanism:
     m = vfife.Mechanism("arch", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
@@ -211,8 +253,28 @@ def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
         vfife.resume(path, until=1.0)
     former = Path(__file__).parent / "former" / "four_bar.sqlite"
     (tmp_path / "former.sqlite").write_bytes(former.read_bytes())
-    with pytest.raises(RunFileError, match="--start-from"):
+    with pytest.raises(RunFileError, match="without all it takes"):
         vfife.resume(tmp_path / "former.sqlite", until=1.0)
+
+
+LOST = {
+    "its state": (["DELETE FROM checkpoints"], "no whole state at its last output"),
+    "its state, damaged": (["UPDATE checkpoints SET state = zeroblob(40)"], "no whole state at its last output"),
+    "its last outputs": (["UPDATE history SET data = zeroblob(50) WHERE chunk = (SELECT max(chunk) FROM history)"], "where it ended is not known"),
+}
+
+
+@pytest.mark.parametrize("case", LOST)
+def test_a_new_run_does_not_start_without_what_it_needs(tmp_path: Path, case: str) -> None:
+    path, (statements, said) = tmp_path / "run.sqlite", LOST[case]
+    mechanism = journal_in_bearing()
+    write(path, mechanism, Asked(duration=1e-4, step=1e-6, outputs=10))
+    assert vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0).record.status == "complete"
+    with sqlite3.connect(path) as connection:
+        for statement in statements:
+            connection.execute(statement)
+    with pytest.raises(ResumeError, match=said):
+        vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0)
 
 
 # ----------------------------------------------------------------------------------------------------------------- kill

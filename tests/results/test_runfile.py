@@ -223,11 +223,12 @@ def test_damage_to_all_of_it_is_told(tmp_path: Path, kind: str) -> None:
 @pytest.mark.parametrize(
     ("statement", "left", "lost"),
     [
-        ("DROP TABLE history", 0, "outputs 0 to 29"),
+        ("DROP TABLE history", 1, "outputs 1 to 29"),
+        ("DELETE FROM history WHERE chunk = 0", 21, "outputs 1 to 9"),
         ("DELETE FROM history WHERE chunk = 1", 20, "outputs 10 to 19"),
         ("DELETE FROM history WHERE chunk = 2", 20, "outputs 20 to 29"),
         ("UPDATE history SET data = zeroblob(50) WHERE chunk = 1", 20, "outputs 10 to 19"),
-        ("UPDATE history SET outputs = 9 WHERE chunk = 0", 20, "outputs 0 to 9"),
+        ("UPDATE history SET outputs = 9 WHERE chunk = 0", 21, "outputs 1 to 9"),
         ("UPDATE history SET steps = (SELECT steps FROM history WHERE chunk = 0) WHERE chunk = 2", 20, "outputs 20 to 29"),
     ],
 )
@@ -252,6 +253,32 @@ def test_steps_that_do_not_rise_are_told(tmp_path: Path) -> None:
         assert np.array_equal(file.steps, np.arange(20)) and file.lost == ("outputs 20 to 29",)
 
 
+def test_without_the_copy_of_the_first_output_it_is_missing(tmp_path: Path) -> None:
+    path = small(tmp_path / "a")
+    with sqlite3.connect(path) as connection:
+        connection.execute("DELETE FROM history WHERE chunk = 0")
+        connection.execute("UPDATE copies SET data = zeroblob(9) WHERE key = 'first output'")
+    with RunFile.open(path) as file:
+        assert np.array_equal(file.steps, np.arange(10, 30)) and file.lost == ("outputs 0 to 9",)
+
+
+@pytest.mark.parametrize("where", ["meta", "arrays", "copies"])
+def test_what_it_says_of_itself_is_there_twice(tmp_path: Path, where: str) -> None:
+    """All of one place gone, entry by entry and as a whole: the other one has it."""
+    for statement in (f"UPDATE {where} SET seal = zeroblob(16)", f"DELETE FROM {where}", f"DROP TABLE {where}"):
+        path = tmp_path / f"{len(list(tmp_path.iterdir()))}"
+        with RunFile.create(path, {"step": 1e-6, "start": np.ones(4)}) as file:
+            file.append(np.arange(4), written(np.arange(4)))
+        with sqlite3.connect(path) as connection:
+            connection.execute(statement)
+        with RunFile.open(path) as file:
+            assert file.meta["step"] == 1e-6 and list(file.meta["start"]) == [1.0] * 4 and not file.lost
+        if statement.startswith("DROP"):  # as in a file that was begun before there was such a table
+            with RunFile.write(path) as file:
+                file.put({"step": 2e-6})
+                assert file.meta["step"] == 2e-6
+
+
 @pytest.mark.parametrize("table", ["meta", "arrays", "checkpoints", "reference", "companions"])
 def test_other_blocks_are_checked_as_well(tmp_path: Path, table: str) -> None:
     path = tmp_path / "a"
@@ -269,6 +296,7 @@ def test_other_blocks_are_checked_as_well(tmp_path: Path, table: str) -> None:
     }
     with sqlite3.connect(path) as connection:
         connection.execute(f"UPDATE {table} SET {change[table]}")
+        connection.execute("UPDATE copies SET data = x'00' WHERE key IN ('meta.step', 'arrays.start')")
     with RunFile.open(path) as file:
         got = {"meta": lambda: file.meta.get("step"), "checkpoints": file.latest, "reference": file.reference, "companions": file.companions}
         got["arrays"] = lambda: file.meta.get("start")

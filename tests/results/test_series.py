@@ -44,7 +44,7 @@ def test_a_series_that_there_is_not_is_told(result: Result) -> None:
 def test_names_follow_one_pattern(result: Result) -> None:
     for name in result.measures:
         who, what = name.split(".", 1)
-        assert who in {*"ABCD", "crank", "coupler", "follower"} and what.count(".") <= 1, name
+        assert who in {*"ABCD", "crank", "coupler", "follower", "ground", "mechanism"} and what.count(".") <= 1, name
 
 
 @pytest.mark.parametrize(("former", "present"), [
@@ -65,4 +65,6 @@ def test_what_never_was_a_measure_is_none(result: Result) -> None:
     assert result.measures.get("lip.E.force") is None and "lip.E.force" not in result.measures and "deep" not in result.measures
     with pytest.raises(KeyError, match="E.force.max"):
         result.measures["E.force.max"]
-    assert dict(result.measures.of("crank")).keys() == {"angular_acceleration.max", "torque.max"}
+    assert dict(result.measures.of("crank")).keys() == {
+        "angular_acceleration.max", "torque.max", "torque.mean", "torque.ripple", "power.mean"
+    }  # fmt: skip

@@ -10,7 +10,8 @@ from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble, refitted
 from vfife.codegen import native
 from vfife.laws import Ambrosio, LankaraniNikravesh, Pereira
-from vfife.solvers.ensemble import advance, distance, ensemble, placed
+from vfife.solvers.ensemble import advance, ensemble, placed
+from vfife.solvers.repeating import distance
 from vfife.solvers.transient import run
 
 BARS = {"section": SQUARE, "release": "both", "stiffness_factor": 1000.0}

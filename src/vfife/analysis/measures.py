@@ -15,9 +15,17 @@ from numpy.typing import NDArray
 
 from ..model.bodies import PointMass
 from ..solvers.record import Record
+from .deflection import largest_deflections
 from .equilibria import static_measures
 from .forces import joint_force_max, joint_rows, shares
+from .ground import largest_shaking
+from .guides import largest_strokes
 from .influence import influence
+from .losses import losses
+from .machine import driving, efficiency
+from .pressure import largest_pressures
+from .sliding import largest_sliding
+from .stress import largest_stresses
 
 Window: TypeAlias = NDArray[np.bool_]
 Measure: TypeAlias = Callable[[Record, Window], dict[str, float]]
@@ -131,5 +139,8 @@ def contact_counts(record: Record, window: Window) -> dict[str, float]:
     return found
 
 
-OVER_TURN: tuple[Measure, ...] = (largest_loads, deepest_penetrations, largest_accelerations)
+OVER_TURN: tuple[Measure, ...] = (
+    largest_loads, deepest_penetrations, largest_accelerations, driving, losses, largest_sliding, largest_pressures, largest_strokes,
+    largest_shaking, largest_stresses, largest_deflections, efficiency,
+)  # fmt: skip
 OVER_RUN: tuple[Measure, ...] = (contact_counts,)

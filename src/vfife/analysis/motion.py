@@ -36,6 +36,19 @@ def velocities(record: Record) -> dict[str, Array]:
     return found
 
 
+def accelerations(record: Record) -> dict[str, Array]:
+    """Accelerations ax, ay (m/s^2) and aw (rad/s^2) of all particles at t_n, shape (outputs, particles): a record's, less damping times velocity.
+
+    The record's are those of the forces without mass-proportional damping.
+    """
+    moving, free, rate = velocities(record), is_free(record), float(record.parameter("damping")[0])
+    found = {}
+    for _, first, second in AXES:
+        own = record.block(f"particle_{second}")
+        found[second] = np.where(free, own - rate * moving[first], own) if rate else own
+    return found
+
+
 def half_damping(record: Record) -> tuple[float, float]:
     """Step dt (s), and z = damping dt/2 (1)."""
     dt = record.assembly.choice.step

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from .measured import Measured, Measures
-from .measures import measures
+from .measures import compared, last_turn, measures, over_run, over_turn
+from .turns import each_turn, each_turn_beside, turns
 
 Array = NDArray[np.float64]
 
@@ -33,36 +35,74 @@ def companion_records(record: Record) -> Iterator[Record]:
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None) -> Measures:
-    """The measures of a run (:func:`~vfife.analysis.measures.measures`) with their ranges over run and companions.
+    """The measures of a run (:func:`~vfife.analysis.measures.measures`): means of its turns after the transient, with what varies and what is
+    not known; see :func:`own_ranges`.
 
     Companions share the size of the step. Where a try with twice the step was given up, and its range does not hold what has come out now, it was
     that size which decided: then the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
-    return Measures({name: Measured(one, one.low, one.high, name not in open_ones) for name, one in _ranged(record, reference).items()})
-
-
-def _ranged(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
-    if record.estimate is not None:
-        errors = record.estimate.errors
-        own = measures(record, reference)
-        return {name: Measured(value, value - errors.get(name, 0.0), value + errors.get(name, 0.0)) for name, value in own.items()}
-    found = own_ranges(record, reference)
+    found = {name: (one, *_reach(record, name, one)) for name, one in own_ranges(record, reference).items()}
     earlier = {} if record.companions is None else record.companions.earlier
-    if not earlier or followed(record, found, earlier):
-        return found
-    both = {name: (min(one.low, *earlier[name]), max(one.high, *earlier[name])) for name, one in found.items() if name in earlier}
-    return {name: Measured(one.value, *both.get(name, (one.low, one.high))) for name, one in found.items()}
+    if earlier and not followed(record, {name: one for name, (one, _, _) in found.items()}, earlier):
+        found = {
+            name: (one, min(low, earlier[name][0]), max(high, earlier[name][1])) if name in earlier else (one, low, high)
+            for name, (one, low, high) in found.items()
+        }
+    return Measures({
+        name: Measured(one, low, high, name not in open_ones, one.lowest, one.highest) for name, (one, low, high) in found.items()
+    })  # fmt: skip
+
+
+def _reach(record: Record, name: str, one: Measured) -> tuple[float, float]:
+    """Low and high over the companions, or by the estimated error of a smooth run."""
+    if record.estimate is None:
+        return one.low, one.high
+    error = record.estimate.errors.get(name, 0.0)
+    return one.value - error, one.value + error
 
 
 def own_ranges(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
-    """The measures with their ranges over run and companions, whatever was tried before."""
-    own = measures(record, reference)
-    others = [measures(one, reference) for one in companion_records(record)]
+    """The measures with their ranges, whatever was tried before.
+
+    Of a run whose turns repeat: means over its turns since then, from the lowest to the highest of them, and how these means differ over run and
+    companions. Of one that is not periodic: means over turns of run and companions together. Of a run of few turns, or one that has not settled:
+    its last turn. Counts are those of the whole run.
+    """
+    said = turns(record)
+    if said is None or not said.several or (record.companions is not None and len(record.companions.turns) < said.last):
+        return joined(measures(record, reference), [measures(one, reference) for one in companion_records(record)])
+    left = record.companions
+    sound = [] if left is None else [k for k in range(len(left.shifts)) if k not in left.lost]
+    lanes = [each_turn(record, said.first, said.last), *(each_turn_beside(record, k, said.first, said.last) for k in sound)]
+    taken = [[_of_a_turn(one, reference) for one in lane] for lane in lanes]
+    whole = joined(over_run(record), [over_run(one) for one in companion_records(record)])
+    return over_turns(taken, together=said.motion == "not periodic") | whole
+
+
+def _of_a_turn(record: Record, reference: Mapping[str, float] | None) -> dict[str, float]:
+    found = over_turn(record, last_turn(record))
+    return found | compared(record, found, reference)
+
+
+def joined(own: Mapping[str, float], others: Sequence[Mapping[str, float]]) -> dict[str, Measured]:
+    """Measures of a run with their ranges over it and its companions."""
     found = {}
     for name, value in own.items():
         every = [value, *(one[name] for one in others if name in one)]
         found[name] = Measured(value, min(every), max(every))
+    return found
+
+
+def over_turns(lanes: Sequence[Sequence[Mapping[str, float]]], *, together: bool) -> dict[str, Measured]:
+    """Measures from those of the turns of each lane, the run itself first: means over its turns, or over the turns of all lanes ``together``."""
+    found = {}
+    for name in lanes[0][-1]:
+        turnly = [[turn[name] for turn in lane if name in turn] for lane in lanes]
+        means = [math.fsum(lane) / len(lane) for lane in turnly if lane]
+        every = [value for lane in (turnly if together else turnly[:1]) for value in lane]
+        value = math.fsum(means) / len(means) if together else means[0]
+        found[name] = Measured(value, min(means), max(means), lowest=min(every), highest=max(every))
     return found
 
 

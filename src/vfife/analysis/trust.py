@@ -12,12 +12,13 @@ from ..solvers.status import Status
 from .energy import ledger, own_floor
 from .measured import Measured
 from .ranges import ranged, spreads
+from .turns import turns
 
 HALVINGS = 3  # of an automatic step for companions that lie apart, or errors that are too large, at the most
 DEEP_HALVINGS = 3, 5  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
 
 
-OPEN_HALVINGS = 2  # of one for an energy ledger that stays open: down to the step of a run without companions
+OPEN_HALVINGS = 2  # of one for an energy ledger that stays open, or a motion that is not periodic: down to the step of a run without companions
 OPEN = 1e-3  # of the largest energy: a ledger that is open by more is not to be trusted
 
 
@@ -65,7 +66,8 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     said = trust(record)
     diverged = record.status == Status.DIVERGED
     apart = 0.0 if said is None else 1.0 if diverged else said.apart
-    if apart > record.assembly.mechanism.settings.tolerance and sum(one is not None for _, one in choice.tried) < HALVINGS:
+    most = OPEN_HALVINGS if not_periodic(record) else HALVINGS
+    if apart > record.assembly.mechanism.settings.tolerance and sum(one is not None for _, one in choice.tried) < most:
         return (*choice.tried, (choice.step, apart))
     if diverged:
         return None
@@ -75,6 +77,12 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     if unlike or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]):
         return (*choice.tried, (choice.step, None))
     return None
+
+
+def not_periodic(record: Record) -> bool:
+    """Whether means over turns are told: no step brings companions of such a motion together, and theirs differ by chance."""
+    said = turns(record)
+    return said is not None and said.motion == "not periodic"
 
 
 def too_deep(record: Record) -> bool:

@@ -12,6 +12,7 @@ from .check import check
 from .compare import compare
 from .ended import export, info, plot
 from .laws import laws
+from .live import live
 from .materials import materials
 from .new import new
 from .paper import paper
@@ -64,5 +65,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, resume, check, compare, info, plot, export, laws, materials, schema, paper, verify):
+for command in (new, run, resume, check, compare, info, plot, live, export, laws, materials, schema, paper, verify):
     app.command(cls=Command)(command)

@@ -85,6 +85,7 @@ def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, qu
     notes = [*place.notes, *([cached] if cached else []), *result.summary["run"]["notes"], *result.summary["warnings"]]
     if cached and not quiet:
         tell("note", f"{cached}.")
+    NOW.saved = f"The run itself is whole, in {place.path}." if result.record.status == Status.COMPLETE else kept_in(place)
     with writing(str(place.path), f"The run itself is whole, in {place.path}."):
         written(place.path / SUMMARY, json_text(result.summary) + "\n")
         if figures and result.record.status != Status.INTERRUPTED:
@@ -109,7 +110,7 @@ def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, qu
 def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
     """What ``--json`` prints."""
     found = {key: result.summary[key] for key in RESULT_KEYS}
-    told = {key: result.summary[key] for key in ("measures", "ranges", "not_unique", "trust")}
+    told = {key: result.summary[key] for key in ("turns", "measures", "ranges", "not_unique", "trust")}
     return {**found, "run": str(place.path), "loop": result.record.loop, "notes": notes, **told}
 
 

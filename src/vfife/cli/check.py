@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
+from .cost import BRIEF, MOST_TRIES
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
 from .terminal import amount_of_bytes, grid, output, print_json, row, sentences, span
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from rich.console import Console
 
 
-def check(model: ModelArgument, set_: SetOption = None, laws: LawsOption = None, as_json: JsonOption = False) -> None:
+LongOption = Annotated[bool, typer.Option("--long", help="With all that was filled in by default, and all limits of the step.")]
+LIMITS = 3  # of the step that are told at once
+
+
+def check(model: ModelArgument, set_: SetOption = None, laws: LawsOption = None, long: LongOption = False, as_json: JsonOption = False) -> None:
     """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
 
     Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to expect.
@@ -24,7 +30,7 @@ def check(model: ModelArgument, set_: SetOption = None, laws: LawsOption = None,
     if as_json:
         print_json(found)
     else:
-        show(output(), found)
+        show(output(), found, long)
 
 
 def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None) -> dict[str, Any]:
@@ -33,15 +39,16 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from ..assembly.assemble import assemble
     from ..assembly.timestep import CONTACT_STEPS
     from ..report import described
-    from ..simulation import expected_forces, first_contact_steps, reference_of
-    from .cost import estimate
+    from ..simulation import expected_forces, first_contact_steps, ideal_of, referred
+    from .cost import estimate, too_much
     from .filled import filled_in
 
-    ideal = reference_of(mechanism)
-    expected = expected_forces(ideal)
+    ideal = ideal_of(mechanism)
+    long = ideal is not None and estimate(ideal)["seconds"] > BRIEF
+    expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
-    choice = assembly.choice
+    choice, cost = assembly.choice, estimate(assembly, ideal)
     return {
         "model": mechanism.name,
         "file": str(model),
@@ -51,19 +58,20 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "couplings": described.couplings(assembly),
         "degrees_of_freedom": described.freedom(assembly),
         "load_factors": list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else [],
+        "iterations": mechanism.settings.iterations,
         "step": described.step(assembly) | {"searched": assembly.choice.automatic and begin != CONTACT_STEPS},
         "steps": choice.steps,
         "outputs": choice.outputs + 1,
         "steps_between_outputs": choice.outputs_every,
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
-        "estimate": estimate(assembly, None if ideal is None else ideal.record.assembly),
+        "estimate": cost | {"asks_for_yes": too_much(cost, Path())},
         "defaults": filled_in(model, overrides(texts)),
         "notes": list(assembly.notes),
     }
 
 
-def show(console: Console, found: Mapping[str, Any]) -> None:
+def show(console: Console, found: Mapping[str, Any], long: bool = False) -> None:
     """The same for people."""
     from rich.text import Text
 
@@ -75,10 +83,13 @@ def show(console: Console, found: Mapping[str, Any]) -> None:
     show_bodies(console, found["bodies"])
     show_joints(console, found["joints"])
     show_couplings(console, found["couplings"])
-    lasting = statics(found) if found["load_factors"] else (*steps(found), *cost(found["estimate"]))
+    lasting = (*statics(found), *told(found["estimate"])) if found["load_factors"] else (*steps(found, long), *cost(found))
     for sentence in (*freedom(found["degrees_of_freedom"]), *lasting):
         console.print(Text(sentence))
-    show_defaults(console, found["defaults"])
+    if long:
+        show_defaults(console, found["defaults"])
+    elif found["defaults"]:
+        console.print(Text(f"{len(found['defaults'])} values that the file does not give are taken by default; --long lists them."))
 
 
 def show_bodies(console: Console, bodies: list[dict[str, Any]]) -> None:
@@ -164,7 +175,7 @@ def freedom(found: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def steps(found: Mapping[str, Any]) -> list[str]:
+def steps(found: Mapping[str, Any], long: bool = False) -> list[str]:
     """The step and its limits in words."""
     step = found["step"]
     endless = step["stable"] == float("inf")
@@ -176,12 +187,16 @@ def steps(found: Mapping[str, Any]) -> list[str]:
         else f"as given; the stable one is set by {step['set_by']}"
     )
     turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
+    limits = sorted(step["limits"].items(), key=lambda item: float(item[1]))
+    told = limits if long or len(limits) <= LIMITS + 1 else limits[:LIMITS]
+    more = [f"  and {len(limits) - len(told)} larger ones (--long)"] if len(told) < len(limits) else []
     return [
         f"Step {step['size']:.4g} s, {how}.",
         "There is no largest stable step: nothing here limits it but accuracy."
         if endless
         else f"The largest stable step is {step['stable']:.4g} s:",
-        *(f"  {value:.4g} s  {name}" for name, value in sorted(step["limits"].items(), key=lambda item: float(item[1]))),
+        *(f"  {value:.4g} s  {name}" for name, value in told),
+        *more,
         f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
     ]
 
@@ -189,20 +204,34 @@ def steps(found: Mapping[str, Any]) -> list[str]:
 def statics(found: Mapping[str, Any]) -> list[str]:
     """What a static analysis goes through, in words."""
     factors = found["load_factors"]
+    lasting = f"Time, a rough estimate: {span(found['estimate']['seconds'])}; each equilibrium ends after {found['iterations']:,} iterations."
     if len(factors) == 1:
-        return [f"Static analysis: equilibrium under load factor {factors[0]:g}, by dynamic relaxation."]
-    return [f"Static analysis: equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}, by dynamic relaxation."]
+        return [f"Static analysis: equilibrium under load factor {factors[0]:g}, by dynamic relaxation.", lasting]
+    return [
+        f"Static analysis: equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}, by dynamic relaxation.",
+        lasting,
+    ]
 
 
 def cost(found: Mapping[str, Any]) -> list[str]:
     """What it costs, in words."""
-    pace, compiling = f"{found['ns_per_step']:.0f} ns a step, {found['loop']} loop", span(found["compile_seconds"])
-    return [
-        f"Time, an estimate from a table of costs: {span(found['seconds'])} ({pace}),",
+    cost = found["estimate"]
+    pace, compiling = f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop", span(cost["compile_seconds"])
+    again = f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved three times" if found["step"]["searched"] else ""
+    lines = [
+        f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){again},",
         f"  and some {compiling} to compile that loop if it was never used here.",
-        f"The record takes {amount_of_bytes(found['bytes'])}, which is packed to about half of it in the run file; to be read, it takes",
-        f"  some {amount_of_bytes(found['memory'])} of memory.",
+        f"The record takes {amount_of_bytes(cost['bytes'])}, which is packed to about half of it in the run file; to be read, it takes",
+        f"  some {amount_of_bytes(cost['memory'])} of memory.",
     ]
+    if cost["ideal_seconds"] > BRIEF:
+        lines.append(f"The ideal mechanism alone takes {span(cost['ideal_seconds'])}: what forces its joints carry is told by the run.")
+    return lines + told(cost)
+
+
+def told(cost: Mapping[str, Any]) -> list[str]:
+    """What vfife run asks about."""
+    return [f"That is {cost['asks_for_yes']}: vfife run wants --yes for it."] if cost["asks_for_yes"] else []
 
 
 def show_defaults(console: Console, defaults: list[dict[str, Any]]) -> None:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import json
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..results.folder import numbered, refuse_foreign
+from ..results.folder import numbered, refuse_foreign, written
 from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .progress import ProgressLine
-from .run import Companions, Duration, Figures, ForceStep, Outputs, Quiet, Step, Turns
-from .terminal import DIVERGED, INTERRUPTED, grid, json_text, output, print_json, row, sentences, tell
+from .run import Companions, Duration, Figures, Force, ForceStep, Outputs, Quiet, Step, Turns
+from .signals import NOW
+from .terminal import DIVERGED, grid, json_text, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ..results.comparison import Comparison
+    from ..results.lock import Lock
 
 SUMMARY, TABLE, MODEL = "compare.json", "compare.csv", "model.toml"
 Folder = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="runs/MODEL-compare")]
@@ -39,21 +43,26 @@ def compare(
     figures: Figures = True,
     force_step: ForceStep = False,
     companions: Companions = "0",
+    force: Force = False,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a model under several laws and tell how its numbers differ: a table, figures, CSV and JSON.
 
     Every contact law is paired with every friction law. A law takes over parameters of the one in whose place it comes, where both have them.
-    Ctrl-C keeps the runs that are complete.
+    Runs that are complete are kept: after Ctrl-C or a kill the same command with -o FOLDER goes on after them.
     """
     from ..modelfile import dump
     from ..study.compare import compare as compared
+    from ..study.parts import Parts
 
     line: list[ProgressLine] = []
+    locks: list[Lock] = []
 
     def progress(name: str) -> ProgressLine | None:
         close(line)
+        if not locks:
+            begin(place, dump(mechanism), locks)
         if quiet:
             return None
         tell("run", name, "bold")
@@ -61,27 +70,48 @@ def compare(
         return line[-1]
 
     with sentences(str(model)):
-        place = folder_for(folder, model)
         mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions)
-        try:
-            kinds = named(contact, "contact"), named(friction, "friction")
-            found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step, companions=mechanism.settings.companions)
-        finally:
+        place = folder_for(folder, model, dump(mechanism), force)
+    try:
+        with sentences(str(model)), writing(str(place), kept_in(place)):
+            kinds, beside = (named(contact, "contact"), named(friction, "friction")), mechanism.settings.companions
+            found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step, companions=beside, folder=place)
             close(line)
-    with sentences(str(place)):
-        place.mkdir(parents=True, exist_ok=True)
-        (place / MODEL).write_text(dump(mechanism), encoding="utf-8")
-        (place / SUMMARY).write_text(json_text(payload(found)) + "\n", encoding="utf-8")
-        found.write_csv(place / TABLE)
-        if figures:
-            from ..plots.comparison import drawn
+        with writing(str(place), kept_in(place)):
+            written(place / SUMMARY, json_text(payload(found)) + "\n")
+            found.write_csv(place / TABLE)
+            if figures:
+                from ..plots.comparison import drawn
 
-            drawn(found, place)
+                drawn(found, place)
+            if len(found.rows) == found.planned:
+                Parts(place).remove()
+    finally:
+        close(line)
+        for lock in locks:
+            lock.release()
     if as_json:
         print_json(payload(found) | {"folder": str(place)})
     elif not quiet:
         show(found, place)
-    end(found)
+    end(found, place)
+
+
+def begin(place: Path, text: str, locks: list[Lock]) -> None:
+    """Makes the folder, in which nobody else writes from now on."""
+    from ..results.lock import Lock
+
+    place.mkdir(parents=True, exist_ok=True)
+    locks.append(Lock(place))
+    NOW.last.append(locks[0].release)
+    NOW.saved = kept_in(place)
+    written(place / MODEL, text)
+    written(place / SUMMARY, json_text({"model": None, "planned": None, "runs": []}) + "\n")
+
+
+def kept_in(place: Path) -> str:
+    """What is kept of a comparison that was broken off."""
+    return f"Runs that are complete are kept in {place}; the same command with -o {shlex.quote(str(place))} goes on after them."
 
 
 def close(line: list[ProgressLine]) -> None:
@@ -99,12 +129,29 @@ def named(text: str | None, kind: str) -> list[Any]:
     return sorted(registry) if names == ["all"] else list(dict.fromkeys(names))
 
 
-def folder_for(asked: Path | None, model: Path) -> Path:
-    """The folder to write into. Raises ValueError for one that holds something else."""
+def folder_for(asked: Path | None, model: Path, text: str, force: bool) -> Path:
+    """The folder to write into. Raises ValueError for one that holds something else, or a comparison that is not to be gone on with."""
     if asked is None:
         return next(path for path in numbered(Path("runs") / f"{model.stem}-compare") if not path.exists())
     refuse_foreign(asked, SUMMARY, "comparison")
+    if (asked / SUMMARY).is_file() and not force:
+        before = asked / MODEL
+        if unfinished(asked / SUMMARY) and before.is_file() and before.read_text(encoding="utf-8") != text:
+            raise ValueError(
+                f"-o {asked}: the comparison that was begun here is that of another model, or of other options; add --force to replace it"
+            )
+        if not unfinished(asked / SUMMARY):
+            raise ValueError(f"-o {asked}: there is a comparison here already; name another folder, or add --force to replace it")
     return asked
+
+
+def unfinished(path: Path) -> bool:
+    """Whether a comparison was broken off, as its file says."""
+    try:
+        said = json.loads(path.read_text(encoding="utf-8"))
+        return said["planned"] is None or len(said["runs"]) < said["planned"]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return False
 
 
 def payload(found: Comparison) -> dict[str, Any]:
@@ -125,17 +172,24 @@ def show(found: Comparison, place: Path) -> None:
         numbers = (f"{1e6 * one['penetration']:.4g}", f"{one['impacts']:,}", f"{100.0 * one['contact_share']:.3g}", f"{one['energy_lost']:.4g}")
         row(table, one["contact"], one["friction"], f"{one['force']:,.6g}", *lips, *numbers, f"{one['wall_s']:.2g}")
     console.print(table)
-    console.print(Text("Force, LIP and depth are the largest in the last turn, LIP against ideal joints; contact is the mean share of the time."))
+    said = f"Force, LIP and depth are the largest ({told_of(found)}), LIP against ideal joints"
+    console.print(Text(f"{said}; contact is the mean share of the time of the run."))
     console.print(Text.assemble(("Folder: ", "bold"), f"{place} ({', '.join(sorted(entry.name for entry in place.iterdir()))})"))
 
 
-def end(found: Comparison) -> None:
+def told_of(found: Comparison) -> str:
+    """Which part of the runs their numbers are of."""
+    parts = list(dict.fromkeys(one["part"] for one in found.rows))
+    return parts[0] if len(parts) == 1 else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in found.rows)
+
+
+def end(found: Comparison, place: Path) -> None:
     """Says which runs did not come to their end, and ends with the exit code of that."""
     for one in found.rows:
         if one["status"] != Status.COMPLETE:
             tell(Status.DIVERGED, f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step for it", "bold red")
     if len(found.rows) < found.planned:
-        tell(Status.INTERRUPTED, f"{len(found.rows)} of {found.planned} runs are complete and kept.")
-        raise typer.Exit(INTERRUPTED)
+        tell(Status.INTERRUPTED, f"{NOW.by}: {len(found.rows)} of {found.planned} runs are complete. {kept_in(place)}")
+        raise typer.Exit(NOW.code)
     if any(one["status"] != Status.COMPLETE for one in found.rows):
         raise typer.Exit(DIVERGED)

@@ -17,7 +17,11 @@ NANOSECONDS = {
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
 PACKED = 0.5  # of the outputs' bytes, in the run file
 STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4  # s, and for each line of the step, once for all models of the same topology
-
+STATIC_ITERATIONS = 1000.0, 40.0  # of an equilibrium: at least, and for each element along a body, squared, and each body
+STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
+BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
+MOST_TRIES = 15.0  # times the steps of the first try, where an automatic step is halved three times
+REFINED = 5.0  # times the steps of a run that is made again with half its step, and its first half with a quarter
 
 MEMORY = 2.5  # times the record that its readers take
 LIBRARIES = 2.5e8  # bytes that are taken before anything is computed
@@ -51,12 +55,14 @@ def physical_memory() -> int | None:
 def estimate(assembly: Assembly, reference: Assembly | None = None) -> dict[str, Any]:
     """Loop, time of a step (ns), time of all steps and of a first compilation (s), bytes of the record, in memory and on the disk.
 
-    With the ideal ``reference``, which is kept beside it, where there is one.
+    With the ideal ``reference``, which is kept beside it, where there is one. Of an automatic step the first try is meant, of statics the
+    iterations that equilibria take as a rule.
     """
     found = _alone(assembly)
-    every = found["bytes"]
+    every, found["ideal_seconds"] = found["bytes"], 0.0
     if reference is not None:
         ideal = _alone(reference)
+        found["ideal_seconds"] = ideal["seconds"]
         found["seconds"] += ideal["seconds"]
         every += ideal["bytes"]
     return found | {"memory": MEMORY * every + LIBRARIES, "disk": PACKED * every}
@@ -68,19 +74,30 @@ def _alone(assembly: Assembly) -> dict[str, Any]:
     from ..solvers.transient import choose_loop
 
     topology, choice = assembly.topology, assembly.choice
+    static = assembly.mechanism.settings.analysis == "static"
     counts = {
         "step": 1,
         "clearance": len(topology.contact_bearing),
         "ideal": len(topology.joint_bearing),
         "element": len(topology.frame_nodes),
     }
-    loop = choose_loop(assembly, "auto")
+    loop = "data-driven" if static else choose_loop(assembly, "auto")
     ns = sum(NANOSECONDS[loop][name] * count for name, count in counts.items())
     begin, each = STRAIGHT_LINE_COMPILATION
+    steps = choice.outputs * iterations(assembly) if static else choice.steps
+    ns += STATIC_LOOKS * static
     return {
         "loop": loop,
         "ns_per_step": ns,
-        "seconds": 1e-9 * ns * choice.steps,
+        "seconds": 1e-9 * ns * steps,
         "compile_seconds": begin + each * about(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION,
         "bytes": 8 * len(recorded_rows(assembly)) * (choice.outputs + 1),
     }
+
+
+def iterations(assembly: Assembly) -> float:
+    """Iterations that an equilibrium may take: those of slender frames go with the square of the elements in line."""
+    least, each = STATIC_ITERATIONS
+    bodies = assembly.bodies.values()
+    longest = max((len(body.elements) for body in bodies), default=1)
+    return min(least + each * longest**2 * len(bodies), float(assembly.mechanism.settings.iterations))

@@ -111,6 +111,7 @@ def in_words(step: int | None) -> str:
     return "none" if step is None else f"step {step:,}"
 
 
+ENDINGS = (".csv", ".nc", ".nc4", ".h5", ".mat", ".parquet", ".svg", ".pdf", ".png")  # as Result.export has them; a test compares
 FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")]
 
 
@@ -131,22 +132,29 @@ def plot(run: RunArgument, folder: FiguresOption = None) -> None:
 
 def export(
     run: RunArgument,
-    target: Annotated[Path, typer.Argument(metavar="OUT.nc", help="NetCDF file to write.", show_default=False)],
+    target: Annotated[
+        Path,
+        typer.Argument(
+            metavar="OUT", help="File to write: .csv, .nc, .mat, .parquet; a figure as .svg, .pdf, .png, by its name.", show_default=False
+        ),
+    ],
+    figure: Annotated[str | None, typer.Option("--figure", metavar="NAME", help="The figure, if the file is not called by its name.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
 ) -> None:
-    """Write all channels of a run as NetCDF, with units."""
+    """Write all channels of a run with their units, or a figure, in the format that the file's ending says."""
     with sentences(str(target)):
-        if target.suffix.lower() not in (".nc", ".nc4", ".h5"):
-            raise ValueError(f'this writes NetCDF, not "{target.suffix or target.name}"; name a file such as {target.stem}.nc')
+        if target.suffix.lower() not in ENDINGS:
+            known = f"{', '.join(ENDINGS[:-1])} and {ENDINGS[-1]}"
+            raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
         if target.is_dir():
-            raise ValueError("this is a folder; name a file, such as out.nc")
+            raise ValueError(f"this is a folder; name a file, such as out{target.suffix}")
         if target.exists() and not force:
             raise ValueError("there is a file of this name already; name another one, or add --force to replace it")
         if not target.absolute().parent.is_dir():
             raise ValueError(f"there is no folder {target.absolute().parent}; make it first")
     result, _ = loaded(run)
-    with writing(str(target), "The run is as it was, and so is what was there before."):
-        result.to_netcdf(target)
+    with sentences(str(run)), writing(str(target), "The run is as it was, and so is what was there before."):
+        result.export(target, figure)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 
 
@@ -159,4 +167,6 @@ def loaded(run: Path) -> tuple[Result, Path]:
         result = Result.load(file)
     if result.record.status != Status.COMPLETE:
         errors().print(f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False)
+    if result.record.lost:
+        errors().print(f"note: this run file is damaged: {', '.join(result.record.lost)} cannot be read; the rest is used", markup=False)
     return result, file

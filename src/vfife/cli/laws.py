@@ -20,6 +20,7 @@ Picture = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", 
 
 def laws(
     name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="One law only.", show_default=False)] = None,
+    long: Annotated[bool, typer.Option("--long", help="All that is known of each law, instead of a line.")] = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw the law: a free impact, or friction over sliding velocity.")] = False,
     picture: Picture = None,
     clearance: Size = "0.2 mm",
@@ -33,7 +34,7 @@ def laws(
     laws: LawsOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Contact and friction laws: source, formula, parameters with units, defaults and limits.
+    """Contact and friction laws, a line each; of one that is named source, formula, parameters with units, defaults and limits.
 
     With --plot a law by itself: a contact law in free impacts (force over penetration, restitution delivered), a friction law in steady
     sliding, with the loops before it slides where it remembers.
@@ -50,6 +51,9 @@ def laws(
             found = [{**law, **by_itself(law, pair_of, sizes, set_, picture)} for law in found]
     if as_json:
         print_json(found)
+        return
+    if name is None and not long:
+        show_list(found)
         return
     for law in found:
         show(law)
@@ -126,6 +130,20 @@ def limits(one: dict[str, Any]) -> str:
     """Limits of a parameter in words."""
     words = {"above": "above", "low": "at least", "high": "at most"}
     return ", ".join(f"{words[limit]} {one[limit]:g}" for limit in words if limit in one)
+
+
+def show_list(found: list[dict[str, Any]]) -> None:
+    """A line for each law, and how to see more of it."""
+    from rich.text import Text
+
+    console, widest = output(), max(len(law["name"]) for law in found) + 2
+    for kind in ("contact", "friction"):
+        console.print(Text(f"{kind.capitalize()} laws", style="bold"))
+        for law in found:
+            if law["kind"] == kind:
+                line = Text.assemble((law["name"].ljust(widest), "cyan"), "(your own) " * law["own"], " ".join(law["source"].split()))
+                console.print(line, no_wrap=True, overflow="ellipsis")
+    console.print(Text("Formula, parameters and limits of one: vfife laws NAME; by itself in numbers and a picture: vfife laws NAME --plot."))
 
 
 def show(law: dict[str, Any]) -> None:

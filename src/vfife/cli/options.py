@@ -74,7 +74,13 @@ def positive(option: str, text: str, unit: str) -> float:
 
 
 def with_options(
-    mechanism: Mechanism, step: str | None, turns: float | None, duration: str | None, outputs: int | None, companions: str | None = None
+    mechanism: Mechanism,
+    step: str | None,
+    turns: float | None,
+    duration: str | None,
+    outputs: int | None,
+    companions: str | None = None,
+    settle: str | None = None,
 ) -> Mechanism:
     """The mechanism with the settings of a run that were given as options, so that its model file tells what was run."""
     settings = mechanism.settings
@@ -92,6 +98,10 @@ def with_options(
         settings = dataclasses.replace(settings, outputs=outputs)
     if companions is not None:
         settings = dataclasses.replace(settings, companions=beside(companions))
+    if settle is not None:
+        if (share := positive("--settle", settle, "1")) > 1.0:
+            raise ValueError(f"--settle {settle}: allowed: a share above 0 and up to 1, such as 1%")
+        settings = dataclasses.replace(settings, settle=share)
     return dataclasses.replace(mechanism, settings=settings)
 
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .options import JsonOption
-from .terminal import INTERRUPTED, errors, fail, grid, json_text, output, print_json, row, sentences, span, tell
+from .signals import NOW
+from .terminal import errors, fail, grid, json_text, output, print_json, row, sentences, span, tell
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -57,7 +58,7 @@ def paper(
     if not whole:
         kept = f"{len(done)} of {len(names)} items were done; they are kept in {folder}" if done else "no item was done"
         tell("interrupted", f"{kept}.")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(NOW.code)
 
 
 def chosen(item: str | None) -> list[str]:

@@ -13,7 +13,8 @@ from typing import Any
 from typer import BadParameter
 from typer.core import TyperCommand
 
-from .terminal import ASKED, BAD_INPUT, failed
+from .asked import ASKED
+from .terminal import BAD_INPUT, failed
 
 UsageError: type[Exception] = BadParameter.__bases__[0]  # newer versions of typer have a click of their own
 

@@ -13,7 +13,9 @@ from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_mode
 from .terminal import fail, sentences, tell
 
 if TYPE_CHECKING:
+    from ..assembly.assembled import Assembly
     from ..model.mechanism import Mechanism
+    from ..result import Result
     from ..results.place import RunFolder
     from ..results.runfile import RunFile
     from ..simulation import Prepared
@@ -35,6 +37,8 @@ MODELS = "the model's"
 Folder = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Run folder.", show_default="runs/MODEL")]
 Step = Annotated[str | None, typer.Option(metavar="SECONDS", help='Time step, such as 1e-6 or "1 us", or auto.', show_default=MODELS)]
 Turns = Annotated[float | None, typer.Option(metavar="N", help="Length in turns of the crank.", show_default=MODELS)]
+UNTIL = "End as soon as turns repeat within this share of their largest values, as in 1%, after --turns at the latest."
+Settle = Annotated[str | None, typer.Option(metavar="SHARE", help=UNTIL, show_default=MODELS)]
 Duration = Annotated[str | None, typer.Option(metavar="SECONDS", help="Length in time, instead of turns.")]
 Outputs = Annotated[int | None, typer.Option(metavar="N", min=1, help="Outputs per turn; per run without a crank.", show_default=MODELS)]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures as well.")]
@@ -59,6 +63,7 @@ def run(
     laws: LawsOption = None,
     step: Step = None,
     turns: Turns = None,
+    settle: Settle = None,
     duration: Duration = None,
     outputs: Outputs = None,
     loop: LoopOption = Loops.auto,
@@ -82,7 +87,7 @@ def run(
     from ..results.place import placed
 
     with sentences(str(model)):
-        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions)
+        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions, settle)
         if resume and (begun := to_go_on(folder, model)) is not None:
             goes_on(begun, mechanism, figures, as_json, quiet)
             return
@@ -90,11 +95,14 @@ def run(
     for note in place.notes if not quiet else ():
         tell("note", f"{note}.")
     with sentences(str(model)):
+        from ..result import Result
         from ..simulation import prepare
         from ..solvers.arguments import Asked
 
-        prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), reference, start)
-    refuse_no_room(prepared, place, yes)
+        former = None if start is None else Result.load(start)
+        ideal = reference_for(mechanism, former, place, force_step, yes) if reference else None
+        prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), False if ideal is None else ideal, former)
+    refuse_no_room(prepared.assembly, None if ideal is None else ideal.record.assembly, place, yes, prepared.refined)
     try:
         result = carried(lambda: begun_in(place, prepared), place, quiet)
         concluded(result, place, figures, as_json, quiet)
@@ -115,12 +123,24 @@ def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, C
     return file, prepared, None
 
 
-def refuse_no_room(prepared: Prepared, place: RunFolder, yes: bool) -> None:
+def reference_for(mechanism: Mechanism, start: Result | None, place: RunFolder, force_step: bool, yes: bool) -> Result | None:
+    """The ideal reference. One that takes its time is forecast before it is run, with what it is for."""
+    from ..simulation import assembled_at, ideal_of, referred
+    from .cost import BRIEF, estimate
+
+    ideal = ideal_of(mechanism)
+    if ideal is not None and estimate(ideal)["seconds"] > BRIEF:
+        refuse_no_room(assembled_at(mechanism, start=start, force_step=force_step), ideal, place, yes)
+    return referred(ideal)
+
+
+def refuse_no_room(assembly: Assembly, ideal: Assembly | None, place: RunFolder, yes: bool, refined: bool = False) -> None:
     """Ends with exit code 5 where the disk has no room for the outputs, with 2 where the run takes more than may be meant and nobody said yes."""
     from ..results.tables import free_bytes
-    from .cost import estimate, too_much
+    from .cost import REFINED, estimate, too_much
 
-    found = estimate(prepared.assembly, None if prepared.reference is None else prepared.reference.record.assembly)
+    found = estimate(assembly, ideal)
+    found["seconds"] *= REFINED if refined else 1.0
     free, needed = free_bytes(place.target), found["disk"]
     if free is not None and needed > free:
         from .terminal import STORAGE
@@ -130,8 +150,10 @@ def refuse_no_room(prepared: Prepared, place: RunFolder, yes: bool) -> None:
             "name a folder on another disk. Nothing was begun, and nothing is touched.",
             STORAGE,
         )
-    if not yes and not prepared.static and (much := too_much(found, place.target)):
-        fail(f"this run takes {much}; add --yes if that is meant, or ask for less (--turns, --duration, --outputs). Nothing was begun.")
+    if not yes and (much := too_much(found, place.target)):
+        static = assembly.mechanism.settings.analysis == "static"
+        less = "fewer load_factors, elements or iterations" if static else "--turns, --duration, --outputs"
+        fail(f"this run takes {much}; add --yes if that is meant, or ask for less ({less}). Nothing was begun.")
 
 
 def to_go_on(folder: Path | None, model: Path) -> Path | None:

@@ -1,4 +1,7 @@
-"""Signals that end a command: Ctrl-C, SIGTERM, SIGHUP. Each becomes a sentence and an exit code, within two seconds, whatever is under way."""
+"""Signals that end a command: Ctrl-C, SIGTERM, SIGHUP. Each becomes a sentence and an exit code, within two seconds, whatever is under way.
+
+Next to nothing is imported here, for this is what a process loads first.
+"""
 
 from __future__ import annotations
 
@@ -6,25 +9,32 @@ import os
 import select
 import signal
 import sys
-import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from types import FrameType, TracebackType
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from .asked import ASKED
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import FrameType, TracebackType
 
 CODES = {getattr(signal, name): code for name, code in (("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)) if hasattr(signal, name)}
 WORDS = {code: name for name, code in (("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129))}
 GRACE = 1.6  # s after a signal, within which a command ends by itself; compilers and drawers do not always hear
+NOTHING = "Nothing was begun, so there is nothing to keep."
+DONE = "What was asked for is done."
 
 
-@dataclass
 class Ending:
     """What a command says where it has to end at once, and what it does before."""
 
-    code: int = 130
-    saved: str = "Nothing was begun, so there is nothing to keep."
-    last: list[Callable[[], None]] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.begin()
+
+    def begin(self) -> None:
+        """A command begins."""
+        self.code, self.saved, self.heard = 130, NOTHING, False
+        self.last: list[Callable[[], None]] = []
 
     @property
     def by(self) -> str:
@@ -35,18 +45,42 @@ class Ending:
 NOW = Ending()
 
 
+def listen() -> None:
+    """From here on a signal ends the process at once, with a sentence; what is ignored, as by nohup, stays so."""
+    for number in CODES:
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            signal.signal(number, _leave)
+
+
+def rest() -> None:
+    """The command is done: what it printed goes out, and the process ends as it was about to, whatever comes."""
+    NOW.saved = DONE
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):
+        return  # nobody reads it any more
+    finally:
+        for number in CODES:
+            if signal.getsignal(number) is _leave:
+                signal.signal(number, signal.SIG_IGN)
+
+
 class Signals:
-    """While it is entered, signals raise KeyboardInterrupt in the main thread; one that is not heard there in time ends the process."""
+    """While it is entered, signals raise KeyboardInterrupt in the main thread; one that is not heard there in time ends the process, as does a
+    second one.
+    """
 
     def __enter__(self) -> Signals:
-        NOW.code, NOW.saved, NOW.last = 130, Ending.saved, []
+        import threading
+
+        NOW.begin()
         self.former: dict[int, Any] = {}
         self.near = self.waker = -1
         if threading.current_thread() is not threading.main_thread():
             return self
         for number in CODES:
             handler = signal.getsignal(number)
-            if handler in (signal.SIG_DFL, signal.default_int_handler):  # what is ignored, as by nohup, stays so
+            if handler in (signal.SIG_DFL, signal.default_int_handler, _leave):
                 self.former[number] = handler
                 signal.signal(number, _raise)
         if self.former and os.name == "posix":
@@ -65,8 +99,15 @@ class Signals:
 
 
 def _raise(number: int, frame: FrameType | None) -> NoReturn:
-    NOW.code = CODES[number]
+    if NOW.heard:
+        _leave(number, frame)
+    NOW.code, NOW.heard = CODES[number], True
     raise KeyboardInterrupt
+
+
+def _leave(number: int, frame: FrameType | None) -> NoReturn:
+    NOW.code = CODES[number]
+    end_at_once()
 
 
 def _watch(far: int) -> None:
@@ -84,11 +125,27 @@ def _watch(far: int) -> None:
                 return  # the command has ended
     finally:
         os.close(far)
-    _end_at_once()
+    end_at_once()
 
 
-def _end_at_once() -> None:
-    for action in NOW.last:
-        action()
-    print(f"interrupted: {NOW.by}. {NOW.saved}", file=sys.stderr, flush=True)
-    os._exit(NOW.code)
+def end_at_once() -> NoReturn:
+    """Ends the process with a sentence, and with ``--json`` with an object; nothing is imported, for an import may be what was interrupted."""
+    try:
+        for action in NOW.last:
+            action()
+        sentence = f"{NOW.by}. {NOW.saved}"
+        os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
+        if ASKED.as_json and not ASKED.printed:
+            os.write(1, f'{{\n  "status": "interrupted",\n  "faults": [\n    {{\n      "what": {quoted(sentence)}\n    }}\n  ]\n}}\n'.encode())
+    finally:
+        os._exit(NOW.code)
+
+
+def quoted(text: str) -> str:
+    """A text as JSON has it."""
+    return '"' + "".join(sign if " " <= sign < "\x7f" and sign not in '"\\' else _escaped(sign) for sign in text) + '"'
+
+
+def _escaped(sign: str) -> str:
+    units = sign.encode("utf-16-be", "surrogatepass")
+    return "".join(f"\\u{units[k]:02x}{units[k + 1]:02x}" for k in range(0, len(units), 2))

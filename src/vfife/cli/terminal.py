@@ -8,11 +8,12 @@ import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
+
+from .asked import ASKED
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from ..errors import Fault
 
-BAD_INPUT, DIVERGED, ENERGY, STORAGE, INTERRUPTED = 2, 3, 4, 5, 130
+BAD_INPUT, DIVERGED, ENERGY, STORAGE = 2, 3, 4, 5
 STATUS = {
     BAD_INPUT: "refused",
     DIVERGED: "diverged",
@@ -32,17 +33,6 @@ STATUS = {
 }
 STORAGE_ERRORS = {getattr(errno, name) for name in ("ENOSPC", "EIO", "EDQUOT", "EROFS", "EFBIG", "EMFILE", "ENFILE") if hasattr(errno, name)}
 PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
-
-
-@dataclass
-class Asked:
-    """What this command was asked for: one object on standard output (``--json``), and whether it is there already."""
-
-    as_json: bool = False
-    printed: bool = False
-
-
-ASKED = Asked()
 
 
 def output() -> Console:

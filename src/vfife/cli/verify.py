@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .options import JsonOption
-from .terminal import INTERRUPTED, fail, grid, output, print_json, row, tell
+from .signals import NOW
+from .terminal import fail, grid, output, print_json, row, tell
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -119,6 +120,6 @@ def conclude(done: Sequence[Told], wanted: int, interrupted: bool, as_json: bool
         output().print(said, style="bold red" if failed else "bold green", markup=False)
     if interrupted:
         tell("interrupted", f"Stopped by Ctrl-C after {len(done)} of {wanted} cases.")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(NOW.code)
     if failed:
         raise typer.Exit(1)

@@ -103,6 +103,7 @@ BLOCKS: tuple[Block, ...] = (
         contact_deep | 1 | onsets that landed deeper than the landing depth
         contact_deepest | m | deepest first landing
         contact_fastest | m/s | fastest impact
+        contact_approach | m/s | sum of the approach speeds of all contacts that began
         contact_duration | s | time in contact, but for the first step of each"""),
     *_blocks("memory", "contact", """
         contact_regime | 1 | which smooth part of the friction law's curve held at step n"""),

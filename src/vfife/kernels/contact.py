@@ -51,6 +51,7 @@ def onset(S, j, b, k, depth, start, p, h):
     S[j + CONTACT.deep] += 1.0 if depth > S[j + CONTACT.landing] else 0.0
     S[j + CONTACT.deepest] = larger(S[j + CONTACT.deepest], depth)
     S[j + CONTACT.fastest] = larger(S[j + CONTACT.fastest], located)
+    S[j + CONTACT.approach] += located
     S[j + CONTACT.duration] -= dt
     S[SYSTEM.event] = 1.0
 

@@ -55,6 +55,7 @@ Start = StartSettings  # as it was called before
 class Settings:
     """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
 
+    ``settle``: the run ends as soon as turns repeat within that share of their largest values, after ``turns`` at the latest.
     ``companions`` are runs beside it whose steps are displaced: their range tells how far a run with contact can be trusted, and an automatic
     step is halved until the largest values of a turn agree within ``tolerance``.
 
@@ -66,6 +67,10 @@ class Settings:
 
     turns: float | None = quantity("1", "length of the run in turns of the crank", None, above=0.0)
     duration: float | None = quantity("s", "length of the run in time, instead of turns", None, above=0.0)
+    settle: float | None = quantity(
+        "1", "distance, as a share of the largest values, within which turns repeat: the run ends where they do, after turns at the latest",
+        None, above=0.0, high=1.0,
+    )  # fmt: skip
     step: float | Literal["auto"] = described(
         Measure("s", above=0.0, words=("auto",)), 'time step, or "auto" for the largest that is stable and accurate', "auto"
     )

@@ -16,6 +16,7 @@ from ..errors import VfifeError, shown, suggestion
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from ..results.view import standing
+from ..results.whole import whole
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .orbits import journals, orbits
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 
+PICTURES = (".svg", ".pdf", ".png")
 FIGURES: dict[str, Callable[[View, View | None], Figure | None]] = {
     "mechanism": lambda result, reference: drawing(result),
     "orbits": lambda result, reference: orbits(result) if journals(result) else None,
@@ -76,4 +78,21 @@ def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
     return paths
 
 
-__all__ = ["acceleration_curves", "at_start", "drawing", "figures", "force_curves", "moment_curves", "orbits", "save"]
+def save_one(result: View, name: str | None, path: Path, beside: Collection[str] = ()) -> None:
+    """Writes one figure as its file's ending says: ``name``, else that of the file. ``beside`` are endings that are told where none fits.
+
+    Raises VfifeError for another ending, and for a figure that the result has nothing for; OSError.
+    """
+    kind = path.suffix.lower()
+    if kind not in PICTURES:
+        known = ", ".join((*PICTURES, *beside)) if name is None else ", ".join(PICTURES)
+        raise VfifeError(f'{path}: nothing is written as "{path.suffix or path.name}"; endings that say a format are {known}')
+    wanted = name if name is not None else path.stem
+    found = figures(result, names=[wanted])
+    if wanted not in found:
+        raise VfifeError(f"{path}: this result has nothing for the figure {shown(wanted)}; there are {', '.join(figures(result))}")
+    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}), whole(path) as part:
+        found[wanted].savefig(part, format=kind[1:])
+
+
+__all__ = ["acceleration_curves", "at_start", "drawing", "figures", "force_curves", "moment_curves", "orbits", "save", "save_one"]

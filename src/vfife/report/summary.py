@@ -9,7 +9,7 @@ import numpy as np
 
 from ..analysis.energy import own_floor
 from ..analysis.forces import MODES
-from ..analysis.measured import lips
+from ..analysis.measured import Measured, lips
 from ..analysis.trust import OPEN
 from ..laws import Law
 from ..model.bodies import Link
@@ -17,6 +17,7 @@ from ..solvers.status import Status
 from .diverged import FLOOR
 from .statics import print_static, static_run, static_warnings
 from .trust import trusted, verdict
+from .turns import several, turned
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -37,12 +38,13 @@ JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
 def report(result: View, reference: View | None = None) -> dict[str, Any]:
     """All that the summary of a run says: texts, numbers, lists and dictionaries only.
 
-    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``measures``, their ``ranges`` over the companions, names of
-    those that are ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are
+    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns`` (:func:`~vfife.report.turns.turned`),
+    ``measures``, their ``ranges`` (``low`` and ``high`` over the companions, ``lowest`` and ``highest`` turn), names of those that are
+    ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are
     what the tables of :func:`show` are made of. The reference is the result's own unless another one is given.
     """
     reference = reference if reference is not None else result.reference
-    record, choice = result.record, result.record.assembly.choice
+    record, choice, turns = result.record, result.record.assembly.choice, turned(result)
     done = int(record.steps[-1])
     measures: dict[str, float] = {name: float(value) for name, value in result.measures.items()}
     if reference is not None and reference is not result.reference:
@@ -66,12 +68,16 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "laws": _laws(result),
         "warnings": list(static_warnings(result) if record.static else warnings(result)),
         "measures": measures,
-        "ranges": {name: {"low": one.low, "high": one.high} for name, one in result.measures.items()}
-        if record.companions or record.estimate
-        else {},
+        "turns": turns,
+        "ranges": {name: _range(one) for name, one in result.measures.items()} if record.companions or record.estimate or several(turns) else {},
         "not_unique": [name for name, one in result.measures.items() if not one.unique],
         "trust": trusted(result),
     }
+
+
+def _range(one: Measured) -> dict[str, float]:
+    """What is not known of a measure, and what varies."""
+    return {"low": one.low, "high": one.high, "lowest": one.lowest, "highest": one.highest}
 
 
 def _model(result: View, measures: dict[str, float], reference: View | None) -> dict[str, Any]:
@@ -103,10 +109,12 @@ def _model(result: View, measures: dict[str, float], reference: View | None) -> 
 def _run(result: View) -> dict[str, Any]:
     record, choice = result.record, result.record.assembly.choice
     time = float(result.time[-1])
+    moving = [driver for driver in record.assembly.mechanism.drivers.values() if driver.moves]
     return {
         "loop": record.loop,
         "time_s": time,
         "turns": None if choice.turn is None else time / choice.turn,
+        "steady": bool(moving) and all(driver.steady_speed is not None for driver in moving),
         "outputs": len(record.steps),
         "automatic": choice.automatic,
         "stable_step": choice.stable if choice.stable < float("inf") else None,
@@ -184,7 +192,8 @@ def warnings(result: View) -> Iterable[str]:
                 f"the deepest at {1e6 * measures[f'{name}.landing_depth.max']:.4g} µm, so their impact speeds are coarse: "
                 f"halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth if that will do."
             )
-    if sensitive := verdict({"trust": trusted(result), "measures": result.measures}):
+    ranges = {name: _range(one) for name, one in measures.items()}
+    if sensitive := verdict({"trust": trusted(result), "measures": measures, "ranges": ranges, "turns": turned(result)}):
         yield sensitive
     yield from out_of_range(result)
     if result.ledger.error > OPEN:

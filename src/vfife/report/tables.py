@@ -11,8 +11,12 @@ from rich.table import Table
 from rich.text import Text
 
 from ..analysis.forces import MODES
+from .digits import amount, percent, prefixed, spread_of
 from .trust import lines, verdict
+from .turns import lines as turn_lines
+from .turns import part, several
 
+SHOWN = 1e-4  # of a measure: what turns have to differ by to be shown
 NOISE = 1e-6  # of the largest angular acceleration
 SHARED = "* shared by least norm, not unique: joints are redundant, and rigid bodies leave open how these reactions share the load."
 
@@ -33,9 +37,9 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     turning = any(body["angular_acceleration.max"] for body in model["bodies"].values() if not body["driven"])
     contact = any("impacts" in one for one in told["contacts"].values())
     for title, there, table in (
-        (f"Largest reactions ({_over(told)})", bool(told["joints"]), _joint_table),
+        (f"Largest reactions ({part(told)})", bool(told["joints"]), _joint_table),
         ("Contact (whole run)", contact, _contact_table),
-        (f"Largest angular accelerations ({_over(told)})", turning, _body_table),
+        (f"Largest angular accelerations ({part(told)})", turning, _body_table),
     ):
         if there:
             console.print(Text(title, style="bold"))
@@ -54,6 +58,7 @@ def _facts(told: dict[str, Any]) -> Table:
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in told["model"]["bodies"].items())),
         ("Step", _step(told)),
         ("Run", _pace(told)),
+        *(("Turns", line) for line in turn_lines(told)),
         *(("Trust" if k == 0 else "", line) for k, line in enumerate(lines(told))),
         ("Energy", _energy(told)),
         *(("Driver", line) for line in _torques(told)),
@@ -102,8 +107,8 @@ def _torques(told: dict[str, Any]) -> Iterable[str]:
     for name, body in told["model"]["bodies"].items():
         if body["torque.max"] is not None:
             ideal = body["ideal_torque.max"]
-            largest = f"{body['torque.max']:,.1f} N m{_star(told, f'{name}.torque.max')}"
-            yield f"{name}: largest torque {largest}" + (f", ideal {ideal:,.1f} N m" if ideal is not None else "")
+            largest = amount(body["torque.max"], "N m", spread_of(told, f"{name}.torque.max")) + _star(told, f"{name}.torque.max")
+            yield f"{name}: largest torque {largest}" + (f", ideal {amount(ideal, 'N m')}" if ideal is not None else "") + f" ({part(told)})"
 
 
 def _law_lines(told: dict[str, Any]) -> Iterable[str]:
@@ -135,12 +140,11 @@ def _joint_table(told: dict[str, Any]) -> Table:
     headings = [*_heads(told, "reaction"), *(["ideal", "LIP(F)"] if compared else []), *(["moment"] if moments else [])]
     table = _grid("joint", *headings, *(["penetration"] if depths else []))
     for name, joint in joints.items():
-        force = _amount(_sound(joint["force.max"], joints), "N") + _star(told, f"{name}.force.max")
-        cells = _with_range(told, f"{name}.force.max", force, "N")
+        cells = _with_range(told, f"{name}.force.max", _sound(joint["force.max"], joints), "N", _star(told, f"{name}.force.max"))
         if compared:
-            cells += [_amount(joint["ideal_force.max"], "N"), _percent(told["lip"].get(f"{name}.force"))]
+            cells += [amount(joint["ideal_force.max"], "N"), percent(told["lip"].get(f"{name}.force"), spread_of(told, f"{name}.force.lip"))]
         if moments:
-            cells.append(_amount(joint.get("moment.max"), "N m") + _star(told, f"{name}.moment.max"))
+            cells.append(amount(joint.get("moment.max"), "N m", spread_of(told, f"{name}.moment.max")) + _star(told, f"{name}.moment.max"))
         if depths:
             cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
         table.add_row(Text(name), *cells)
@@ -153,24 +157,38 @@ def _star(told: dict[str, Any], name: str) -> str:
 
 
 def _heads(told: dict[str, Any], what: str) -> list[str]:
-    """A column, and that of its range; the range leads where the run is sensitive."""
-    if not told["ranges"]:
-        return [what]
-    return [f"range of {what}", "this run"] if told["trust"]["sensitive"] else [what, "range"]
+    """A column, that of its range, which leads where the run is sensitive, and that of what varies from turn to turn."""
+    heads = [what]
+    if told["trust"]:
+        heads = [f"range of {what}", "mean" if several(told["turns"]) else "this run"] if told["trust"]["sensitive"] else [what, "range"]
+    return heads + (["lowest to highest turn"] if _varies(told) else [])
 
 
-def _with_range(told: dict[str, Any], name: str, value: str, unit: str) -> list[str]:
+def _varies(told: dict[str, Any]) -> bool:
+    """Whether turns differ by enough to be shown."""
+    if not several(told["turns"]):
+        return False
+    sizes = {name: one for name, one in told["ranges"].items() if name.endswith((".force.max", ".angular_acceleration.max"))}
+    return any(one["highest"] - one["lowest"] > SHOWN * one["highest"] for one in sizes.values())
+
+
+def _with_range(told: dict[str, Any], name: str, value: float, unit: str, mark: str = "") -> list[str]:
     """The cells of those columns: the range in the unit where it leads, else as a share of the value."""
-    one = told["ranges"].get(name)
-    if not told["ranges"]:
-        return [value]
-    if one is None:
-        return [value, ""]
-    if told["trust"]["sensitive"]:
-        return [f"{_amount(one['low'], '').rstrip()} to {_amount(one['high'], unit)}", value]
-    own = told["measures"][name]
-    low, high = ((100.0 * (one[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
-    return [value, f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "± 0.00 %"]
+    one, to = told["ranges"].get(name), spread_of(told, name)
+    shown = amount(value, unit, to) + mark
+    cells = [shown]
+    if told["trust"]:
+        if one is None:
+            cells = [shown, ""]
+        elif told["trust"]["sensitive"]:
+            cells = [f"{amount(one['low'], '', to).rstrip()} to {amount(one['high'], unit, to)}", shown]
+        else:
+            own = told["measures"][name]
+            low, high = ((100.0 * (one[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
+            cells = [shown, f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "± 0.00 %"]
+    if _varies(told):
+        cells.append("" if one is None else f"{amount(one['lowest'], '', to).rstrip()} to {amount(one['highest'], unit, to)}")
+    return cells
 
 
 def _sound(force: float, joints: dict[str, Any]) -> float:
@@ -198,32 +216,10 @@ def _body_table(told: dict[str, Any]) -> Table:
     largest = max(body["angular_acceleration.max"] or 0.0 for body in bodies.values())
     for name, body in bodies.items():
         if (body["angular_acceleration.max"] or 0.0) > NOISE * largest:  # what only slides has none
-            cells = _with_range(told, f"{name}.angular_acceleration.max", _amount(body["angular_acceleration.max"], "rad/s²"), "rad/s²")
+            cells = _with_range(told, f"{name}.angular_acceleration.max", body["angular_acceleration.max"], "rad/s²")
             if compared:
-                ideal = _amount(body["ideal_angular_acceleration.max"], "rad/s²")
-                cells += [ideal, _percent(told["lip"].get(f"{name}.angular_acceleration"))]
+                ideal = amount(body["ideal_angular_acceleration.max"], "rad/s²")
+                to = spread_of(told, f"{name}.angular_acceleration.lip")
+                cells += [ideal, percent(told["lip"].get(f"{name}.angular_acceleration"), to)]
             table.add_row(Text(name), *cells)
     return table
-
-
-def _amount(value: float | None, unit: str) -> str:
-    if value is None:
-        return ""
-    return f"{value:,.1f} {unit}" if value >= 100.0 or value < 1e-6 else f"{value:,.4g} {unit}"
-
-
-def _percent(value: float | None) -> str:
-    return "" if value is None else f"{value:.2f} %"
-
-
-def _over(told: dict[str, Any]) -> str:
-    return "last turn" if (told["run"]["turns"] or 0.0) >= 1.0 - 1e-9 else "whole run"
-
-
-def prefixed(value: float, unit: str) -> str:
-    """A quantity with a prefix that leaves one to three digits before the point."""
-    size = abs(value)
-    for factor, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
-        if size >= factor and not (prefix == "k" and unit in ("s", "m")):
-            return f"{value / factor:.4g} {prefix}{unit}"
-    return f"{value:.4g} {unit}"

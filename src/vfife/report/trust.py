@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..analysis.trust import HALVINGS, trust
 from ..solvers.companions import SENSITIVE
+from .digits import prefixed
+from .turns import stray
 
 if TYPE_CHECKING:
     from ..results.view import View
@@ -33,10 +35,10 @@ def trusted(result: View) -> dict[str, Any]:
 
 
 def verdict(told: dict[str, Any]) -> str:
-    """The sentence that a sensitive run is told by; empty for any other."""
+    """The sentence that a sensitive run, or a motion that is not periodic, is told by; empty for any other."""
     found = told["trust"]
     if not found or not found["sensitive"]:
-        return ""
+        return stray(told)
     if not found["companions"]:
         return (
             f"The step is coarse: {found['measure']} errs by some {100.0 * found['apart']:.2g} %, as a run with half of it tells. "
@@ -47,6 +49,8 @@ def verdict(told: dict[str, Any]) -> str:
             f"This run is sensitive: of its {found['companions']} companions, whose steps are displaced, {found['lost']} left all bounds. "
             "Take a smaller step, and trust no single number."
         )
+    if sentence := stray(told):
+        return sentence
     name, value = found["measure"], told["measures"][found["measure"]]
     low, high = (100.0 * (found[key] / value - 1.0) for key in ("low", "high"))
     unit = next(unit for kind, unit in UNITS.items() if name.endswith(kind))
@@ -74,8 +78,6 @@ def lines(told: dict[str, Any]) -> Iterable[str]:
             f": sensitive (beyond {100.0 * SENSITIVE:g} %)" if found["sensitive"] else ""
         )
     if found["tried"]:
-        from .tables import prefixed
-
         unlike = "first contacts too deep, or energy not accounted for"
         shares = (unlike if one["apart"] is None else f"{100.0 * one['apart']:.2g} %" for one in found["tried"])
         steps = ", ".join(f"{prefixed(one['step'], 's')} ({share})" for one, share in zip(found["tried"], shares, strict=True))

@@ -3,33 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..analysis import forces, motion, stress
+from ..analysis import forces, guides, motion, stress
 from ..analysis.energy import Ledger
 from ..analysis.equilibria import displacement
 from ..kernels.arrays import BY_NAME
 from ..solvers.record import Record
-
-
-@dataclass(frozen=True)
-class Channel:
-    """A series: ``values`` of shape (outputs,) or (outputs, entities), what it is counted over, unit and meaning."""
-
-    values: NDArray[Any]
-    entity: str | None
-    unit: str
-    meaning: str
-
-    @property
-    def dims(self) -> tuple[str, ...]:
-        """Names of the dimensions."""
-        return ("time",) if self.entity is None else ("time", self.entity)
-
+from .channel import GLOBAL, Channel
+from .designed import elastic_channels, ground_channels, slider_channels, stress_channels, wear_channels
 
 # Channel = block of the record, per entity: unit and meaning are those of the block.
 RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
@@ -49,7 +33,7 @@ RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("spring_force_y", "spring_fy"),
         ("spring_moment", "spring_moment"),
     ),
-    "driver": (("driver_torque", "driven_torque"), ("driver_torque_max", "driven_torque_max")),
+    "driver": (("driver_torque", "driven_torque"), ("driver_torque_max", "driven_torque_max"), ("driver_power", "driven_power")),
 }
 
 ENERGIES: Mapping[str, tuple[str, str]] = {
@@ -65,6 +49,10 @@ ENERGIES: Mapping[str, tuple[str, str]] = {
     "driver_work": ("driver", "work of the drivers"),
 }
 
+# Frame of recorded blocks that are components or angles.
+FRAME_OF = dict.fromkeys((*(f"particle_{axis}" for axis in ("x", "y", "theta", "ax", "ay", "aw")), "spring_fx", "spring_fy"), GLOBAL) | {
+    f"frame_{name}": "link" for name in ("axial_force", "moment_1", "moment_2")
+}
 
 # What means nothing in equilibrium.
 MOVING = frozenset(
@@ -72,6 +60,8 @@ MOVING = frozenset(
         *(f"particle_{name}" for name in ("u", "v", "w", "ax", "ay", "aw")),
         "body_angular_velocity", "body_angular_acceleration", "body_angular_acceleration_max",
         "impacts", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
+        "friction_energy", "impact_energy", "friction_power", "impact_power", "sliding_velocity", "pressure_velocity",
+        "slider_velocity", "slider_acceleration", "driver_power",
     )
 )  # fmt: skip
 
@@ -85,6 +75,8 @@ def entities(record: Record) -> dict[str, list[str]]:
         "body": list(assembly.bodies),
         "spring": list(assembly.springs),
         "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],
+        "slider": guides.sliders(record),
+        "elastic": [name for name, where in assembly.bodies.items() if where.elements],
         "element": motion.element_names(record),
         "particle": motion.particle_names(record),
     }
@@ -103,6 +95,7 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
         if entity in present:
             found |= make(record)
             found |= {name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in found}
+    found |= ground_channels(record)
     if record.static:
         return {name: one for name, one in found.items() if name not in MOVING} | _equilibria(record, ledger)
     for name, (term, meaning) in ENERGIES.items():
@@ -127,13 +120,13 @@ def _recorded(record: Record, entity: str, name: str) -> Channel:
         values = values[:, 1:]  # particle 0 is the ground
     elif entity == "body":
         values = values[:, [body.row for body in record.assembly.bodies.values()]]
-    return Channel(values, entity, block.unit, block.meaning.replace(" at step n", ""))
+    return Channel(values, entity, block.unit, block.meaning.replace(" at step n", ""), FRAME_OF.get(name, ""))
 
 
 def _particles(record: Record) -> dict[str, Channel]:
     """Velocities at the time of the output; the record holds those half a step later."""
     return {
-        f"particle_{axis}": Channel(values[:, 1:], "particle", BY_NAME[f"particle_{axis}"].unit, meaning)
+        f"particle_{axis}": Channel(values[:, 1:], "particle", BY_NAME[f"particle_{axis}"].unit, meaning, GLOBAL)
         for (axis, values), meaning in zip(motion.velocities(record).items(), 2 * ["velocity"] + ["angular velocity"], strict=True)
     }
 
@@ -146,15 +139,15 @@ def _bodies(record: Record) -> dict[str, Channel]:
         "angle": ("rad", "angle of a rigid body or of an elastic link's chord"),
         "angular_velocity": ("rad/s", "its rate"),
     }
-    return {f"body_{name}": Channel(moved[name], "body", *text) for name, text in of.items()}
+    return {f"body_{name}": Channel(moved[name], "body", *text, GLOBAL) for name, text in of.items()}
 
 
 def _joints(record: Record) -> dict[str, Channel]:
     force = forces.joint_force(record)
     return {
         "joint_force": Channel(np.hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"),
-        "joint_force_x": Channel(force[..., 0], "joint", "N", "force on the journal"),
-        "joint_force_y": Channel(force[..., 1], "joint", "N", "force on the journal"),
+        "joint_force_x": Channel(force[..., 0], "joint", "N", "force on the journal", GLOBAL),
+        "joint_force_y": Channel(force[..., 1], "joint", "N", "force on the journal", GLOBAL),
         "joint_moment": Channel(forces.joint_moment(record), "joint", "N m", "moment on the journal's body"),
         "joint_force_max": Channel(forces.joint_force_max(record), "joint", "N", "largest joint force since the last output"),
     }
@@ -164,16 +157,14 @@ def _clearances(record: Record) -> dict[str, Channel]:
     away = forces.eccentricity(record)
     said = "0 free flight, 1 a contact began since the last output, 2 continuous contact"
     return {
-        "eccentricity_x": Channel(away[..., 0], "clearance", "m", "journal centre seen from the bearing centre"),
-        "eccentricity_y": Channel(away[..., 1], "clearance", "m", "journal centre seen from the bearing centre"),
+        "eccentricity_x": Channel(away[..., 0], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL),
+        "eccentricity_y": Channel(away[..., 1], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL),
         "mode": Channel(forces.modes(record), "clearance", "1", said),
-    }
+    } | wear_channels(record)
 
 
 def _elements(record: Record) -> dict[str, Channel]:
-    if not stress.known(record):
-        return {}
-    return {"element_stress": Channel(stress.stress(record), "element", "Pa", "largest stress in the outermost fibres")}
+    return stress_channels(record) if stress.known(record) else {}
 
 
 def _nothing(record: Record) -> dict[str, Channel]:
@@ -188,4 +179,6 @@ MADE: Mapping[str, Callable[[Record], dict[str, Channel]]] = {
     "driver": _nothing,
     "particle": _particles,
     "element": _elements,
+    "slider": slider_channels,
+    "elastic": elastic_channels,
 }

@@ -12,6 +12,7 @@ from ..assembly.assembled import Assembly
 from ..errors import RunFileError
 from ..solvers.companions import Beside, Companions, Parting, measured_rows, oldest_needed
 from ..solvers.record import Record
+from ..solvers.repeating import outputs_of_a_turn
 from .provenance import named_rows, rows_named
 from .runfile import RunFile
 
@@ -27,7 +28,11 @@ def kept_companions(assembly: Assembly, shifts: NDArray[np.float64], earlier: Ma
 def beside(record: Record) -> Beside | None:
     """What the companions of a record left, for a run file that is written at its end."""
     found = record.companions
-    return None if found is None else Beside(found.rows, found.told, oldest_needed(record.assembly, int(record.steps[-1])))
+    if found is None:
+        return None
+    choice, outputs = record.assembly.choice, outputs_of_a_turn(record.assembly)
+    steps = 0 if outputs is None else outputs * choice.outputs_every
+    return Beside(found.rows, found.told, oldest_needed(record.assembly, int(record.steps[-1])), found.turns, 1, steps)
 
 
 def restored_companions(file: RunFile, record: Record) -> Companions | None:
@@ -43,4 +48,7 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
     rows = rows.reshape(len(rows), len(names), len(shifts))[window]
     earlier = {name: (float(low), float(high)) for name, (low, high) in meta["earlier"].items()}
-    return Companions(shifts, names, steps[window], rows, parting, tuple(told["lost"]), earlier)
+    turns, outputs = file.turns(), outputs_of_a_turn(record.assembly)
+    some = 0 if outputs is None else (len(record.steps) - 1) // outputs
+    whole = turns[:some] if turns.shape[1:] == rows.shape[1:] and len(turns) >= some else turns[:0]
+    return Companions(shifts, names, steps[window], rows, parting, tuple(told["lost"]), earlier, whole)

@@ -16,7 +16,8 @@ class Comparison:
 
     A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, the largest of the joints whose laws were changed), ``lip_force``
     and ``lip_acceleration`` (%, the largest; None without a reference), ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean of
-    the joints), ``energy_lost`` (J, in damping and friction of the joints), ``energy_error``, ``wall_s``, and ``joints``: each joint's numbers.
+    the joints), ``energy_lost`` (J, in damping and friction of the joints), ``energy_error``, ``wall_s``, ``part`` (of the run,
+    that largest values are of), and ``joints``: each joint's numbers.
     """
 
     mechanism: str
@@ -31,7 +32,7 @@ class Comparison:
 
     def flat(self) -> list[dict[str, Any]]:
         """A map for every run and joint, for tables."""
-        whole = ("status", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
+        whole = ("status", "part", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
         return [
             {"contact": row["contact"], "friction": row["friction"], "joint": name, **numbers, **{key: row[key] for key in whole}}
             for row in self.rows

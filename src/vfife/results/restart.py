@@ -36,6 +36,22 @@ def refuse_ended(record: Record, until: float | None, where: str) -> None:
         raise ResumeError(f"{where}: this run is complete; say how far it is to go on (--until), or start a new one from its end (--start-from)")
 
 
+def refuse_stateless(record: Record, name: str, alike: bool) -> None:
+    """Raises ResumeError where a new run cannot start from the end of a former one: outputs at its end are lost, or the two are cut ``alike`` and
+    the state with the forces in elements and contacts is missing, without which it would be another motion.
+    """
+    if record.final is not None:
+        return
+    last, topology = int(record.steps[-1]), record.assembly.topology
+    if record.reached > last and (gone := [what for what in record.lost if what.startswith("output")]):
+        raise ResumeError(f"the run of {name!r} is damaged ({', '.join(gone)}): where it ended is not known; run the model again")
+    if alike and (topology.contact_bearing or topology.frame_nodes):
+        raise ResumeError(
+            f"the run of {name!r} ({record.status}) has no whole state at its last output; without the forces in its contacts and elastic links "
+            "a new run would begin another motion; bring it to its end first (vfife resume), or start from another run"
+        )
+
+
 def extended(record: Record, until: float, where: str) -> Assembly:
     """The assembly of a run that is to last until a time (s), with the step and the outputs that it has."""
     assembly, choice = record.assembly, record.assembly.choice
@@ -48,7 +64,7 @@ def extended(record: Record, until: float, where: str) -> Assembly:
     if not outputs * choice.outputs_every <= MOST_STEPS:
         raise ResumeError(f"{where}: until {until:.6g} s it takes {until / choice.step:.1e} steps, and no run does more than {MOST_STEPS:.0e}")
     mechanism = assembly.mechanism
-    mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, turns=None, duration=until))
+    mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, turns=None, duration=until, settle=None))
     return dataclasses.replace(assembly, mechanism=mechanism, choice=dataclasses.replace(choice, outputs=outputs))
 
 

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from ..errors import RunFileError, StorageError
 from ..solvers.record import Checkpoint
 from . import formerfile, tables
+from . import meta as known
 from .header import APPLICATION, FORMAT, is_run_file
 from .opening import connected, readable, run_file_at
 from .packing import packed, unpacked
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from ..solvers.companions import Beside
 
 ARRAY = "array."  # of the meta, among the parts of a reference
-KEYS = "*"  # the entry of the meta that names all others
 CHECKPOINTS = 2  # the latest ones are kept
 PART_BYTES = 2**26  # of the reference's rows in one block
 
@@ -97,12 +97,13 @@ class RunFile:
         path = run_file_at(path)
         try:
             file = cls(path, connected(path), gather)
+            if file.sealed:
+                tables.complete(file._connection)
+                return file
         except sqlite3.Error as error:
             raise StorageError(unwritten(str(path), str(error))) from error
-        if not file.sealed:
-            file.close()
-            raise RunFileError(f"{path}: a former version wrote this run, without all it takes to go on; start a new one --start-from it")
-        return file
+        file.close()
+        raise RunFileError(f"{path}: a former version wrote this run, without all it takes to go on; run the model again (vfife run)")
 
     def __enter__(self) -> RunFile:
         return self
@@ -158,6 +159,7 @@ class RunFile:
     def _append(self, steps: NDArray[np.int64], rows: NDArray[np.float64], beside: Beside | None) -> None:
         if int(steps[0]) == 0:
             self._anew()
+            self._insert("copies", known.FIRST, packed(rows[:1]))
         chunk, first = self._counts()
         self._insert("history", chunk, first, len(steps), packed(steps.astype(float)), packed(rows))
         if beside is not None:
@@ -165,6 +167,8 @@ class RunFile:
             values = json.dumps(beside.told), packed(steps[len(steps) - outputs :].astype(float)), packed(beside.rows.reshape(outputs, -1))
             self._insert("companions", first + len(steps) - outputs, outputs, int(steps[-1]), *values)
             self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
+            for turn, values in enumerate(beside.turns, beside.first):
+                self._insert("turns", turn, turn * beside.steps, packed(values))
 
     def _counts(self) -> tuple[int, int]:
         """Chunks and outputs there are."""
@@ -190,7 +194,7 @@ class RunFile:
     def rewind(self, checkpoint: Checkpoint) -> None:
         """Takes away what was written after a checkpoint, from which the run goes on."""
         with self._transaction():
-            for table, column in (("checkpoints", "step"), ("companions", "last")):
+            for table, column in (("checkpoints", "step"), ("companions", "last"), ("turns", "last")):
                 self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
             self._connection.execute("DELETE FROM history WHERE chunk >= ?", (checkpoint.chunks,))
 
@@ -204,12 +208,12 @@ class RunFile:
     @told
     def keep_reference(self, meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Keeps the record of the ideal mechanism beside the run."""
-        entries, arrays = parted(meta)
+        entries, arrays = known.parted(meta)
         parts = {"steps": packed(steps.astype(float))}
         some = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
         parts |= {f"rows.{k}": packed(rows[first : first + some]) for k, first in enumerate(range(0, max(len(rows), 1), some))}
         parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
-        parts["meta"] = json.dumps({**entries, KEYS: sorted(parts)}).encode()
+        parts["meta"] = json.dumps({**entries, known.KEYS: sorted(parts)}).encode()
         with self._transaction(math.inf):
             for part, data in parts.items():
                 self._insert("reference", part, data)
@@ -258,20 +262,11 @@ class RunFile:
             self._connection = connected(self.path)
 
     def _put(self, meta: Mapping[str, Any]) -> None:
-        entries, arrays = parted(meta)
-        for key, value in entries.items():
-            self._insert("meta", key, json.dumps(value))
-        for key, values in arrays.items():
-            self._insert("arrays", key, packed(values))
-        if not entries and not arrays:
-            return
-        known = tables.sound(self._connection, "meta", KEYS)
-        names = {*entries, *arrays, *(json.loads(known[1]) if known else ())}
-        self._insert("meta", KEYS, json.dumps(sorted(names)))
+        known.put(self._connection, self._insert, meta)
 
     def _anew(self) -> None:
         """Takes away what was computed, and says what is computed next."""
-        for table in ("history", "checkpoints", "companions"):
+        for table in ("history", "checkpoints", "companions", "turns"):
             self._connection.execute(f"DELETE FROM {table}")
         self._put(self._next)
         self._next = {}
@@ -297,19 +292,7 @@ class RunFile:
         """What is known of the run: model text, start, versions, step, loop, kept rows, laws, status, summary."""
         if not self.sealed:
             return formerfile.meta(self._connection, self.version)
-        found: dict[str, Any] = {}
-        lost: set[str] = set()
-        for table, column in (("meta", json.loads), ("arrays", unpacked)):
-            for key, row in tables.each(self._connection, table):
-                if row is None:
-                    lost.add(str(key))
-                else:
-                    found[key] = column(row[1])
-        names = found.pop(KEYS, None)
-        if names is None and (found or lost):
-            self._lose("the list of what it says")
-        for name in sorted((lost | set(names or ())) - set(found) - {KEYS}):
-            self._lose(f"its {name}")
+        found = known.read(self._connection, self._lose)
         if not found:
             raise RunFileError(damaged(self, "nothing is left of what it says"))
         return found
@@ -336,12 +319,8 @@ class RunFile:
             rows = np.zeros((0, 0)) if only_steps else formerfile.rows(self._connection, self)
             return formerfile.steps(self._connection), rows
         chunks, total = self._planned()
-        steps, rows, filled, at, last = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0, -1
-        for chunk in range(chunks):
-            part = self._chunk(chunk, last, only_steps)
-            if part is None:
-                continue
-            first, own, values = part
+        steps, rows, filled, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
+        for first, own, values in self._chunks(chunks, only_steps):
             if first > at:
                 self._lose(_missing(at, first))
             if not only_steps and rows.size == 0:
@@ -352,7 +331,7 @@ class RunFile:
             steps[filled : filled + len(own)] = own
             if not only_steps:
                 rows[filled : filled + len(own)] = values
-            filled, at, last = filled + len(own), first + len(own), int(own[-1])
+            filled, at = filled + len(own), first + len(own)
         if at < total:
             self._lose(_missing(at, total))
         return steps[:filled], rows[:filled]
@@ -369,6 +348,17 @@ class RunFile:
                 counts.append((int(row[0]) + 1, int(row[1]) + int(row[2])))
                 break
         return max(chunks for chunks, _ in counts), max(outputs for _, outputs in counts)
+
+    def _chunks(self, chunks: int, only_steps: bool) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.float64]]]:
+        """First output, steps and rows of each chunk that is whole; of the first one, where it is not, at least its first output."""
+        last = -1
+        for chunk in range(chunks):
+            part = self._chunk(chunk, last, only_steps)
+            if part is None and chunk == 0 and (row := known.first_output(self._connection)) is not None:
+                part = 0, np.zeros(1, dtype=np.int64), np.zeros((0, 0)) if only_steps else row
+            if part is not None:
+                last = int(part[1][-1])
+                yield part
 
     def _chunk(self, chunk: int, last: int, only_steps: bool) -> tuple[int, NDArray[np.int64], NDArray[np.float64]] | None:
         """First output, steps and rows of a chunk; None where it is damaged, or its steps do not rise from ``last`` on."""
@@ -402,6 +392,19 @@ class RunFile:
             self._lose("the companions")
             return None
         return (json.loads(chunks[-1][3]), np.concatenate(steps), np.concatenate(parts)) if chunks else None
+
+    @told
+    def turns(self) -> NDArray[np.float64]:
+        """What companions leave of each whole turn, shape (turns, kept, companions); without any where they are damaged, or none were kept."""
+        if not self.sealed or not tables.has(self._connection, "turns"):
+            return np.zeros((0, 0, 0))
+        found = list(tables.each(self._connection, "turns"))
+        rows = [row for _, row in found if row is not None]
+        parts = [unpacked(row[2]) for row in rows]
+        if [row[0] for row in rows] != list(range(1, len(found) + 1)) or len({part.shape for part in parts}) > 1:
+            self._lose("the companions' turns")
+            return np.zeros((0, 0, 0))
+        return np.array(parts) if parts else np.zeros((0, 0, 0))
 
     @told
     def latest(self) -> Checkpoint | None:
@@ -452,7 +455,7 @@ class RunFile:
             return None
         blocks = sorted((key for key in parts if key == "rows" or key.startswith("rows.")), key=lambda key: int(key.partition(".")[2] or 0))
         meta = json.loads(parts.get("meta", b"{}"))
-        if not blocks or not {"meta", "steps", *meta.pop(KEYS, ())} <= set(parts):
+        if not blocks or not {"meta", "steps", *meta.pop(known.KEYS, ())} <= set(parts):
             self._lose("the ideal reference")
             return None
         meta |= {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
@@ -461,12 +464,6 @@ class RunFile:
             self._lose("the ideal reference")
             return None
         return meta, steps, rows
-
-
-def parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
-    """What JSON can say, and arrays."""
-    arrays = {key: value for key, value in meta.items() if isinstance(value, np.ndarray)}
-    return {key: value for key, value in meta.items() if key not in arrays}, arrays
 
 
 def rows_of(path: Path) -> NDArray[np.float64]:

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from ..errors import suggestion
-from .channels import Channel
+from .channel import Channel
 
 if TYPE_CHECKING:
     import xarray
 
-PREFIXES = {entity: f"{entity}_" for entity in ("joint", "body", "driver", "element", "particle", "spring")}
+PREFIXES = {entity: f"{entity}_" for entity in ("joint", "body", "driver", "element", "particle", "spring", "slider", "elastic")}
 
 
 class Series(Mapping[str, "xarray.DataArray"]):
@@ -25,7 +25,7 @@ class Series(Mapping[str, "xarray.DataArray"]):
         self._places: dict[str, tuple[str, str | None, str]] = {}
         for variable, channel in channels.items():
             if channel.entity is None:
-                self._places[variable] = variable, None, ""
+                self._places[_of_the_ground(variable)] = variable, None, ""
                 continue
             quantity = variable.removeprefix(PREFIXES.get(channel.entity, ""))
             for name in entities[channel.entity]:
@@ -38,6 +38,10 @@ class Series(Mapping[str, "xarray.DataArray"]):
         found = self._data()[variable]
         return found if entity is None else found.sel({entity: label})
 
+    def place(self, name: str) -> tuple[str, str | None, str]:
+        """Where a series lies in the data: variable, dimension and name along it; no dimension for one of the whole mechanism."""
+        return self._places[name]
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._places)
 
@@ -46,3 +50,8 @@ class Series(Mapping[str, "xarray.DataArray"]):
 
     def __repr__(self) -> str:
         return f"<{len(self)} series: {', '.join(list(self)[:6])} ...>"
+
+
+def _of_the_ground(variable: str) -> str:
+    """A variable of the ground with the ground as who has it: ``ground.shaking_force``."""
+    return variable.replace("_", ".", 1) if variable.startswith("ground_") else variable

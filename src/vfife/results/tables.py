@@ -19,6 +19,7 @@ from .packing import seal
 COLUMNS = {
     "meta": ("key TEXT PRIMARY KEY", "json TEXT NOT NULL"),
     "arrays": ("key TEXT PRIMARY KEY", "data BLOB NOT NULL"),
+    "copies": ("key TEXT PRIMARY KEY", "data BLOB NOT NULL"),
     "history": ("chunk INTEGER PRIMARY KEY", "first INTEGER NOT NULL", "outputs INTEGER NOT NULL", "steps BLOB NOT NULL", "data BLOB NOT NULL"),
     "checkpoints": ("step INTEGER PRIMARY KEY", "chunks INTEGER NOT NULL", "outputs INTEGER NOT NULL", "more TEXT NOT NULL", "state BLOB NOT NULL"),
     "events": ("number INTEGER PRIMARY KEY", "step INTEGER NOT NULL", "time TEXT NOT NULL", "text TEXT NOT NULL"),
@@ -27,13 +28,25 @@ COLUMNS = {
         "first INTEGER PRIMARY KEY", "outputs INTEGER NOT NULL", "last INTEGER NOT NULL", "told TEXT NOT NULL", "steps BLOB NOT NULL",
         "data BLOB NOT NULL",
     ),
+    "turns": ("turn INTEGER PRIMARY KEY", "last INTEGER NOT NULL", "data BLOB NOT NULL"),
 }  # fmt: skip
-SCHEMA = [f"CREATE TABLE {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in COLUMNS.items()]
+SCHEMA = [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in COLUMNS.items()]
 KEYS = {table: columns[0].split()[0] for table, columns in COLUMNS.items()}
 STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
+
+
+def has(connection: sqlite3.Connection, table: str) -> bool:
+    """Whether a file has a table: one that was written before there was any lacks it."""
+    return connection.execute("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", (table,)).fetchone() is not None
+
+
+def complete(connection: sqlite3.Connection) -> None:
+    """Makes the tables that a file written before there were any lacks."""
+    for statement in SCHEMA:
+        connection.execute(statement)
 
 
 def insert(connection: sqlite3.Connection, table: str, *values: Any) -> int:

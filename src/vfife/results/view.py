@@ -9,15 +9,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis import Ledger, Measures, last_turn, ledger, ranged
+from ..analysis.around import Around, around
+from ..analysis.guides import PointMotion, point_motion
+from ..analysis.impacts import Impacts, impacts
 from ..analysis.motion import times
+from ..analysis.stress import along
+from ..analysis.turns import Turns, turns
 from ..assembly.assembled import Assembly
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
-from .channels import Channel, channels, entities
+from . import wide
+from .channel import Channel
+from .channels import channels, entities
 from .provenance import sources, versions
 from .series import Series
+from .turns import latest_turns
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 LONGEST_ATTRIBUTE = 60000  # bytes; HDF5 takes no attribute beyond 64 KiB
@@ -84,7 +93,8 @@ class View:
     def measures(self) -> Measures:
         """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`.
 
-        Each is a number with ``value``, ``low`` and ``high``, its range over run and companions: :class:`~vfife.analysis.measured.Measured`.
+        Of which turns they are says :attr:`motion`. Each is a number with ``low`` and ``high``, its range over run and companions, and ``lowest``
+        and ``highest``, those of its turns: :class:`~vfife.analysis.measured.Measured`.
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)
 
@@ -94,6 +104,24 @@ class View:
     def channels(self) -> dict[str, Channel]:
         """Series by name, as plain arrays with unit and meaning."""
         return channels(self.record, self.ledger)
+
+    def point(self, name: str) -> PointMotion:
+        """Position, velocity and acceleration of a pin ``body.pin`` at the outputs, global axes; ``.along(direction)`` of a direction of space.
+
+        Raises ValueError with the names there are.
+        """
+        return point_motion(self.record, name)
+
+    @cached_property
+    def impacts(self) -> Impacts:
+        """The contacts that began, one by one as far as the outputs tell them apart: see :func:`vfife.analysis.impacts.impacts`."""
+        return impacts(self.record)
+
+    def around(self, side: str = "bearing", bins: int = 72, last_turn: bool = False) -> Around:
+        """Time in contact, impulse and friction over the angle of each bearing, or "journal", in the frame of its body, in all or of the last turn:
+        see :func:`vfife.analysis.around.around`.
+        """
+        return around(self.record, side, bins, self.last_turn if last_turn else None)
 
     @cached_property
     def data(self) -> xarray.Dataset:
@@ -106,7 +134,10 @@ class View:
         if self.crank_angle is not None:
             said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
             coords["crank_angle"] = ("time", self.crank_angle, said)
-        variables = {name: (one.dims, one.values, {"units": one.unit, "long_name": one.meaning}) for name, one in self.channels.items()}
+        if "element" in coords:
+            said = {"units": "m", "long_name": "middle of the element along its link from the start, or along its member of a frame"}
+            coords["element_position"] = ("element", along(self.record).mean(axis=1), said)
+        variables = {name: (one.dims, one.values, one.attributes) for name, one in self.channels.items()}
         data = xarray.Dataset(variables, coords, self.attributes)
         if "mode" in data:
             data["mode"].attrs |= {
@@ -116,9 +147,39 @@ class View:
         return data
 
     @cached_property
+    def turns(self) -> xarray.Dataset:
+        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see :func:`vfife.results.turns.latest_turns`."""
+        return latest_turns(self)
+
+    @cached_property
+    def motion(self) -> Turns | None:
+        """Whether the turns of the run repeat, from which one on, with which period, and which of them its measures are of; None without turns."""
+        return turns(self.record)
+
+    @cached_property
     def series(self) -> Series:
         """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which ``C.force.max`` is a measure."""
         return Series(self.channels, entities(self.record), lambda: self.data)
+
+    def joint(self, name: str) -> xarray.Dataset:
+        """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a name that no joint has."""
+        return wide.about(self, name, "joint", wide.JOINTS)
+
+    def body(self, name: str) -> xarray.Dataset:
+        """All about one body over time, by quantity, its elements and particles with it. Raises VfifeError for a name that no body has."""
+        return wide.about(self, name, "body", wide.BODIES)
+
+    def spring(self, name: str) -> xarray.Dataset:
+        """All about one spring, stop or bushing over time, by quantity. Raises VfifeError for a name that none has."""
+        return wide.about(self, name, "spring", wide.SPRINGS)
+
+    def to_dataframe(self, *names: str, units: bool = True, fine: bool = False) -> pandas.DataFrame:
+        """One table for pandas: a row an output, the time as its index, a column a series, ``C.force [N]``; without ``units``, ``C.force``.
+
+        ``names``: joints, bodies and springs; all of them unless some are named. ``fine``: elements and particles too. Units and meanings by column
+        are in ``attrs``. Raises VfifeError for a name that nothing has.
+        """
+        return wide.frame(self, names, units, fine)
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -28,6 +28,7 @@ class Asked:
     loop: Loop = "auto"
     force_step: bool = False
     companions: int | str | None = None
+    settle: float | None = None
 
 
 class Arguments:
@@ -77,6 +78,14 @@ class Arguments:
             return None
         return found
 
+    def share(self, name: str, value: Any) -> float | None:
+        """A quantity above 0 and up to 1: a number, or a text in per cent; None stays None."""
+        found = self.quantity(name, value, "1")
+        if found is not None and found > 1.0:
+            self.fault(name, "out of range", value, "a share above 0 and up to 1", 'for example 0.01, or "1 %"')
+            return None
+        return found
+
     def step(self, value: Any) -> float | str | None:
         """A step (s), "auto" or None."""
         if isinstance(value, str) and value.strip().lower() == "auto":
@@ -88,7 +97,9 @@ class Arguments:
             self.faults[-1] = Fault(last.where, last.what, last.value, 'a time above 0 s, or "auto"', 'for example "1 us"')
         return found
 
-    def run(self, *, turns: Any, duration: Any, step: Any, outputs: Any, loop: Any, force_step: Any, companions: Any = None) -> Asked:
+    def run(
+        self, *, turns: Any, duration: Any, step: Any, outputs: Any, loop: Any, force_step: Any, companions: Any = None, settle: Any = None
+    ) -> Asked:
         """The arguments that every run has; of ``turns`` and ``duration`` one at the most."""
         if turns is not None and duration is not None:
             self.fault("turns", "turns and duration exclude each other", turns, "", f"leave out one of them; duration is {told(duration)}")
@@ -96,6 +107,7 @@ class Arguments:
         return Asked(
             self.quantity("turns", turns, "1"), self.quantity("duration", duration, "s"), self.step(step),
             self.count("outputs", outputs), self.loop(loop), bool(force_step), self.companions(companions),
+            self.share("settle", settle),
         )  # fmt: skip
 
     def companions(self, value: Any) -> int | str | None:

@@ -2,7 +2,8 @@
 
 The first step of companion k is k/(n + 1) of a step, with n companions; all else is the same, so onsets of contact and reversals of friction fall
 elsewhere in their steps. Where a result is decided by the motion, all agree; where it is decided by the steps, they part. Of a companion only what
-measures and figures need is kept: extremes, counts, moments and angular accelerations at the outputs of the last turn.
+measures and figures need is kept: extremes, counts, losses, moments and angular accelerations at the outputs of the last turn, and
+one row for each turn before.
 """
 
 from __future__ import annotations
@@ -19,13 +20,15 @@ from ..assembly.assembled import Assembly
 from ..codegen.native import widest
 from ..model.mechanism import MOST_COMPANIONS
 from .record import places
+from .repeating import outputs_of_a_turn
+from .turnrows import TurnRows
 
 Array = NDArray[np.float64]
 
 SENSITIVE = 0.01  # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
 SAMPLED = (
     "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_fastest",
-    "contact_duration",
+    "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work", "contact_friction_power",
 )  # fmt: skip
 
 
@@ -41,8 +44,9 @@ class Parting:
 class Companions:
     """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last turn and the output before it.
 
-    ``shifts`` (1) are their first steps as parts of a step: step n of companion k is at time (n + shifts[k]) dt. ``lost`` are those whose
-    numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice the step that was given up.
+    ``turns`` has one row for each whole turn, shape (turns, kept, companions): the largest of extremes, the last of all else; without any where
+    turns cannot be told. ``shifts`` (1) are their first steps as parts of a step: step n of companion k is at time (n + shifts[k]) dt. ``lost``
+    are those whose numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice the step that was given up.
     """
 
     shifts: Array
@@ -52,6 +56,7 @@ class Companions:
     parting: Parting | None = None
     lost: tuple[int, ...] = ()
     earlier: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
 
     @property
     def told(self) -> dict[str, Any]:
@@ -89,11 +94,16 @@ def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
 
 @dataclass(frozen=True)
 class Beside:
-    """What belongs to the last of some outputs: rows of the companions, what is told of them, and the oldest step that is still needed."""
+    """What belongs to the last of some outputs: rows of the companions, what is told of them, and the oldest step that is still needed; rows of
+    whole turns that end with them.
+    """
 
     rows: Array
     told: dict[str, Any]
     oldest: int
+    turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))  # rows of turns that end here
+    first: int = 1  # the number of the first of them
+    steps: int = 0  # of a turn
 
 
 @dataclass
@@ -111,6 +121,7 @@ class Gathering:
         self.columns = places(self.recorded, self.kept)
         self.watch = Watch(self.assembly, self.recorded)
         self.parts: deque[tuple[NDArray[np.int64], Array]] = deque()
+        self.turnly = turn_rows(self.assembly, self.kept)
 
     def take(self, steps: NDArray[np.int64], rows: Array) -> Beside:
         """Outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
@@ -123,19 +134,26 @@ class Gathering:
         oldest = self.oldest(int(steps[-1])) if len(steps) else 0
         while len(self.parts) > 1 and len(self.parts[0][0]) and self.parts[0][0][-1] < oldest:
             self.parts.popleft()
-        return Beside(part, Companions(self.shifts, self.kept, steps, part, self.parting, tuple(sorted(self.lost))).told, oldest)
+        told = Companions(self.shifts, self.kept, steps, part, self.parting, tuple(sorted(self.lost))).told
+        if self.turnly is None:
+            return Beside(part, told, oldest)
+        ended = self.turnly.take(part[1:] if len(steps) and steps[0] == 0 else part)
+        first = len(self.turnly.turns) - ended
+        turns = np.array(self.turnly.turns[first:]).reshape(ended, len(self.kept), count)
+        return Beside(part, told, oldest, turns, first + 1, self.turnly.outputs * self.assembly.choice.outputs_every)
 
     @property
     def remembered(self) -> dict[str, Any]:
         """What a checkpoint keeps of this, beside the rows that a file has."""
         watch = self.watch
         told = Companions(self.shifts, self.kept, watch.steps, self.shifts, self.parting, tuple(sorted(self.lost))).told
+        told |= {"turn": None if self.turnly is None else self.turnly.remembered}
         if watch.forces is None or watch.largest is None:
             return {**told, "watch": None}
         return {**told, "watch": [watch.steps.tolist(), watch.forces.tolist(), watch.largest.tolist()]}
 
-    def restore(self, remembered: Mapping[str, Any], kept: tuple[dict[str, Any], NDArray[np.int64], Array] | None) -> None:
-        """Takes up what a checkpoint remembers, and rows that a file has, shape (outputs, kept times companions)."""
+    def restore(self, remembered: Mapping[str, Any], kept: tuple[dict[str, Any], NDArray[np.int64], Array] | None, turns: Array) -> None:
+        """Takes up what a checkpoint remembers, and rows that a file has, shapes (outputs, kept times companions) and (turns, the same)."""
         parting = remembered["parting"]
         self.parting, self.lost = None if parting is None else Parting(float(parting[0]), str(parting[1])), set(remembered["lost"])
         if remembered["watch"] is not None and remembered["watch"][0]:
@@ -147,6 +165,11 @@ class Gathering:
         if kept is not None:
             _, steps, rows = kept
             self.parts = deque([(steps, rows.reshape(len(rows), len(self.kept), len(self.shifts)))])
+        if self.turnly is not None:
+            if remembered.get("turn") is None:  # of a version that kept none
+                self.turnly = None
+            else:
+                self.turnly.restore(remembered["turn"], list(turns.reshape(len(turns), len(self.kept), len(self.shifts))))
 
     def oldest(self, last: int) -> int:
         """The output before the turn that ends with a step."""
@@ -157,7 +180,10 @@ class Gathering:
         steps = np.concatenate([steps for steps, _ in self.parts])
         rows = np.concatenate([rows for _, rows in self.parts])
         window = (steps >= self.oldest(last)) & (steps <= last)
-        return Companions(self.shifts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost)))
+        found = Companions(self.shifts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost)))
+        if self.turnly is not None:
+            found.turns = self.turnly.array(len(self.shifts), last // self.assembly.choice.outputs_every)
+        return found
 
 
 class Watch:
@@ -194,6 +220,12 @@ class Watch:
             return None
         output, contact = np.argwhere(over)[0]
         return Parting(float(steps[output + 1] * self.assembly.choice.step), self.assembly.contact_joints[contact])
+
+
+def turn_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> TurnRows | None:
+    """What gathers these rows of S into one a turn; None where a turn holds no whole number of outputs."""
+    outputs, extreme = outputs_of_a_turn(assembly), set(assembly.layout.of("extreme"))
+    return None if outputs is None else TurnRows(outputs, np.array([int(row) in extreme for row in kept]))
 
 
 def oldest_needed(assembly: Assembly, last: int) -> int:

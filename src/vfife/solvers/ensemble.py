@@ -28,12 +28,11 @@ from ..model.validate import validate
 from .arguments import Arguments, Loop
 from .pace import Pace
 from .record import Record, recorded_rows
+from .repeating import compared_rows, distance
 from .status import Status
 from .transient import choose_loop
 
 Array = NDArray[np.float64]
-
-REPEATED = ("body_alpha", "contact_normal_force")  # beside the extremes, what two turns are compared by
 
 
 @dataclass
@@ -213,8 +212,8 @@ class _Lane:
         layout = self.assembly.layout
         extreme = set(layout.of("extreme"))
         self.extreme = np.array([int(row) in extreme for row in self.kept])
-        rows = {row for name in REPEATED for row in layout[name].tolist()}
-        self.repeated = self.extreme | np.array([int(row) in rows for row in self.kept])
+        rows = set(compared_rows(layout))
+        self.repeated = np.array([int(row) in rows for row in self.kept])
         self.rows = np.zeros((0, len(self.kept)))
 
     @property
@@ -253,13 +252,3 @@ class _Lane:
         turns = Record(self.assembly, np.arange(0, end + 1, per, dtype=np.int64) * every, np.array(self.summaries), self.kept, status=self.status)
         last = Record(self.assembly, outputs * every, self.rows, self.kept, status=self.status)
         return Member(turns, last, np.array(self.distances), self.settled, self.status)
-
-
-def distance(before: Array, after: Array) -> float:
-    """How far two turns lie apart: the largest difference at an output over the largest absolute value of a quantity, of all the worst.
-
-    Shapes (outputs, quantities). A quantity that is zero in both turns does not count.
-    """
-    size = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
-    apart = np.abs(after - before).max(axis=0)
-    return float(np.max(np.divide(apart, size, out=np.zeros_like(apart), where=size > 0.0), initial=0.0))

@@ -48,6 +48,9 @@ class Writer(Protocol):
     def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], Rows] | None:
         """What is told of the companions, their steps and rows, as far as they are still needed."""
 
+    def turns(self) -> Rows:
+        """What companions leave of each whole turn, shape (turns, kept, companions)."""
+
     def event(self, step: int, text: str) -> None:
         """Notes what happened after a step."""
 

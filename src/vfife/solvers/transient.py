@@ -20,6 +20,7 @@ from .halt import Halt
 from .pace import Pace
 from .progress import Progress
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
+from .repeating import Settling
 from .status import Status
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
@@ -96,6 +97,8 @@ class Stepping:
         self.kept_at, self.last, self.cost = -1, time.monotonic(), 0.0
         self.first: Rows | None = None
         self.judged, self.open = time.monotonic(), False
+        settle = assembly.mechanism.settings.settle
+        self.settling = None if settle is None else Settling(assembly, self.kept, settle)
 
     # ---------------------------------------------------------------------------------------------------------- begin
 
@@ -119,14 +122,16 @@ class Stepping:
         if self.file is not None and self.judge is not None:
             self.first = self.file.later()()[:1]
         if self.gathering is not None and self.file is not None:
-            self.gathering.restore(resume.more["companions"], self.file.companions())
+            self.gathering.restore(resume.more["companions"], self.file.companions(), self.file.turns())
+        if self.settling is not None and self.file is not None:
+            self.settling.restore(self.file.later()())
 
     # ------------------------------------------------------------------------------------------------------------ go on
 
     def to_the_end(self, progress: Callable[[Progress], None] | None) -> Status:
         """Chunk by chunk; each is whole before a signal is heard."""
         choice = self.assembly.choice
-        while self.done < choice.steps:
+        while not self.ended:
             before, self.before[:] = self.runner.done, self.runner.S
             self.whole = False
             sound = self._chunk()
@@ -142,6 +147,11 @@ class Stepping:
         return Status.COMPLETE
 
     @property
+    def ended(self) -> bool:
+        """Whether nothing is left to do: all steps are made, or turns repeat and were asked to."""
+        return self.done >= self.assembly.choice.steps or (self.settling is not None and self.settling.ended)
+
+    @property
     def wall(self) -> float:
         """Seconds of stepping, those before the checkpoint with them."""
         return self.earlier + self.pace.seconds
@@ -151,6 +161,8 @@ class Stepping:
         choice = self.assembly.choice
         inside = self.done % choice.outputs_every
         some = min(self.pace.room // choice.outputs_every, choice.outputs - self.done // choice.outputs_every, self.most)
+        if self.settling is not None and self.settling.room:
+            some = min(some, self.settling.room)  # a turn is looked at when it ends
         if inside == 0 and some > 0:
             return self._keep(self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, some))
         piece = min(max(self.pace.room, 1), choice.outputs_every - inside)
@@ -176,11 +188,13 @@ class Stepping:
         beside = self.gathering.take(steps, every[:sound]) if self.gathering is not None and sound else None
         if sound:
             self.done = int(steps[-1])
+        if self.settling is not None and sound == len(rows):
+            self.settling.take(rows[1:] if first == 0 else rows)
         self._look(steps, rows[:sound])
         if self.file is None:
             self.parts.append(rows[:sound])
         else:
-            due = time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost) or self.done == self.assembly.choice.steps
+            due = time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost) or self.ended
             began = time.monotonic()
             self.file.append(steps, rows[:sound], beside, self._checkpoint() if due and sound == len(rows) else None)
             if due and sound == len(rows):

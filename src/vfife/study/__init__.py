@@ -1,1 +1,1 @@
-"""Many runs of one question."""
+"""Many runs of one question, and one run that a script steps."""

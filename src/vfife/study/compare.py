@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 from ..errors import suggestion
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
+from ..report.turns import part_of
 from ..result import Result
 from ..results.comparison import Comparison
 from ..simulation import Prepared, carry_out, prepare, reference_of
 from ..solvers.arguments import Arguments, Asked, Loop
 from ..solvers.progress import Progress
 from ..solvers.status import Status
+from .parts import Parts
 
 Choice = str | Law | type[Law]
 PER_JOINT = ("force.max", "penetration.max", "impacts", "grazing", "deep_landings", "share.continuous_contact")
@@ -34,6 +37,7 @@ def compare(
     loop: Loop = "auto",
     force_step: bool = False,
     companions: int | str = 0,
+    folder: str | Path | None = None,
 ) -> Comparison:
     """Runs a mechanism under every pair of the given laws, and under its own where a kind is not given.
 
@@ -41,22 +45,29 @@ def compare(
     field of the same name and unit (restitution, coefficient ...), else its defaults. ``joints``: those whose laws are changed, all with clearance
     if left out. ``progress`` receives the name of each run before it starts and may return a call for :func:`~vfife.simulate`; the others are
     arguments of that; without companions, which are none unless asked for, an automatic step is the finer one that nobody has to look at.
-    Ctrl-C ends with the runs that are complete. Raises ValueError with every law that cannot be used, before the first run.
+    Ctrl-C ends with the runs that are complete. In a ``folder`` (there already) they are kept until all are, so that the same comparison, broken
+    off or killed, goes on after them. Raises ValueError with every law that cannot be used, before the first run, and StorageError where a run
+    cannot be kept.
     """
     given = Arguments("compare")
     given.mechanism(mechanism)
     asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions)
     given.callable("progress", progress)
+    given.one_of("folder", folder, (str, Path, type(None)), "a folder")
     given.tell()
     names = chosen_joints(mechanism, joints)
     variants = list(varied(mechanism, contact, friction, names))
     reference = reference_of(mechanism, asked.turns, asked.duration)
     ready = prepared(variants, reference, asked)
     found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
+    parts = Parts(folder)
     for number, (label, one) in enumerate(ready, 1):
         try:
             told = progress(f"{number} of {len(variants)}: {label}") if progress is not None else None
-            result = carry_out(one, progress=told)
+            if (result := parts.found(one)) is None:
+                result = carry_out(one, progress=told)
+                if result.record.status == Status.COMPLETE and number < len(ready):
+                    parts.keep(one, result)
         except KeyboardInterrupt:
             break
         if result.record.status == Status.INTERRUPTED:
@@ -153,6 +164,7 @@ def numbers_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
         "contact": noun.contact.name,
         "friction": noun.friction.name,
         "status": result.record.status,
+        "part": part_of(result),
         "force": max(one["force.max"] for one in each.values()),
         "lip_force": max(lips, default=None),
         "lip_acceleration": max(lip, default=None),

@@ -15,6 +15,7 @@ def check_settings(checks: Checks) -> None:
     if settings.analysis == "static":
         check_static(checks, settings)
         return
+    check_settle(checks, settings)
     given = [getattr(settings, key) is not None or checks.told(("run", key)) for key in ("turns", "duration")]
     if all(given):
         checks.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
@@ -26,9 +27,19 @@ def check_settings(checks: Checks) -> None:
         checks.add(("run", "turns"), "nothing is driven, so there are no turns to count", "give a duration instead")
 
 
+def check_settle(checks: Checks, settings: Any) -> None:
+    """Turns that are to repeat are those of a crank at constant speed."""
+    drivers: dict[str, Any] = dict(checks.mechanism.drivers)  # of which some may not have been read
+    moving = [driver for driver in drivers.values() if driver is not None and driver.moves]
+    if settings.settle is None or checks.told(("run", "settle")):
+        return
+    if not any(driver.steady_speed for driver in moving) or any(driver.steady_speed is None for driver in moving):
+        checks.add(("run", "settle"), "no crank turns at constant speed, so there are no turns that could repeat", "leave it out, and say how long")
+
+
 def check_static(checks: Checks, settings: Any) -> None:
     """Load factors take the place of time, so nothing has a duration or a speed."""
-    for key in ("turns", "duration"):
+    for key in ("turns", "duration", "settle"):
         if getattr(settings, key) is not None:
             remedy = "remove it; load_factors = [...] says for which loads equilibrium is sought"
             checks.add(("run", key), "a static analysis takes no time", remedy)

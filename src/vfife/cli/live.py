@@ -1,0 +1,45 @@
+"""``vfife live``: a page in which a mechanism runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import LawsOption, SetOption, overrides, take_laws
+from .terminal import amount_of_bytes, sentences, tell, writing
+
+Source = Annotated[Path, typer.Argument(metavar="MODEL|RUN", help="Model file, or the folder of a run, whose step it takes.", show_default=False)]
+Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="The page.", show_default="MODEL.html")]
+SLIDE = "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; others than these there are none then."
+Slide = Annotated[list[str] | None, typer.Option("--slide", metavar="PATH=LOW..HIGH", help=SLIDE)]
+NoSlide = Annotated[bool, typer.Option("--no-sliders", help="Without any slider.")]
+
+
+def live(
+    source: Source, out: Out = None, slide: Slide = None, no_sliders: NoSlide = False, set_: SetOption = None, laws: LawsOption = None
+) -> None:
+    """Write a page in which the mechanism runs: one file, opened from disk in any browser, without a server or a network.
+
+    It steps with the bits of vfife run --companions 0. Sliders change every clearance, the speed of drivers, friction and restitution,
+    unless --slide names others.
+    """
+    with sentences(str(source)):
+        from ..live import asked_slides, default_slides, model_of
+        from ..live.page import LARGEST, written
+        from ..live.patches import patched
+
+        take_laws(laws)
+        mechanism, step = model_of(source, overrides(set_))
+        slides = [] if no_sliders else asked_slides(mechanism, slide) if slide else default_slides(mechanism)
+        found = patched(mechanism, slides, step)
+        page = written(found).encode("utf-8")
+        place = out if out is not None else Path(f"{(source.resolve() if source.is_dir() else source).stem}.html")
+        if len(page) > LARGEST:
+            raise ValueError(f"the page takes {amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may; slide less")
+    for note in found.notes:
+        tell("note", f"{note}.")
+    with writing(str(place)):
+        place.write_bytes(page)
+    typer.echo(f"{place}: {amount_of_bytes(len(page))}, sliders: {', '.join(one.name for one in found.slides) or 'none'}; open it in a browser.")

@@ -1,0 +1,9 @@
+"""Pages in which a mechanism runs: one file with its step as JavaScript, its numbers, and what draws them; no server, no network."""
+
+from __future__ import annotations
+
+from .page import live_page
+from .sliders import Slide, asked_slides, default_slides
+from .together import model_of
+
+__all__ = ["Slide", "asked_slides", "default_slides", "live_page", "model_of"]

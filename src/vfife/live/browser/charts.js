@@ -1,0 +1,242 @@
+// Charts over the turns shown: forces against the ideal mechanism, phase portrait, spectrum, energies.
+
+// First output of each turn shown, and how many outputs it has; without a crank all of the run so far.
+function turnsOf(running) {
+  const { store } = running;
+  if (!perTurn) return store.end > 1 ? [{ first: 0, count: store.end - 1 }] : [];
+  return running.turns.shown
+    .filter((turn) => turn.first >= store.begin && turn.last - turn.first === perTurn)
+    .map(({ first }) => ({ first, count: perTurn }));
+}
+
+// The turn that the head is in where it is there whole, else the last one that is.
+function turnAt(running, head) {
+  const { store } = running;
+  if (!perTurn) return turnsOf(running)[0];
+  const first = perTurn * Math.floor(Math.min(head, store.end - 1) / perTurn);
+  const whole = [first, first - perTurn].find((begin) => begin >= store.begin && begin + perTurn < store.end);
+  return whole === undefined ? turnsOf(running).at(-1) : { first: whole, count: perTurn };
+}
+
+// Where outputs of a turn lie on the axis: degrees of the crank since its begin, or seconds.
+function axisOf(running) {
+  if (perTurn) return { low: 0, high: 360, label: "crank angle (°)", angle: true, of: (k) => (360 * k) / perTurn };
+  const end = wholeRun * running.reader.interval;
+  const [factor, unit] = scaleOf(end, "s");
+  return { low: 0, high: factor * end, label: `time (${unit})`, of: (k) => factor * k * running.reader.interval };
+}
+
+const largestOf = (lists) => lists.reduce((most, list) => list.reduce((one, value) => Math.max(one, value), most), 0);
+
+// Largest forces in each interval of a turn, as an array.
+function forcesOf(reader, store, { first, count }, name) {
+  return Float64Array.from({ length: count + 1 }, (_, k) => reader.forceMax(store.data, store.offset(first + Math.max(k, first ? 0 : 1)), name));
+}
+
+function drawForces(pen, width, height, running, head, other) {
+  const turn = turnAt(running, head);
+  if (!turn) return waiting(pen, width, height);
+  const x = axisOf(running);
+  const xs = Array.from({ length: turn.count + 1 }, (_, k) => x.of(k));
+  const now = forcesOf(running.reader, running.store, turn, selected.joint);
+  const turns = turnsOf(running).map((one) => forcesOf(running.reader, running.store, one, selected.joint));
+  const others = other && turnAt(other, head) ? forcesOf(other.reader, other.store, turnAt(other, head), selected.joint) : null;
+  const without = idealForces(running);
+  const largest = largestOf([now, ...turns, ...(others ? [others] : []), ...(without ? [without.ys] : [])]);
+  const [factor, unit] = scaleOf(largest, "N");
+  const scaled = (list) => Array.from(list, (value) => factor * value);
+  const legend = [["this setting", ink.accent]];
+  if (turns.length > 1) legend.push([`range over ${running.turns.words}`, ink.accent, [], 7]);
+  if (without) legend.push(["ideal", ink.ideal, [8, 4]]);
+  if (others) legend.push(["kept setting", ink.other, [3, 2]]);
+  const axes = new Axes(pen, width, height, x, { low: 0, high: factor * largest || 1, label: `force (${unit})` }, legend);
+  if (turns.length > 1) {
+    const lows = xs.map((_, k) => factor * Math.min(...turns.map((one) => one[k])));
+    const highs = xs.map((_, k) => factor * Math.max(...turns.map((one) => one[k])));
+    axes.band(xs, lows, highs, ink.accent);
+  }
+  if (others) axes.line(xs, scaled(others), { colour: ink.other, width: 1.5, dash: [3, 2] });
+  axes.line(xs, scaled(now), { colour: ink.accent });
+  if (without) axes.line(without.xs, scaled(without.ys), { colour: ink.ideal, width: 2.2, dash: [8, 4] });
+  axes.cursor(x.of(perTurn ? (((head - turn.first) % perTurn) + perTurn) % perTurn : head));
+}
+
+// The ideal turn's forces of the joint that is chosen; it turns as the mechanism does, in steps of its own.
+function idealForces({ idealReader, idealStore }) {
+  if (!idealStore || idealStore.end <= ideal.perTurn || !(selected.joint in ideal.joints)) return null;
+  const ys = forcesOf(idealReader, idealStore, { first: 0, count: ideal.perTurn }, selected.joint);
+  return { xs: Array.from(ys, (_, k) => (360 * k) / ideal.perTurn), ys };
+}
+
+// ---------------------------------------------------------------------------------------------------------------- phase
+
+// What may be shown in phase: angle of each body, and how its centre moves along x and y.
+const QUANTITIES = { angle: ["rad", "angle"], x: ["m", "x"], y: ["m", "y"] };
+
+function phaseOf({ reader, store }, { first, count }) {
+  const body = given.bodies.find((one) => one.name === selected.body);
+  const found = { xs: [], ys: [] };
+  let [last, whole] = [null, 0];
+  for (let k = first; k <= first + count; k++) {
+    const at = store.offset(k);
+    let pair = null;
+    if (selected.quantity === "angle") {
+      pair = reader.turn(store.data, at, body);
+      if (last !== null) whole -= Math.round((pair[0] + whole - last) / (2 * Math.PI)) * 2 * Math.PI;
+      last = pair[0] + whole;
+      pair = [last, pair[1]];
+    } else {
+      const [x, y, vx, vy] = reader.point(store.data, at, body.centre);
+      pair = selected.quantity === "x" ? [x, vx] : [y, vy];
+    }
+    found.xs.push(pair[0]);
+    found.ys.push(pair[1]);
+  }
+  const [low, high] = [Math.min(...found.xs), Math.max(...found.xs)];
+  if (selected.quantity === "angle" && high - low > 6) found.xs = found.xs.map((value) => value - found.xs[0]); // it turns round
+  return found;
+}
+
+function drawPhase(pen, width, height, running, head, other) {
+  const turn = turnAt(running, head);
+  if (!turn) return waiting(pen, width, height);
+  const all = turnsOf(running).map((one) => phaseOf(running, one));
+  const now = phaseOf(running, turn);
+  const others = other && turnAt(other, head) ? phaseOf(other, turnAt(other, head)) : null;
+  const lists = [...all, now, ...(others ? [others] : [])];
+  const [unit, name] = QUANTITIES[selected.quantity];
+  const size = (key) => largestOf(lists.map((one) => one[key].map(Math.abs)));
+  const [fx, ux] = unit === "rad" ? [180 / Math.PI, "°"] : scaleOf(size("xs"), unit);
+  const [fy, uy] = unit === "rad" ? [1, "rad/s"] : [scaleOf(size("ys"), unit)[0], `${scaleOf(size("ys"), unit)[1]}/s`];
+  const range = (key, factor) => {
+    const values = lists.flatMap((one) => one[key]);
+    const [low, high] = [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))];
+    const least = 1e-9 * (unit === "rad" ? 1 : scene.size) * (key === "ys" ? 1 / running.reader.interval : 1); // below it there is but round-off
+    const room = Math.max(0.02 * (high - low), high - low < least ? least : 0);
+    return { low: factor * (low - room), high: factor * (high + room) };
+  };
+  const axes = new Axes(
+    pen,
+    width,
+    height,
+    { ...range("xs", fx), label: `${name} (${ux})` },
+    { ...range("ys", fy), label: `its rate (${uy})`, exact: true },
+  );
+  const scaled = ({ xs, ys }) => [xs.map((value) => fx * value), ys.map((value) => fy * value)];
+  for (const one of all) axes.line(...scaled(one), { colour: ink.accent, width: 1, alpha: 0.3 });
+  if (others) axes.line(...scaled(others), { colour: ink.other, width: 1.3, dash: [3, 2] });
+  axes.line(...scaled(now), { colour: ink.accent });
+  const k = Math.round(head - turn.first);
+  if (k >= 0 && k <= turn.count) axes.dot(fx * now.xs[k], fy * now.ys[k], ink.warm);
+}
+
+// ------------------------------------------------------------------------------------------------------------- spectrum
+
+// Amplitudes of a series at whole numbers of waves in it; a Hann window where it does not repeat itself.
+function amplitudes(values, window) {
+  const count = values.length;
+  const most = Math.min(Math.floor(count / 2), 1400);
+  const cosines = Float64Array.from({ length: count }, (_, k) => Math.cos((2 * Math.PI * k) / count));
+  const weighed = window ? values.map((value, k) => value * (1 - cosines[k])) : values;
+  return Float64Array.from({ length: most }, (_, order) => {
+    let [re, im] = [0, 0];
+    for (let k = 0, at = 0; k < count; k++) {
+      re += weighed[k] * cosines[at];
+      im += weighed[k] * cosines[(at + 3 * (count >> 2)) % count]; // the sine, where a quarter of the count is whole
+      at += order;
+      if (at >= count) at -= count;
+    }
+    return ((order ? 2 : 1) * Math.hypot(re, im)) / count;
+  });
+}
+
+function seriesOf({ reader, store }, { first, count }) {
+  const four = count - (count % 4);
+  return Float64Array.from({ length: four }, (_, k) => Math.hypot(...reader.force(store.data, store.offset(first + 1 + k), selected.joint)));
+}
+
+const spectra = new Map(); // what was found for a run, until it goes on
+
+// Orders of the crank, or frequencies, and amplitudes there: the root of the mean square over the turns shown.
+function spectrumOf(running) {
+  const turns = turnsOf(running).slice(-4);
+  if (!turns.length || (!perTurn && turns[0].count < 16)) return null;
+  const key = `${running.id} ${turns[0].first} ${turns.at(-1).first + turns.at(-1).count} ${selected.joint}`;
+  if (spectra.get(running)?.key !== key) {
+    const each = turns.map((turn) => amplitudes(seriesOf(running, turn), !perTurn));
+    const ys = each[0].map((_, k) => Math.sqrt(each.reduce((sum, one) => sum + one[k] ** 2, 0) / each.length));
+    const span = perTurn ? 1 : turns[0].count * running.reader.interval;
+    spectra.set(running, { key, xs: Array.from(ys, (_, k) => k / span), ys });
+  }
+  return spectra.get(running);
+}
+
+function drawSpectrum(pen, width, height, running, _head, other) {
+  const own = spectrumOf(running);
+  if (!own) return waiting(pen, width, height);
+  const others = other && spectrumOf(other);
+  const largest = Math.max(largestOf([own.ys, ...(others ? [others.ys] : [])]), 1e-12);
+  const top = 10 ** Math.ceil(Math.log10(largest) + 0.05);
+  const label = perTurn ? "order of the crank" : "frequency (Hz)";
+  const axes = new Axes(
+    pen,
+    width,
+    height,
+    { low: 0, high: own.xs.at(-1), label },
+    { low: top * 1e-6, high: top, label: "amplitude (N)", log: true },
+  );
+  if (others) axes.line(others.xs, others.ys, { colour: ink.other, width: 1, dash: [3, 2] });
+  axes.line(own.xs, own.ys, { colour: ink.accent, width: 1.2 });
+}
+
+// --------------------------------------------------------------------------------------------------------------- energy
+
+const LEDGER = [
+  ["kinetic", ["kinetic"]],
+  ["elastic", ["strain", "contact", "spring"]],
+  ["lost", LOST],
+  ["supplied", SUPPLIED],
+];
+
+function energiesOf(running, turn) {
+  const { reader, store } = running;
+  const stride = Math.max(1, Math.floor(turn.count / 180));
+  const found = [];
+  for (let k = 0; k <= turn.count; k += stride)
+    found.push({ k, terms: reader.ledger(store.data, store.offset(turn.first + k), turn.first + k === 0) });
+  return found;
+}
+
+function drawEnergy(pen, width, height, running, head) {
+  const turn = turnAt(running, head);
+  if (!turn) return waiting(pen, width, height);
+  const x = axisOf(running);
+  const found = energiesOf(running, turn);
+  const xs = found.map(({ k }) => x.of(k));
+  const before = found[0].terms;
+  const lines = LEDGER.map(([name, terms], k) => {
+    const since = k > 1 ? summed(before, terms) : 0; // works count from the begin of the turn
+    return [name, found.map((one) => summed(one.terms, terms) - since)];
+  });
+  const all = lines.flatMap(([, values]) => values);
+  const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)];
+  const [factor, unit] = scaleOf(Math.max(high, -low), "J");
+  const legend = lines.map(([name], k) => [k > 1 && perTurn ? `${name} in the turn` : name, ink.bodies[k], DASHES[k]]);
+  const axes = new Axes(pen, width, height, x, { low: factor * low, high: factor * high || 1, label: `energy (${unit})` }, legend);
+  lines.forEach(([, values], k) => {
+    axes.line(
+      xs,
+      values.map((value) => factor * value),
+      { colour: ink.bodies[k], dash: DASHES[k], width: 1.8 },
+    );
+  });
+  axes.cursor(x.of(perTurn ? (((head - turn.first) % perTurn) + perTurn) % perTurn : head));
+}
+
+function waiting(pen, width, height) {
+  pen.fillStyle = ink.grey;
+  pen.font = `12px ${FONT}`;
+  pen.textAlign = "center";
+  pen.textBaseline = "middle";
+  pen.fillText(perTurn ? "the first turn is being stepped …" : "being stepped …", width / 2, height / 2);
+}

@@ -1,0 +1,324 @@
+// The page: clock, controls, cards, keys.
+
+const $ = (id) => document.getElementById(id);
+const selected = { joint: null, body: null, quantity: "angle" };
+const told = (text) => {
+  $("told").textContent = text;
+};
+
+readTheme();
+selected.joint = given.contacts[0]?.joint ?? Object.keys(own.joints)[0] ?? null;
+selected.body = (turning.at(-1) ?? given.bodies.at(-1)).name;
+
+const scene = new Scene();
+const running = new Running();
+let other = null; // the setting that is kept to compare with
+const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+const clock = { head: perTurn ?? 0, wanted: 0, playing: !still, speed: 1, last: 0, dragged: false, sized: false };
+const wholeTurns = perTurn ?? wholeRun;
+const firstUntil = perTurn ? (TURNS - 1) * perTurn + 1 : wholeRun + 1;
+const sliders = new Sliders($("slides"), changed);
+
+function changed(setting) {
+  if (perTurn) clock.head = perTurn * Math.min(Math.floor(clock.head / perTurn), 1) + (clock.head % perTurn);
+  else clock.head = Math.min(clock.head, wholeRun);
+  clock.wanted = clock.head;
+  told("");
+  running.begin(setting, Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns)));
+  dirty(true);
+}
+
+// ------------------------------------------------------------------------------------------------------------------ cards
+
+const cards = [
+  { id: "forces", title: "Joint forces over the crank angle", draw: drawForces, when: Boolean(selected.joint), choose: ["joint"] },
+  { id: "orbits", title: "Journals in their bearings", draw: drawOrbits, when: given.contacts.length > 0, choose: [] },
+  { id: "phase", title: "Phase portrait", draw: drawPhase, when: true, choose: ["body", "quantity"] },
+  { id: "spectrum", title: "Spectrum of the force", draw: drawSpectrum, when: Boolean(selected.joint), choose: ["joint"] },
+  { id: "energy", title: "Energy", draw: drawEnergy, when: true, choose: [], note: true },
+].filter(({ when }) => when);
+if (!perTurn && cards[0]?.id === "forces") cards[0].title = "Joint forces over time";
+
+const OPTIONS = {
+  joint: () => Object.keys(own.joints),
+  body: () => given.bodies.map((body) => body.name),
+  quantity: () => Object.keys(QUANTITIES),
+};
+
+function button(text, title, act) {
+  const made = document.createElement("button");
+  Object.assign(made, { type: "button", className: "small", textContent: text, title });
+  made.setAttribute("aria-label", title);
+  made.onclick = act;
+  return made;
+}
+
+function choice(kind) {
+  const list = document.createElement("select");
+  list.setAttribute("aria-label", kind);
+  list.dataset.kind = kind;
+  for (const name of OPTIONS[kind]()) list.append(Object.assign(document.createElement("option"), { value: name, textContent: name }));
+  list.value = selected[kind];
+  list.onchange = () => select(kind, list.value);
+  return list;
+}
+
+function select(kind, value) {
+  selected[kind] = value;
+  for (const list of document.querySelectorAll(`select[data-kind="${kind}"]`)) list.value = value;
+  dirty(true);
+}
+
+for (const card of cards) {
+  const figure = document.createElement("figure");
+  figure.id = card.id;
+  const head = document.createElement("figcaption");
+  const title = document.createElement("h2");
+  title.textContent = card.title;
+  card.canvas = document.createElement("canvas");
+  card.canvas.setAttribute("role", "img");
+  card.canvas.setAttribute("aria-label", card.title);
+  const png = button("PNG", `${card.title} as PNG`, () => handPng(card.canvas, fileName(`_${card.id}.png`)));
+  const drawn = (pen, width, height) => card.draw(pen, width, height, running, clock.head, other);
+  const svg = button("SVG", `${card.title} as SVG`, () => hand(fileName(`_${card.id}.svg`), svgOf(card.canvas, drawn), "image/svg+xml"));
+  head.append(title, ...card.choose.map(choice), png, svg);
+  figure.append(head, card.canvas);
+  if (card.note) {
+    card.note = document.createElement("p");
+    figure.append(card.note);
+  }
+  $("cards").insertBefore(figure, $("peaks"));
+}
+
+// Charts are drawn one a frame, so that the mechanism never waits for them.
+let stale = [];
+let staleAt = 0;
+
+function dirty(now = false) {
+  if (now) staleAt = 0;
+}
+
+function drawStale(time) {
+  if (!stale.length && time - staleAt > (clock.playing ? 220 : 120) && (clock.playing || staleAt === 0 || running.store.end < running.until)) {
+    stale = [...cards, { id: "peaks" }];
+    staleAt = time;
+  }
+  const card = stale.shift();
+  if (!card) return;
+  if (card.id === "peaks") return writePeaks($("peak-table"), running, other);
+  const box = card.canvas.getBoundingClientRect();
+  if (box.bottom < 0 || box.top > window.innerHeight) return;
+  const made = canvasFor(card.canvas);
+  if (!made || !running.store.end) return;
+  card.draw(made.pen, made.width, made.height, running, clock.head, other?.store.end ? other : null);
+  if (card.note) card.note.textContent = ledgerText(running, clock.head);
+}
+
+// ------------------------------------------------------------------------------------------------------------------ clock
+
+const frames = { times: [], count: 0 };
+
+function frame(time) {
+  const passed = Math.min(time - (clock.last || time), 100) / 1000;
+  clock.last = time;
+  const { store, reader } = running;
+  const newest = store.end - 1;
+  const behind = newest < clock.wanted && running.sound; // the moment that is looked at is still to come
+  if (clock.playing && !clock.dragged && !behind) {
+    clock.head += (passed * clock.speed) / reader.interval;
+    if (!perTurn && clock.head > wholeRun) clock.head = 0;
+  }
+  if (clock.head > newest && newest > 0 && clock.playing && !behind) clock.head = newest; // as fast as it can be stepped
+  if (clock.head < store.begin && !behind) clock.head = store.begin;
+  const until = perTurn ? Math.ceil(clock.head + AHEAD * perTurn) : wholeRun + 1;
+  running.ask(until);
+  other?.ask(until);
+  scene.look(running, 60);
+  if (!clock.sized && scene.seen > 0.5 * wholeTurns) begun();
+  const made = behind ? null : canvasFor($("scene"));
+  if (made && store.end) scene.draw(made.pen, made.width, made.height, running, Math.min(clock.head, newest), other?.store.end ? other : null);
+  drawStale(time);
+  if (frames.count % 6 === 0) tellTime();
+  frames.count += 1;
+  frames.times.push(time);
+  if (frames.times.length > 60) frames.times.shift();
+  requestAnimationFrame(frame);
+}
+
+function tellTime() {
+  const { store, reader } = running;
+  const head = Math.max(0, clock.wanted < store.end ? Math.min(clock.head, store.end - 1) : clock.head);
+  const time = head * reader.interval;
+  $("time").textContent = perTurn
+    ? `turn ${Math.floor(head / perTurn) + 1}, ${((360 * (head % perTurn)) / perTurn).toFixed(0).padStart(3)}°, ${quantity(time, "s", 5)}`
+    : `${quantity(time, "s", 5)}`;
+  const scrub = $("scrub");
+  scrub.min = store.begin;
+  scrub.max = Math.max(store.end - 1, 1);
+  if (!clock.dragged) scrub.value = head;
+  const rate = (1000 * (frames.times.length - 1)) / (frames.times.at(-1) - frames.times[0] || 1);
+  const perStep = running.steps ? (1000 * running.spent) / running.steps : 0;
+  $("rate").textContent = `${rate.toFixed(0)} frames/s · ${perStep.toPrecision(2)} µs a step · ${quantity(reader.dt, "s")} steps`;
+}
+
+function play(on = !clock.playing) {
+  clock.playing = on;
+  $("play-sign").setAttribute("d", on ? "M4 3h3v10H4zM9 3h3v10H9z" : "M4 2v12l10-6z");
+  $("play").setAttribute("aria-label", on ? "pause" : "play");
+  dirty(true);
+}
+
+// To an output: one before or after, or a tenth of a turn.
+function step(by) {
+  play(false);
+  clock.wanted = 0;
+  clock.head = Math.max(running.store.begin, Math.min(Math.round(clock.head) + by, Math.max(running.store.end - 1, 0)));
+}
+
+// From real time to the thousandth, and so that a turn lasts some seconds where nothing else is asked for.
+function setSpeed(exponent) {
+  clock.speed = 10 ** exponent;
+  $("speed").value = exponent;
+  $("speed-text").textContent = exponent === 0 ? "real time" : `${Number((1 / clock.speed).toPrecision(2))}× slower`;
+}
+
+// Once it is known how far the mechanism moves: play as large as is well seen, and a phase portrait of what moves at all.
+function begun() {
+  const angles = phaseOf(running, { first: running.store.begin, count: running.store.end - 1 - running.store.begin }).xs;
+  if (Math.max(...angles) - Math.min(...angles) < 1e-6) select("quantity", "x");
+  const size = Math.max(...[0, 1].map((axis) => scene.high[axis] - scene.low[axis]));
+  const play = Math.max(0, ...given.contacts.map((contact, k) => (contact.kind === "bearing" ? running.reader.plays[k] : 0)));
+  setMagnify(play ? Math.min(3, Math.max(0, Math.log10((0.022 * size) / play))) : 0);
+}
+
+function setMagnify(exponent) {
+  clock.sized = true;
+  scene.magnify = 10 ** exponent;
+  $("magnify").value = exponent;
+  $("magnify-text").textContent = `${Number(scene.magnify.toPrecision(2))}×`;
+}
+
+// ------------------------------------------------------------------------------------------------------------- comparison
+
+function keep() {
+  other ??= new Running();
+  other.begin(sliders.setting, running.until);
+  $("kept").textContent = `Kept: ${sliders.setting.words}`;
+  $("comparison").hidden = false;
+  dirty(true);
+}
+
+function drop() {
+  other?.worker.terminate();
+  other = null;
+  $("comparison").hidden = true;
+  dirty(true);
+}
+
+// --------------------------------------------------------------------------------------------------------------- controls
+
+$("play").onclick = () => play();
+$("back").onclick = () => step(-1);
+$("forth").onclick = () => step(1);
+$("speed").oninput = () => setSpeed(Number($("speed").value));
+$("magnify").oninput = () => setMagnify(Number($("magnify").value));
+$("scrub").oninput = () => {
+  clock.dragged = true;
+  clock.wanted = 0;
+  clock.head = Number($("scrub").value);
+  staleAt = Math.min(staleAt, performance.now() - 150);
+};
+$("scrub").onchange = () => {
+  clock.dragged = false;
+  dirty(true);
+};
+$("keep").onclick = keep;
+$("drop").onclick = drop;
+$("reset").onclick = () => sliders.take(new Setting());
+$("theme").onclick = () => {
+  setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
+  dirty(true);
+};
+for (const kind of Object.keys(scene.show)) {
+  const box = $(`show-${kind}`);
+  box.checked = scene.show[kind];
+  box.onchange = () => {
+    scene.show[kind] = box.checked;
+  };
+}
+$("get-model").onclick = () => hand(fileName(".toml"), sliders.setting.model, "application/toml");
+$("get-csv").onclick = () => hand(fileName(".csv"), csvOf(running), "text/csv");
+$("get-png").onclick = () => handPng($("scene"), fileName(".png"));
+$("get-svg").onclick = () => {
+  const draw = (pen, width, height) => scene.draw(pen, width, height, running, clock.head, other);
+  hand(fileName(".svg"), svgOf($("scene"), draw), "image/svg+xml");
+};
+$("help").onclick = () => $("keys").showModal();
+$("keys-close").onclick = () => $("keys").close();
+
+$("scene").onclick = (event) => {
+  const box = $("scene").getBoundingClientRect();
+  const found = scene.pick(event.clientX - box.left, event.clientY - box.top);
+  if (found?.joint) select("joint", found.joint);
+  else if (found?.pin) scene.traces.push(found.pin);
+  else if (found) scene.traces.splice(found.trace, 1);
+};
+
+const KEYS = {
+  " ": () => play(),
+  ArrowLeft: (event) => step(event.shiftKey ? -Math.round(wholeTurns / 36) : -1),
+  ArrowRight: (event) => step(event.shiftKey ? Math.round(wholeTurns / 36) : 1),
+  Home: () => step(Number.NEGATIVE_INFINITY),
+  End: () => step(Number.POSITIVE_INFINITY),
+  "[": () => setSpeed(Math.max(Number($("speed").value) - 0.25, -3)),
+  "]": () => setSpeed(Math.min(Number($("speed").value) + 0.25, 0)),
+  "-": () => setMagnify(Math.max(Number($("magnify").value) - 0.1, 0)),
+  "+": () => setMagnify(Math.min(Number($("magnify").value) + 0.1, 3)),
+  j: () => select("joint", OPTIONS.joint()[(OPTIONS.joint().indexOf(selected.joint) + 1) % OPTIONS.joint().length]),
+  k: () => (other ? drop() : keep()),
+  r: () => sliders.take(new Setting()),
+  t: () => $("theme").click(),
+  "?": () => $("keys").showModal(),
+};
+
+// Keys that what has the focus takes for itself.
+function taken({ target, key }) {
+  if (target.tagName === "SELECT") return true;
+  if (target.tagName === "INPUT") return target.type === "checkbox" ? key === " " : /^(Arrow|Home|End|Page)/.test(key);
+  return key === " " && ["BUTTON", "SUMMARY"].includes(target.tagName);
+}
+
+document.addEventListener("keydown", (event) => {
+  if (taken(event) || event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key] || $("keys").open) return;
+  event.preventDefault();
+  KEYS[event.key](event);
+});
+
+window.addEventListener("resize", () => dirty(true));
+window.addEventListener("scroll", () => dirty(true), { passive: true });
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => {
+  setTheme(event.matches ? "dark" : "light");
+  dirty(true);
+});
+
+// ------------------------------------------------------------------------------------------------------------------ start
+
+setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+document.title = `${given.name}: running`;
+$("name").textContent = given.name;
+$("note").textContent = given.note;
+for (const note of given.notes) $("notes").append(Object.assign(document.createElement("li"), { textContent: note }));
+if (still) play(false);
+$("version").textContent = `vfife ${given.version}`;
+$("panel").hidden = given.slides.length === 0;
+$("magnify-row").hidden = !given.contacts.some((contact) => contact.kind === "bearing");
+clock.wanted = clock.head;
+running.begin(sliders.setting, firstUntil);
+{
+  const span = (perTurn ?? wholeRun) * running.reader.interval; // a turn in four seconds, a run in ten, and never faster than real
+  setSpeed(Math.max(-3, Math.min(0, Math.round(4 * Math.log10(span / (perTurn ? 4 : 10))) / 4)));
+}
+requestAnimationFrame(frame);
+
+// For whoever looks into the page with the browser's own tools; nothing in it uses this.
+window.live = { running, scene, clock, sliders, selected, frames };

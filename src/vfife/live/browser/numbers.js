@@ -1,0 +1,220 @@
+// What rows of the state say: motion, forces and energies of one output, by the same formulas as Python's analysis.
+
+class Reader {
+  // `sim` is how a mechanism is stepped, `state` its numbers at the start, `setting` where plays and energies are.
+  constructor(sim, state, setting) {
+    this.sim = sim;
+    this.rows = sim.rows;
+    this.width = sim.kept.length;
+    this.columns = new Int32Array(Math.max(...sim.kept, 0) + 1).fill(-1);
+    sim.kept.forEach((row, column) => {
+      this.columns[row] = column;
+    });
+    this.state = state;
+    this.dt = state[this.rows.step[0]];
+    this.zeta = given.damped ? 0.5 * this.dt * state[this.rows.damping[0]] : 0;
+    this.interval = this.dt * sim.every;
+    this.plays = setting.part("plays");
+    this.energies = setting.part("energies");
+    this.free = new Set(sim.free);
+    this.found = {};
+    this.first = null; // the rows of output 0
+  }
+
+  // Columns of a block, one for each entity.
+  of(name) {
+    if (!(name in this.found)) this.found[name] = Int32Array.from(this.rows[name] ?? [], (row) => this.columns[row]);
+    return this.found[name];
+  }
+
+  parameter(name, index) {
+    return this.state[this.rows[name][index]];
+  }
+
+  // ------------------------------------------------------------------------------------------------------------ motion
+
+  // Where a particle is, between two outputs: x, y, angle. `at` and `next` are offsets into `data`.
+  particle(data, at, next, share, p) {
+    const [x, y, angle] = [this.of("particle_x")[p], this.of("particle_y")[p], this.of("particle_theta")[p]];
+    const between = (c) => data[at + c] + share * (data[next + c] - data[at + c]);
+    return [between(x), between(y), between(angle)];
+  }
+
+  // Velocity of a particle at t_n: u, v, w. The rows hold it half a step later.
+  velocity(data, at, p) {
+    return ["u", "v", "w"].map((name, axis) => {
+      const half = data[at + this.of(`particle_${name}`)[p]];
+      if (!this.free.has(p)) return half;
+      return (half - 0.5 * this.dt * data[at + this.of(`particle_${["ax", "ay", "aw"][axis]}`)[p]]) / (1 - this.zeta);
+    });
+  }
+
+  // Place and velocity of a point of a particle: x, y, vx, vy.
+  point(data, at, [p, px, py]) {
+    const [x, y, angle] = this.particle(data, at, at, 0, p);
+    const [u, v, w] = this.velocity(data, at, p);
+    const [c, s] = [Math.cos(angle), Math.sin(angle)];
+    const [rx, ry] = [c * px - s * py, s * px + c * py];
+    return [x + rx, y + ry, u - w * ry, v + w * rx];
+  }
+
+  // Angle of a body and its rate; of an elastic link those of its chord.
+  turn(data, at, body) {
+    if (!body.chord) {
+      const p = body.particles[0];
+      return [data[at + this.of("particle_theta")[p]], this.velocity(data, at, p)[2]];
+    }
+    const [a, b] = [body.particles[0], body.particles.at(-1)];
+    const one = this.point(data, at, [a, 0, 0]);
+    const two = this.point(data, at, [b, 0, 0]);
+    const [dx, dy, du, dv] = two.map((value, k) => value - one[k]);
+    return [Math.atan2(dy, dx), (dx * dv - dy * du) / (dx * dx + dy * dy)];
+  }
+
+  // ------------------------------------------------------------------------------------------------------------ forces
+
+  // Where the journal's centre is, seen from the bearing's pin: global axes (m).
+  eccentricity(data, at, k) {
+    const contact = given.contacts[k];
+    const seen = (side) => {
+      const [x, y, angle] = this.particle(data, at, at, 0, contact[side]);
+      const [px, py] = [this.parameter(`contact_${side}_x`, k), this.parameter(`contact_${side}_y`, k)];
+      const [c, s] = [Math.cos(angle), Math.sin(angle)];
+      return [x + c * px - s * py, y + s * px + c * py];
+    };
+    const [journal, bearing] = [seen("journal"), seen("bearing")];
+    return [journal[0] - bearing[0], journal[1] - bearing[1]];
+  }
+
+  // The direction against which the normal force of a contact acts on the journal; null in a slot, where rows do not tell.
+  normal(data, at, k) {
+    const contact = given.contacts[k];
+    if (contact.kind === "slot") return null;
+    if (contact.kind === "line") {
+      const angle = data[at + this.of("particle_theta")[contact.bearing]];
+      const [x, y] = [this.parameter("contact_line_x", k), this.parameter("contact_line_y", k)];
+      return [Math.cos(angle) * x - Math.sin(angle) * y, Math.sin(angle) * x + Math.cos(angle) * y];
+    }
+    const [x, y] = this.eccentricity(data, at, k);
+    const size = Math.max(Math.hypot(x, y), 1e-300) * (contact.kind === "round" ? -1 : 1);
+    return [x / size, y / size];
+  }
+
+  // Force of a joint on its journal (N): x and y.
+  force(data, at, name) {
+    const { block, at: places } = this.sim.joints[name];
+    if (block !== "contact") {
+      const sign = block === "driven" && given.joints.find((joint) => joint.name === name)?.turned ? -1 : 1;
+      return ["fx", "fy"].map((axis) => sign * data[at + this.of(`${block}_${axis}`)[places[0]]]);
+    }
+    const sum = [0, 0];
+    for (const k of places) {
+      const n = this.normal(data, at, k);
+      if (!n) continue;
+      const [press, rub] = [data[at + this.of("contact_normal_force")[k]], data[at + this.of("contact_friction_force")[k]]];
+      sum[0] += -rub * n[1] - press * n[0];
+      sum[1] += rub * n[0] - press * n[1];
+    }
+    return sum;
+  }
+
+  // Largest force of a joint since the output before (N), of the steps in between; of a block in a guide that of one corner.
+  forceMax(data, at, name) {
+    const { block, at: places } = this.sim.joints[name];
+    const column = this.of(`${block}_force_squared_max`);
+    return Math.sqrt(places.reduce((most, k) => Math.max(most, data[at + column[k]]), 0));
+  }
+
+  // ---------------------------------------------------------------------------------------------------------- energies
+
+  // Energies and works (J) of an output; `start` says that it is output 0.
+  ledger(data, at, start = false) {
+    const sum = (name) => this.of(name).reduce((total, column) => total + data[at + column], 0);
+    const work = (name) => sum(`${name}_work`) - 0.5 * this.dt * sum(`${name}_power`);
+    return {
+      kinetic: this.kinetic(data, at, start),
+      strain: this.strain(data, at),
+      contact: this.stored(data, at),
+      spring: sum("spring_energy"),
+      "lost in contacts": work("contact_damping"),
+      "lost in friction": work("contact_friction"),
+      "lost in damping": work("damping"),
+      "lost in springs": work("spring_damping"),
+      loads: work("external") + this.constant(data, at),
+      drivers: work("driven"),
+    };
+  }
+
+  kinetic(data, at, start) {
+    let total = 0;
+    for (const p of this.sim.free) {
+      const now = this.velocity(data, at, p);
+      ["u", "v", "w"].forEach((name, axis) => {
+        const inverse = this.parameter(axis < 2 ? "particle_inverse_mass" : "particle_inverse_inertia", p);
+        if (!(inverse > 0)) return;
+        const after = data[at + this.of(`particle_${name}`)[p]];
+        const before = 2 * now[axis] - after;
+        total += (0.5 * (start ? now[axis] ** 2 : 0.5 * (before * before + after * after))) / inverse;
+      });
+    }
+    this.sim.driven.forEach((p, k) => {
+      total += 0.5 * this.velocity(data, at, p)[2] ** 2 * this.parameter("driven_inertia", k);
+    });
+    return total;
+  }
+
+  strain(data, at) {
+    return this.of("frame_axial_force").reduce((total, column, k) => {
+      const present = this.sim.present[k];
+      const length = present ? data[at + this.of("reference_length")[k]] : 1 / this.parameter("reference_inverse_length", k);
+      const [ea, ei] = [this.parameter("frame_axial_stiffness", k), this.parameter("frame_bending_stiffness", k)];
+      const [one, two] = [data[at + this.of("frame_moment_1")[k]], data[at + this.of("frame_moment_2")[k]]];
+      const e = data[at + column] / ea;
+      const small = Math.abs(e) < 0.01; // where the difference would lose digits
+      const share = !present ? 0.5 * e * e : small ? 0.5 * e * e * (1 - (e / 3) * (1 - (e / 4) * (1 - (e / 5) * (1 - e / 6)))) : e + Math.expm1(-e);
+      return total + ea * length * share + (ei > 0 ? (length / (6 * ei)) * (one * one - one * two + two * two) : 0);
+    }, 0);
+  }
+
+  // Elastic energy of the contacts, a power of the depth between the depths at which it is known.
+  stored(data, at) {
+    const { depths } = given;
+    return this.of("contact_penetration").reduce((total, column, k) => {
+      const depth = data[at + column];
+      if (!(depth > 0)) return total;
+      const scale = ((depths.length - 1) * Math.log(depth / depths[0])) / Math.log(depths.at(-1) / depths[0]);
+      const low = Math.min(Math.max(Math.floor(scale), 0), depths.length - 2);
+      const [one, two] = [this.energies[k * depths.length + low], this.energies[k * depths.length + low + 1]];
+      return total + 10 ** (one + (scale - low) * (two - one));
+    }, 0);
+  }
+
+  // Work of constant loads and of the weight since output 0.
+  constant(data, at) {
+    const { first } = this;
+    if (!first) return 0;
+    let total = 0;
+    for (const [axis, load] of [
+      ["x", "x"],
+      ["y", "y"],
+      ["theta", "m"],
+    ]) {
+      const column = this.of(`particle_${axis}`);
+      this.rows[`particle_load_${load}`].forEach((row, p) => {
+        total += (data[at + column[p]] - first[column[p]]) * this.state[row];
+      });
+    }
+    this.sim.driven.forEach((p, k) => {
+      const [mx, my, gx, gy] = ["moment_x", "moment_y", "weight_x", "weight_y"].map((name) => this.parameter(`driven_${name}`, k));
+      const height = (angle) => gx * (Math.cos(angle) * mx - Math.sin(angle) * my) + gy * (Math.sin(angle) * mx + Math.cos(angle) * my);
+      const column = this.of("particle_theta")[p];
+      total += height(data[at + column]) - height(first[column]);
+    });
+    return total;
+  }
+}
+
+const STORED = ["kinetic", "strain", "contact", "spring"];
+const LOST = ["lost in contacts", "lost in friction", "lost in damping", "lost in springs"];
+const SUPPLIED = ["loads", "drivers"];
+const summed = (terms, names) => names.reduce((total, name) => total + terms[name], 0);

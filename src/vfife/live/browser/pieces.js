@@ -1,0 +1,94 @@
+// What the page was given, and settings of its sliders: patches laid on the numbers that Python assembled.
+
+const given = JSON.parse(document.getElementById("given").textContent);
+
+// Little-endian doubles from base64.
+function unpacked(text) {
+  const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
+  return new Float64Array(bytes.buffer);
+}
+
+const base = unpacked(given.vector);
+const groups = given.groups.map((group) => ({ ...group, values: unpacked(group.values) }));
+
+// Where each part of the vector begins.
+const partAt = {};
+{
+  let at = 0;
+  for (const [name, length] of Object.entries(given.parts)) {
+    partAt[name] = at;
+    at += length;
+  }
+}
+
+// Positions of all sliders, and the numbers that they give.
+class Setting {
+  constructor(positions = given.slides.map((slide) => slide.here)) {
+    this.positions = positions;
+    this.vector = base.slice();
+    for (const group of groups) {
+      const at = this.place(group) * group.rows.length;
+      group.rows.forEach((row, k) => {
+        this.vector[row] = group.values[at + k];
+      });
+    }
+  }
+
+  // The combination of a group that this setting is.
+  place(group) {
+    return group.sliders.reduce((at, s) => at * given.slides[s].values.length + this.positions[s], 0);
+  }
+
+  with(slider, position) {
+    return new Setting(this.positions.map((old, s) => (s === slider ? position : old)));
+  }
+
+  part(name) {
+    return this.vector.subarray(partAt[name], partAt[name] + given.parts[name]);
+  }
+
+  get moved() {
+    return given.slides.filter((slide, s) => this.positions[s] !== slide.here);
+  }
+
+  // What is moved, in words; the model's own setting where nothing is.
+  get words() {
+    const told = given.slides.map((slide, s) =>
+      this.positions[s] === slide.here ? "" : `${friendly(slide.name)} ${shownValue(slide, this.positions[s])}`,
+    );
+    return told.filter(Boolean).join(", ") || "as in the model";
+  }
+
+  // The model file of this setting. Where lines of two sliders are one line, what is set stands above the model as the options that set it.
+  get model() {
+    const lines = given.model.split("\n").slice(0, -1);
+    const moved = given.slides.flatMap((slide, s) =>
+      this.positions[s] === slide.here ? [] : slide.paths.map((path) => `${path}=${slide.values[this.positions[s]]}`),
+    );
+    if (!given.texts) return [...moved.map((one) => `# run with --set ${one}`), ...lines, ""].join("\n");
+    for (const group of groups) for (const [line, text] of group.lines[this.place(group)]) lines[line] = text;
+    return `${lines.filter((line) => line !== null).join("\n")}\n`;
+  }
+}
+
+// A quantity in the unit in which it reads well.
+function quantity(value, unit, digits = 3) {
+  const size = Math.abs(value);
+  const text = (factor, name) => `${Number((value * factor).toPrecision(digits))}${name ? ` ${name}` : ""}`;
+  if (!Number.isFinite(value)) return "–";
+  if (unit === "1" || unit === "") return text(1, "");
+  if (unit === "m") return size < 1e-4 && size > 0 ? text(1e6, "µm") : size < 1 ? text(1e3, "mm") : text(1, "m");
+  if (unit === "s") return size < 1e-3 && size > 0 ? text(1e6, "µs") : size < 1 ? text(1e3, "ms") : text(1, "s");
+  if (["N", "N m", "J", "W"].includes(unit)) {
+    if (size >= 1e6) return text(1e-6, `M${unit}`);
+    if (size >= 1e3) return text(1e-3, `k${unit}`);
+    if (size < 0.1 && size > 0) return size < 1e-4 ? text(1e6, `µ${unit}`) : text(1e3, `m${unit}`);
+  }
+  return text(1, unit);
+}
+
+// The value of a slider as it is shown; a speed of turning also in turns a minute.
+function shownValue(slide, position) {
+  const value = slide.values[position];
+  return slide.unit === "rad/s" ? `${quantity(value, "rad/s")} (${quantity((value * 30) / Math.PI, "rpm", 4)})` : quantity(value, slide.unit);
+}

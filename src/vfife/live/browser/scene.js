@@ -1,0 +1,399 @@
+// The mechanism: bodies, joints with their play, springs, loads, forces and traces, at any moment between two outputs.
+
+const FIRST_PIN = 0;
+const BETWEEN = 2;
+const FIRST_TURNS = 1;
+const SECOND_TURNS = 2;
+
+class Scene {
+  constructor() {
+    this.low = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
+    this.high = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    this.seen = 0;
+    this.ways = given.joints.map(() => [0, 0]);
+    this.guided = given.joints.map((joint) => joint.strokes.some((stroke) => stroke.points.some((point) => point.slice(6).some(Boolean))));
+    this.traces = given.bodies.flatMap((body) => body.loose).slice(0, 4);
+    this.show = { names: true, forces: true, traces: true };
+    this.magnify = 1;
+    this.arrows = 1;
+    this.largest = 0;
+    this.colours = Object.fromEntries(given.bodies.map((body, k) => [body.name, k % 6]));
+    this.signs = [...given.joints, ...given.springs];
+    for (const point of given.points) this.reach(point);
+  }
+
+  reach([x, y]) {
+    this.low = [Math.min(this.low[0], x), Math.min(this.low[1], y)];
+    this.high = [Math.max(this.high[0], x), Math.max(this.high[1], y)];
+  }
+
+  // Takes up how far bodies and journals in guides go, some outputs at a time.
+  look(running, most) {
+    const { store, reader } = running;
+    this.seen = Math.max(this.seen, store.begin);
+    for (let n = 0; n < most && this.seen < store.end; n++, this.seen += 5) {
+      const pose = new Pose(reader, store.data, store.offset(this.seen));
+      for (const body of given.bodies) for (const piece of body.outline.pieces) for (const pin of piece) this.reach(pose.place(pin));
+      this.size ??= Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]);
+      for (const sign of given.springs) {
+        const carried = this.carried(sign, pose, [0, 0]);
+        for (const { points } of sign.strokes) for (let i = 0; i < points.length; i += 8) this.reach(carried(points[i]));
+      }
+      given.joints.forEach((joint, k) => {
+        if (!this.guided[k]) return;
+        const [bearing, journal, angle] = [pose.place(joint.bearing), pose.place(joint.journal), pose.angle(joint.bearing[0]) + joint.tilt];
+        const way = Math.cos(angle) * (journal[0] - bearing[0]) + Math.sin(angle) * (journal[1] - bearing[1]);
+        this.ways[k] = [Math.min(this.ways[k][0], way), Math.max(this.ways[k][1], way)];
+      });
+    }
+  }
+
+  // From metres to points of the canvas.
+  view(width, height) {
+    const span = [0, 1].map((axis) => Math.max(this.high[axis] - this.low[axis], 1e-9));
+    this.size = Math.max(...span);
+    const margin = 0.13 * this.size;
+    const room = [span[0] + 2 * margin, span[1] + 2.3 * margin];
+    const scale = Math.min(width / room[0], height / room[1]);
+    const middle = [0, 1].map((axis) => 0.5 * (this.low[axis] + this.high[axis]));
+    this.scale = scale;
+    return (p) => [width / 2 + scale * (p[0] - middle[0]), height / 2 - scale * (p[1] - middle[1]) - 0.15 * margin * scale];
+  }
+
+  draw(pen, width, height, running, head, other) {
+    const to = this.view(width, height);
+    const pose = Pose.at(running, head);
+    if (!pose) return;
+    this.last = { to, pose };
+    pen.lineJoin = "round";
+    pen.lineCap = "round";
+    this.ruler(pen, width, height);
+    const ghost = other && Pose.at(other, Math.min(head, other.store.end - 1));
+    if (ghost) this.ghost(pen, to, ghost);
+    if (this.show.traces) this.trace(pen, to, running, head, pose);
+    this.under(pen, to, pose);
+    for (const body of given.bodies) this.body(pen, to, pose, body);
+    this.over(pen, to, pose);
+    this.loads(pen, to, pose);
+    this.play(pen, to, pose, ghost);
+    if (this.show.forces) this.forces(pen, to, running, pose);
+    if (this.show.names) this.names(pen, to, pose);
+  }
+
+  colour(name) {
+    return name === "ground" || !(name in this.colours) ? ink.ink : ink.bodies[this.colours[name]];
+  }
+
+  get thick() {
+    return Math.min(Math.max(0.028 * this.size * this.scale, 5), 13);
+  }
+
+  body(pen, to, pose, { name, outline }) {
+    pen.setLineDash([]);
+    const colour = this.colour(name);
+    for (const piece of outline.pieces) {
+      const points = piece.map((pin) => to(pose.place(pin)));
+      if (points.length === 1) {
+        disc(pen, points[0], 0.6 * this.thick, colour, ink.paper);
+        continue;
+      }
+      pen.strokeStyle = colour;
+      if (outline.plate) {
+        trail(pen, points, true);
+        pen.globalAlpha = 0.22;
+        pen.fillStyle = colour;
+        pen.fill();
+        pen.globalAlpha = 1;
+        pen.lineWidth = 0.4 * this.thick;
+        pen.stroke();
+        continue;
+      }
+      const wide = outline.pieces.length > 1 ? 0.6 * this.thick : this.thick;
+      trail(pen, points);
+      pen.lineWidth = wide;
+      pen.stroke();
+      pen.strokeStyle = ink.paper;
+      pen.globalAlpha = 0.62;
+      pen.lineWidth = wide - Math.max(2.4, 0.3 * wide);
+      pen.stroke();
+      pen.globalAlpha = 1;
+      if (outline.dots) for (const point of points.slice(1, -1)) disc(pen, point, 1.8, colour, colour);
+    }
+  }
+
+  // The other setting: its bodies as dashed lines.
+  ghost(pen, to, pose) {
+    pen.strokeStyle = ink.other;
+    pen.lineWidth = 1.6;
+    pen.setLineDash([5, 4]);
+    for (const body of given.bodies) {
+      for (const piece of body.outline.pieces) {
+        trail(
+          pen,
+          piece.map((pin) => to(pose.place(pin))),
+        );
+        pen.stroke();
+      }
+    }
+    pen.setLineDash([]);
+  }
+
+  trace(pen, to, running, head, pose) {
+    const { store, reader } = running;
+    const from = Math.max(store.begin, Math.floor(head) - (perTurn ?? wholeRun));
+    pen.lineWidth = 1.5;
+    this.traces.forEach((pin, k) => {
+      pen.strokeStyle = ink.bodies[(k + 1) % 6];
+      pen.setLineDash(DASHES[k % 6]);
+      pen.beginPath();
+      const stride = Math.max(1, Math.ceil((head - from) / 900));
+      for (let n = from; n <= head; n += stride) pen.lineTo(...to(new Pose(reader, store.data, store.offset(n)).place(pin)));
+      pen.lineTo(...to(pose.place(pin)));
+      pen.stroke();
+      pen.setLineDash([]);
+      disc(pen, to(pose.place(pin)), 3, ink.bodies[(k + 1) % 6], ink.paper);
+    });
+  }
+
+  // -------------------------------------------------------------------------------------------------- signs of joints
+
+  // Signs that lie behind bodies: the ground, rails, wheels with a spoke that shows how they turn; and those in front of them.
+  under(pen, to, pose) {
+    this.strokes(pen, to, pose, (stroke) => stroke.is === "surface" || stroke.is === "curve");
+    for (const sign of given.springs) {
+      (sign.wheels ?? []).forEach(([particle, radius], k) => {
+        const at = pose.place(k ? sign.journal : sign.bearing);
+        const angle = pose.angle(particle);
+        pen.strokeStyle = this.colour(sign.bodies[k]);
+        pen.lineWidth = 1.4;
+        trail(pen, [at, [at[0] + radius * Math.cos(angle), at[1] + radius * Math.sin(angle)]].map(to));
+        pen.stroke();
+      });
+    }
+  }
+
+  over(pen, to, pose) {
+    this.strokes(pen, to, pose, (stroke) => stroke.is === "block" || stroke.is === "mark");
+  }
+
+  strokes(pen, to, pose, wanted) {
+    this.signs.forEach((sign, k) => {
+      const carried = this.carried(sign, pose, this.ways[k] ?? [0, 0]);
+      for (const stroke of sign.strokes)
+        if (wanted(stroke))
+          this.stroke(
+            pen,
+            stroke,
+            stroke.points.map((point) => to(carried(point))),
+            sign,
+          );
+    });
+  }
+
+  // Where a point of a stroke is: see live/strokes.py.
+  carried(sign, pose, way) {
+    const [first, second] = [pose.place(sign.bearing), pose.place(sign.journal)];
+    const angles = [0, pose.angle(sign.turner ?? sign.bearing[0]), pose.angle(sign.journal[0])];
+    const turned = angles.map((angle) => [Math.cos(angle), Math.sin(angle)]);
+    const { size } = this;
+    return ([carrier, turner, ...v]) => {
+      if (carrier === BETWEEN) {
+        const [dx, dy] = [second[0] - first[0], second[1] - first[1]];
+        const across = (v[1] + size * v[3]) / (Math.hypot(dx, dy) || 1);
+        return [first[0] + v[0] * dx - across * dy, first[1] + v[0] * dy + across * dx];
+      }
+      const [x, y] = [0, 1].map((axis) => v[axis] + size * v[2 + axis] + way[0] * v[4 + axis] + way[1] * v[6 + axis]);
+      const [c, s] = turned[turner === FIRST_TURNS || turner === SECOND_TURNS ? turner : 0];
+      const origin = carrier === FIRST_PIN ? first : second;
+      return [origin[0] + c * x - s * y, origin[1] + s * x + c * y];
+    };
+  }
+
+  stroke(pen, stroke, points, sign) {
+    const ends = { bearing: sign.bodies[0], journal: sign.bodies[1] };
+    const colour = { ink: ink.ink, grey: ink.grey, spring: ink.spring }[stroke.colour] ?? this.colour(ends[stroke.colour] ?? "ground");
+    pen.strokeStyle = colour;
+    pen.setLineDash([]);
+    if (stroke.is === "surface") return hatched(pen, points);
+    if (stroke.is === "mark") return mark(pen, stroke.shape, points[0], colour);
+    trail(pen, points, stroke.is === "block");
+    if (stroke.is === "block") {
+      pen.fillStyle = ink.paper;
+      pen.fill();
+      pen.globalAlpha = 0.3;
+      pen.fillStyle = colour;
+      pen.fill();
+      pen.globalAlpha = 1;
+    }
+    pen.lineWidth = stroke.width ?? 1.8;
+    pen.globalAlpha = stroke.fade ?? 1;
+    pen.setLineDash({ "-.": [8, 3, 2, 3], ":": [2, 3] }[stroke.dashes] ?? []);
+    pen.stroke();
+    pen.setLineDash([]);
+    pen.globalAlpha = 1;
+  }
+
+  // ------------------------------------------------------------------------------------------------------ play, forces
+
+  // Clearance circles magnified, with the journal's centre in each, coloured by the force that the joint carries.
+  play(pen, to, pose, ghost) {
+    given.contacts.forEach((contact, k) => {
+      if (contact.kind !== "bearing") return;
+      const joint = given.joints.find((one) => one.name === contact.joint);
+      const radius = pose.reader.plays[k] * this.magnify * this.scale;
+      if (radius < 2.5) return;
+      const at = to(pose.place(joint.bearing));
+      const away = pose.reader.eccentricity(pose.data, pose.from, k).map((value) => value * this.magnify * this.scale);
+      const force = Math.hypot(...pose.reader.force(pose.data, pose.from, contact.joint));
+      disc(pen, at, radius, ink.ink, ink.paper, 1.2, 0.86);
+      const share = this.largest ? Math.sqrt(force / this.largest) : 0;
+      pen.strokeStyle = ink.grey;
+      pen.lineWidth = 1;
+      trail(pen, [at, [at[0] + away[0], at[1] - away[1]]]);
+      pen.stroke();
+      if (ghost) {
+        const there = ghost.reader.eccentricity(ghost.data, ghost.from, k).map((value) => value * this.magnify * this.scale);
+        pen.strokeStyle = ink.other;
+        pen.setLineDash([3, 2]);
+        pen.beginPath();
+        pen.arc(at[0], at[1], ghost.reader.plays[k] * this.magnify * this.scale, 0, 2 * Math.PI);
+        pen.stroke();
+        disc(pen, [at[0] + there[0], at[1] - there[1]], 2.5, ink.other, ink.paper, 1.4);
+      }
+      disc(pen, [at[0] + away[0], at[1] - away[1]], Math.max(2.5, 0.16 * radius), ink.ink, heat(share), 0.8);
+    });
+  }
+
+  forces(pen, to, running, pose) {
+    this.measureForces(running);
+    if (!this.largest) return;
+    for (const joint of given.joints) {
+      const force = pose.reader.force(pose.data, pose.from, joint.name);
+      const size = Math.hypot(...force);
+      const length = Math.min(0.16 * this.size * this.scale * this.arrows * (size / this.reference), 0.45 * this.size * this.scale);
+      if (length < 4) continue;
+      const at = to(pose.place(joint.journal));
+      const tip = [at[0] + (length * force[0]) / size, at[1] - (length * force[1]) / size];
+      arrow(pen, at, tip, ink.warm, joint.name === selected.joint ? 3 : 2);
+    }
+  }
+
+  // What arrows are measured by: the ideal mechanism's largest force, or that of the turns shown.
+  measureForces(running) {
+    const most = (turns) => Math.max(0, ...turns.flatMap((turn) => Object.values(turn.force)));
+    const largest = most(running.turns.shown);
+    const without = running.idealTurns ? most(running.idealTurns.shown) : 0;
+    this.largest = largest;
+    this.reference = without > 1e-9 * largest ? Math.min(largest, 1.5 * without) : largest;
+  }
+
+  loads(pen, to, pose) {
+    for (const { at, acts, follow } of given.loads) {
+      const size = Math.hypot(acts[0], acts[1]);
+      const here = to(pose.place(at));
+      if (size > 0) {
+        const [c, s] = follow ? [Math.cos(pose.angle(at[0])), Math.sin(pose.angle(at[0]))] : [1, 0];
+        const away = [(c * acts[0] - s * acts[1]) / size, (s * acts[0] + c * acts[1]) / size];
+        const length = 0.13 * this.size * this.scale;
+        arrow(pen, [here[0] - length * away[0], here[1] + length * away[1]], here, ink.accent, 2);
+      }
+    }
+  }
+
+  // ------------------------------------------------------------------------------------------------------------- names
+
+  names(pen, to, pose) {
+    const taken = [];
+    pen.font = `600 12px ${FONT}`;
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    const write = (text, x, y, colour) => {
+      for (const [dx, dy] of [
+        [0, 0],
+        [0, 15],
+        [0, -15],
+        [0, 30],
+      ]) {
+        if (taken.some(([a, b, half]) => Math.abs(a - x - dx) < half + 4 * text.length && Math.abs(b - y - dy) < 13)) continue;
+        taken.push([x + dx, y + dy, 4 * text.length]);
+        pen.strokeStyle = ink.paper;
+        pen.lineWidth = 3.5;
+        pen.strokeText(text, x + dx, y + dy);
+        pen.fillStyle = colour;
+        pen.fillText(text, x + dx, y + dy);
+        return;
+      }
+    };
+    for (const [k, joint] of given.joints.entries()) {
+      const [x, y] = to(pose.place(this.guided[k] ? joint.journal : joint.bearing));
+      write(joint.name, x + (this.guided[k] ? 0 : 16), y - 16, joint.name === selected.joint ? ink.warm : ink.ink);
+    }
+    pen.font = `12px ${FONT}`;
+    for (const body of given.bodies) {
+      const pins = body.outline.pieces.flat();
+      const ends = [pins[0], pins[Math.max(1, Math.floor(pins.length / 2))] ?? pins[0]].map((pin) => to(pose.place(pin)));
+      const [dx, dy] = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
+      const away = (0.5 * this.thick + 10) / (Math.hypot(dx, dy) || 1); // beside the bar, on its upper side
+      const side = dx < 0 ? -1 : 1;
+      const [x, y] = [0.5 * (ends[0][0] + ends[1][0]) + side * away * dy, 0.5 * (ends[0][1] + ends[1][1]) - side * away * dx];
+      write(
+        body.name,
+        x + (dy * side > 0.5 * Math.abs(dx) ? 3 * body.name.length : dy * side < -0.5 * Math.abs(dx) ? -3 * body.name.length : 0),
+        y + (pins.length > 1 ? 0 : 20),
+        this.colour(body.name),
+      );
+    }
+  }
+
+  // A length that reads well, at the lower left.
+  ruler(pen, width, height) {
+    const length = nice((0.22 * width) / this.scale);
+    const [x, y] = [14, height - 12];
+    pen.strokeStyle = ink.grey;
+    pen.lineWidth = 1.2;
+    pen.setLineDash([]);
+    trail(pen, [
+      [x, y - 4],
+      [x, y],
+      [x + length * this.scale, y],
+      [x + length * this.scale, y - 4],
+    ]);
+    pen.stroke();
+    pen.fillStyle = ink.grey;
+    pen.font = `11px ${FONT}`;
+    pen.textAlign = "left";
+    pen.textBaseline = "alphabetic";
+    pen.fillText(quantity(length, "m"), x + 4, y - 6);
+  }
+
+  // What lies under the pointer: a joint, a point that is traced, or a place on a body.
+  pick(x, y) {
+    if (!this.last) return null;
+    const { to, pose } = this.last;
+    const near = (pin) => Math.hypot(to(pose.place(pin))[0] - x, to(pose.place(pin))[1] - y);
+    const joints = given.joints.map((joint) => [near(joint.journal), joint.name]).sort((a, b) => a[0] - b[0]);
+    if (joints[0]?.[0] < 18) return { joint: joints[0][1] };
+    const trace = this.traces.findIndex((pin) => near(pin) < 10);
+    if (trace >= 0) return { trace };
+    return this.onBody(x, y);
+  }
+
+  onBody(x, y) {
+    const { to, pose } = this.last;
+    let best = { gap: 16, pin: null };
+    for (const body of given.bodies) {
+      for (const piece of body.outline.pieces) {
+        for (let k = 0; k + 1 < piece.length; k++) {
+          const [[ax, ay], [bx, by]] = [to(pose.place(piece[k])), to(pose.place(piece[k + 1]))];
+          const share = Math.min(Math.max(((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1), 0), 1);
+          const gap = Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y);
+          if (gap >= best.gap) continue;
+          const same = piece[k][0] === piece[k + 1][0];
+          const pin = same ? piece[k].map((value, i) => value + share * (piece[k + 1][i] - value)) : piece[share < 0.5 ? k : k + 1];
+          best = { gap, pin };
+        }
+      }
+    }
+    return best.pin && { pin: best.pin };
+  }
+}

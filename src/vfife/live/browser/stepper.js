@@ -1,0 +1,91 @@
+// The worker: steps the mechanism, and its ideal reference for one turn, and sends the rows of its outputs as it goes.
+// What comes before is `steps`, the text of a step for each of the two, as an array of functions advance(S, T, n0, count, parts).
+
+const SLICE = 14; // ms of stepping between two looks at what was asked meanwhile
+
+// One simulation: a state, its tables, and the step it has reached.
+class Stepper {
+  constructor(advance, given, state, tables) {
+    this.advance = advance;
+    this.given = given;
+    this.state = state;
+    this.tables = tables;
+    this.next = 0; // step
+    this.outputs = 0; // that are made
+    this.sound = true;
+  }
+
+  // Rows of so many more outputs, fewer where time is up or numbers leave all bounds.
+  take(count, until) {
+    const { kept, extremes, every, again } = this.given;
+    const rows = new Float64Array(count * kept.length);
+    let made = 0;
+    while (made < count && this.sound) {
+      for (const row of extremes) this.state[row] = 0;
+      const steps = this.next === 0 ? 1 : every;
+      this.advance(this.state, this.tables, this.next, steps, again);
+      this.next += steps;
+      const at = made * kept.length;
+      for (let k = 0; k < kept.length; k++) {
+        const value = this.state[kept[k]];
+        rows[at + k] = value;
+        if (!Number.isFinite(value)) this.sound = false;
+      }
+      if (!this.sound) break;
+      made++;
+      if (performance.now() > until) break;
+    }
+    const first = this.outputs;
+    this.outputs += made;
+    return { first, count: made, rows: rows.subarray(0, made * kept.length) };
+  }
+}
+
+let given = null; // { own, ideal } as the page has them
+let run = null; // { id, steppers, until }
+let waiting = false;
+
+// Numbers of a run, in the order of the page's vector.
+function begin(message) {
+  const { parts } = given;
+  const at = {};
+  let from = 0;
+  for (const [name, length] of Object.entries(parts)) {
+    at[name] = message.vector.slice(from, from + length);
+    from += length;
+  }
+  const steppers = [new Stepper(steps[0], given.own, at.state, at.tables)];
+  if (given.ideal) steppers.push(new Stepper(steps[1], given.ideal, at.ideal_state, at.ideal_tables));
+  run = { id: message.id, steppers, until: [message.until, given.ideal ? given.ideal.perTurn + 1 : 0] };
+}
+
+// A slice of whatever is asked for; the reference comes after the first turn of the mechanism.
+function slice() {
+  waiting = false;
+  if (!run) return;
+  const began = performance.now();
+  for (const which of [0, 1]) {
+    const stepper = run.steppers[which];
+    if (!stepper?.sound || stepper.outputs >= run.until[which]) continue;
+    const made = stepper.take(Math.min(run.until[which] - stepper.outputs, 4096), began + SLICE);
+    const rows = made.rows.slice();
+    const message = { id: run.id, which, first: made.first, count: made.count, rows, sound: stepper.sound, wall: performance.now() - began };
+    self.postMessage(message, [rows.buffer]);
+    break;
+  }
+  again();
+}
+
+function again() {
+  const open = run?.steppers.some((one, which) => one.sound && one.outputs < run.until[which]);
+  if (!open || waiting) return;
+  waiting = true;
+  setTimeout(slice, 0);
+}
+
+self.onmessage = ({ data }) => {
+  if (data.kind === "given") given = data.given;
+  if (data.kind === "begin") begin(data);
+  if (data.kind === "until" && run && data.id === run.id) run.until[0] = data.until;
+  again();
+};

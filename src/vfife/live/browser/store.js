@@ -1,0 +1,76 @@
+// Outputs that are kept: the last so many, and the largest values of each turn.
+
+const MOST_BYTES = 64e6;
+const TURNS = 6; // that are kept, and over which spreads are told
+
+class Store {
+  constructor(width, wanted) {
+    this.width = width;
+    this.capacity = Math.max(16, Math.min(wanted, Math.floor(MOST_BYTES / (8 * width))));
+    this.data = new Float64Array(width * this.capacity);
+    this.end = 0; // outputs that came
+  }
+
+  get begin() {
+    return Math.max(0, this.end - this.capacity);
+  }
+
+  offset(output) {
+    return (output % this.capacity) * this.width;
+  }
+
+  put(first, rows, count) {
+    if (first !== this.end) return;
+    for (let k = 0; k < count; k++) this.data.set(rows.subarray(k * this.width, (k + 1) * this.width), this.offset(first + k));
+    this.end += count;
+  }
+}
+
+// Largest values turn by turn; without a crank the whole run counts as one.
+class Turns {
+  constructor(reader, perTurn, bodies) {
+    Object.assign(this, { reader, perTurn, bodies });
+    this.done = []; // of whole turns: { first, force: {joint: N}, alpha: {body: rad/s²}, depth: [m], began: [1] }
+    this.open = null;
+    this.before = null; // onsets at the end of the turn before
+  }
+
+  take(data, at, output) {
+    const { reader } = this;
+    const began = Array.from(reader.of("contact_onsets"), (column) => data[at + column]);
+    if (output === 0) {
+      reader.first = data.slice(at, at + reader.width);
+      this.before = began;
+      return;
+    }
+    this.open ??= { first: output - 1, force: {}, moment: {}, alpha: {}, depth: [], began: [] };
+    const { force, alpha, depth } = this.open;
+    for (const name of Object.keys(reader.sim.joints)) force[name] = Math.max(force[name] ?? 0, reader.forceMax(data, at, name));
+    for (const body of this.bodies) {
+      alpha[body.name] = Math.max(alpha[body.name] ?? 0, data[at + reader.of("body_alpha_max")[reader.sim.alphas[body.name]]]);
+    }
+    reader.of("contact_penetration_max").forEach((column, k) => {
+      depth[k] = Math.max(depth[k] ?? Number.NEGATIVE_INFINITY, data[at + column]);
+    });
+    this.open.last = output;
+    this.open.began = began.map((count, k) => count - this.before[k]);
+    if (this.perTurn && output % this.perTurn === 0) {
+      this.done.push(this.open);
+      if (this.done.length > TURNS) this.done.shift();
+      this.open = null;
+      this.before = began;
+    }
+  }
+
+  // Whole turns, but for the one of the start where there are others; without any what there is so far.
+  get shown() {
+    const settled = this.done.filter((turn) => turn.first > 0);
+    return settled.length > 1 ? settled : this.done.length ? this.done : this.open ? [this.open] : [];
+  }
+
+  // Which turns these are.
+  get words() {
+    const [one, two] = [this.shown[0], this.shown.at(-1)].map((turn) => Math.floor((turn?.first ?? 0) / this.perTurn) + 1);
+    return one === two ? `turn ${one}` : `turns ${one}–${two}`;
+  }
+}

@@ -1,0 +1,82 @@
+// Peaks and what play costs, as numbers: of the last turn, with their range over the turns shown.
+
+const rangeText = (values, unit) => {
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  return values.length > 1 && low !== high ? `${quantity(low, unit)} … ${quantity(high, unit)}` : "";
+};
+
+const percent = (value) => (Number.isFinite(value) ? `${value > 0 ? "+" : value < 0 ? "−" : ""}${Number(Math.abs(value).toPrecision(3))} %` : "–");
+
+// Rows of the table: what, of which noun, its unit, its values turn by turn, and its ideal value.
+function peaks(running) {
+  const turns = running.turns.shown;
+  const found = [];
+  for (const name of Object.keys(own.joints)) {
+    found.push({
+      what: "force",
+      name,
+      unit: "N",
+      joint: name,
+      values: turns.map((turn) => turn.force[name]),
+      ideal: running.ideally("force", name),
+    });
+  }
+  for (const body of turning) {
+    const values = turns.map((turn) => turn.alpha[body.name]);
+    found.push({ what: "angular acceleration", name: body.name, unit: "rad/s²", values, ideal: running.ideally("alpha", body.name) });
+  }
+  given.contacts.forEach((contact, k) => {
+    found.push({ what: "depth", name: contact.name, unit: "m", joint: contact.joint, values: turns.map((turn) => turn.depth[k]) });
+    found.push({ what: "contacts begun", name: contact.name, unit: "1", joint: contact.joint, values: turns.map((turn) => turn.began[k]) });
+  });
+  return found.filter(({ values }) => values.length);
+}
+
+const cell = (text, kind = "td") => {
+  const made = document.createElement(kind);
+  made.textContent = text;
+  return made;
+};
+
+function writePeaks(table, running, other) {
+  const rows = peaks(running);
+  const others = other ? peaks(other) : [];
+  const compared = rows.some((row) => row.ideal);
+  const head = ["largest", perTurn ? "last turn" : "so far"];
+  if (perTurn) head.push(running.turns.words);
+  if (compared) head.push("ideal", "play adds", perTurn ? "over the turns" : "");
+  if (other) head.push("kept setting");
+  const top = document.createElement("tr");
+  top.append(...head.map((text) => cell(text, "th")));
+  const body = rows.map((row) => {
+    const line = document.createElement("tr");
+    const last = row.values.at(-1);
+    const cells = [`${row.what} ${row.name}`, quantity(last, row.unit)];
+    if (perTurn) cells.push(rangeText(row.values, row.unit));
+    if (compared) {
+      const lips = row.values.map((value) => (100 * (value - row.ideal)) / row.ideal);
+      cells.push(row.ideal ? quantity(row.ideal, row.unit) : "", row.ideal ? percent(lips.at(-1)) : "");
+      cells.push(row.ideal && lips.length > 1 ? `${percent(Math.min(...lips))} … ${percent(Math.max(...lips))}` : "");
+    }
+    if (other) cells.push(quantity(others.find((one) => one.what === row.what && one.name === row.name)?.values.at(-1), row.unit));
+    line.append(...cells.map((text, k) => cell(text, k ? "td" : "th")));
+    if (row.joint && row.joint === selected.joint) line.className = "chosen";
+    return line;
+  });
+  table.tHead.replaceChildren(top);
+  table.tBodies[0].replaceChildren(...body);
+}
+
+// The ledger of the moment: what is stored, lost and supplied since the start, and what is left over.
+function ledgerText(running, head) {
+  const pose = Pose.at(running, head);
+  if (!pose || !running.reader.first) return "";
+  const { reader } = running;
+  const start = reader.ledger(reader.first, 0, true);
+  const now = reader.ledger(pose.data, pose.from, Math.floor(head) === 0);
+  const left = summed(now, STORED) + summed(now, LOST) - summed(now, SUPPLIED) - summed(start, STORED);
+  const largest = Math.max(...Object.values(now).map(Math.abs), summed(start, STORED), 1e-300);
+  const parts = Object.entries(now).filter(([, value]) => Math.abs(value) > 1e-9 * largest);
+  const told = parts.map(([name, value]) => `${name} ${quantity(value, "J")}`).join(", ");
+  return `Since the start: ${told}. Left over: ${quantity(left, "J")}, ${((100 * Math.abs(left)) / largest).toExponential(1)} % of the largest.`;
+}

@@ -1,0 +1,55 @@
+"""The page: its skeleton, style and scripts put together with what it is given, in one file that asks for nothing else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from html import escape
+from pathlib import Path
+
+from ..codegen import javascript
+from ..model.mechanism import Mechanism
+from .given import given
+from .patches import Patched, patched
+from .sliders import Slide
+from .together import Together
+
+BROWSER = Path(__file__).with_name("browser")
+WORKER = ("stepper.js",)
+SCRIPTS = (
+    "pieces.js", "numbers.js", "store.js", "running.js", "theme.js", "svg.js", "pen.js", "pose.js", "scene.js", "axes.js", "charts.js",
+    "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js",
+)  # fmt: skip
+LARGEST = 2_000_000  # bytes
+
+
+def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | None = None) -> str:
+    """A page in which a mechanism runs, as one HTML text without any reference to elsewhere.
+
+    The step that it runs is the traced one as JavaScript, with the bits of :func:`~vfife.simulation.simulate` without companions. ``slides`` become
+    sliders (:func:`~vfife.live.sliders.default_slides` for the usual ones); ``step`` (s) is that of a run, or None for the automatic one. Raises
+    VfifeError for a mechanism that cannot run in a page, ModelError and AssemblyError for one that cannot run at all.
+    """
+    return written(patched(mechanism, list(slides), step))
+
+
+def written(found: Patched) -> str:
+    """The page of a mechanism with its sliders."""
+    told = given(found.base) | found.json() | {"worker": worker(found.base)}
+    text = json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    safe = text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    parts = {
+        "title": escape(told["name"]), "style": (BROWSER / "page.css").read_text("utf-8"), "given": safe,
+        "script": "\n".join((BROWSER / name).read_text("utf-8") for name in SCRIPTS),
+    }  # fmt: skip
+    page = (BROWSER / "page.html").read_text("utf-8")
+    for name, part in parts.items():
+        page = page.replace(f"<!-- {name} -->", part, 1)
+    return page
+
+
+def worker(found: Together) -> str:
+    """What the worker runs: the step of the mechanism, that of its ideal reference, and what drives them."""
+    texts = [javascript.written(found.own.topology)] + ([javascript.written(found.ideal.topology)] if found.ideal else [])
+    steps = ",\n".join(f"(() => {{\n{text}\nreturn advance;\n}})()" for text in texts)
+    return f'"use strict";\nconst steps = [{steps}];\n' + "\n".join((BROWSER / name).read_text("utf-8") for name in WORKER)

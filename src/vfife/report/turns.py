@@ -1,0 +1,100 @@
+"""Which turns of a run its numbers are of, and whether they repeat: in numbers, in a few words for headings and in a sentence."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..results.view import View
+
+
+def turned(result: View) -> dict[str, Any]:
+    """What stands under ``turns`` in a summary; empty where turns cannot be compared.
+
+    ``count``, ``motion`` ("periodic", "settling", "unsettled", "not periodic"), ``period`` and ``since`` (turns), ``distance`` and ``tolerance``
+    (1), ``first`` and ``last`` of the turns that measures are of: see :class:`~vfife.analysis.turns.Turns`.
+    """
+    said = result.motion
+    if said is None:
+        return {}
+    told = dataclasses.asdict(said)
+    return told | {"distance": None if math.isnan(said.distance) else said.distance}
+
+
+def several(found: dict[str, Any]) -> bool:
+    """Whether measures are of more turns than one."""
+    return bool(found) and found["last"] > found["first"]
+
+
+def part(told: dict[str, Any]) -> str:
+    """Which part of the run its measures are of, for a heading: ``mean of turns 3 to 8``, ``last turn``, ``whole run``."""
+    found = told["turns"]
+    if several(found):
+        beside = told["trust"].get("companions") if found["motion"] == "not periodic" else 0
+        return f"mean of turns {found['first']} to {found['last']}" + (f", of the run and {beside} companions" if beside else "")
+    if (told["run"]["turns"] or 0.0) < 1.0 - 1e-9:
+        return "whole run"
+    return f"last turn, the {_ordinal(found['last'])}" if found else "last turn"
+
+
+def part_of(result: View) -> str:
+    """The same of a run, in words."""
+    left, turn = result.record.companions, result.record.assembly.choice.turn
+    length = None if turn is None else float(result.time[-1]) / turn
+    return part({"turns": turned(result), "run": {"turns": length}, "trust": {} if left is None else {"companions": len(left.shifts)}})
+
+
+def _ordinal(number: int) -> str:
+    ending = "th" if 10 < number % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{ending}"
+
+
+def lines(told: dict[str, Any]) -> Iterable[str]:
+    """Lines for the facts of a summary: whether turns repeat, from which one on, and with which period."""
+    found = told["turns"]
+    if not found:
+        if (told["run"]["turns"] or 0.0) >= 2.0 - 1e-9 and told["run"].get("steady"):
+            yield 'the step does not divide a turn, so turns cannot be compared; take one that does, or "auto"'
+        return
+    if found["distance"] is None:
+        return
+    apart = share(found["distance"])
+    if found["motion"] == "periodic":
+        if found["period"] == 1:
+            yield f"repeats itself from turn {found['since']} on: the last of {found['count']} turns is {apart} from the one before"
+        else:
+            yield f"repeats itself every {found['period']} turns, from turn {found['since']} of {found['count']} on, to {apart}"
+    elif found["motion"] == "settling":
+        yield f"has not settled in {found['count']} turns: they come nearer to each other, and are {apart} apart at the end"
+    elif found["motion"] == "unsettled":
+        yield f"{found['count']} turns do not repeat: the last is {apart} from the nearest before it; more turns tell whether they will"
+    else:
+        yield f"not periodic: {found['count']} turns do not repeat, the last is {apart} from the nearest; means tell, not single turns"
+
+
+def share(distance: float) -> str:
+    """A distance of turns in per cent."""
+    if distance < 5e-5:
+        return "less than 0.01 %"
+    return f"{100.0 * distance:.2g} %" if distance < 0.1 else f"{100.0 * distance:.0f} %"
+
+
+def stray(told: dict[str, Any]) -> str:
+    """The sentence by which a motion that is not periodic is told; empty for any other."""
+    found = told["turns"]
+    if not found or found["motion"] != "not periodic":
+        return ""
+    name = told["trust"].get("measure") or max(
+        (name for name in told["measures"] if name.endswith(".force.max")), key=lambda name: told["measures"][name], default=""
+    )
+    if not name or name not in told["ranges"]:
+        return ""
+    one, value = told["ranges"][name], told["measures"][name]
+    low, high = ((100.0 * (one[key] / value - 1.0) if value else 0.0) for key in ("lowest", "highest"))
+    return (
+        f"This motion is not periodic: single turns of {name} lie {low:+.0f} to {high:+.0f} % from their mean. "
+        f"What is told are means over turns {found['first']} to {found['last']}, which hold where single turns do not."
+    )

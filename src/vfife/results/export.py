@@ -1,0 +1,100 @@
+"""A result in the files of other programs: CSV, Parquet, MATLAB, NetCDF. Each is whole or not there."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import VfifeError
+from .netcdf import write_netcdf
+from .whole import whole
+from .wide import Column, columns
+
+if TYPE_CHECKING:
+    from .view import View
+
+LONGEST_FIELD = 63  # letters of a name in MATLAB
+EXTRA = 'Parquet is written by pyarrow, which is not installed here: pip install "vfife[parquet]", or write .csv, .nc or .mat'
+
+
+def export(view: View, path: Path) -> None:
+    """Writes all channels with their units, in the format that the file's ending names. Raises VfifeError for another, OSError."""
+    write = FORMATS.get(path.suffix.lower())
+    if write is None:
+        known = f"{', '.join(list(FORMATS)[:-1])} and {list(FORMATS)[-1]}"
+        raise VfifeError(f'{path}: no data are written as "{path.suffix or path.name}"; endings that say a format are {known}')
+    write(view, path)
+
+
+def _netcdf(view: View, path: Path) -> None:
+    write_netcdf(view.data, path)
+
+
+def _csv(view: View, path: Path) -> None:
+    """A line of names with units, then one for each output, numbers to the last bit."""
+    every = list(columns(view))
+    values = [one.values.tolist() for one in every]
+    with whole(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
+        lines = csv.writer(stream)
+        lines.writerow(one.titled for one in every)
+        lines.writerows(zip(*values, strict=True))
+
+
+def _parquet(view: View, path: Path) -> None:
+    """One column a series, with unit and meaning in its metadata; elements and particles as well."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise VfifeError(f"{path}: {EXTRA}") from None
+    every = list(columns(view, fine=True))
+    arrays = [pyarrow.array(np.ascontiguousarray(one.values)) for one in every]
+    told = [{"units": one.unit, "long_name": one.meaning} for one in every]
+    fields = [pyarrow.field(one.name, array.type, metadata=said) for one, array, said in zip(every, arrays, told, strict=True)]
+    schema = pyarrow.schema(fields, metadata={key: str(value) for key, value in view.attributes.items()})
+    with whole(path) as part:
+        pyarrow.parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=schema), part)
+
+
+def _matlab(view: View, path: Path) -> None:
+    """A struct with a field for each joint, body and spring, in it a column for each quantity; ``units`` has the same fields, with texts."""
+    import scipy.io
+
+    found: dict[str, Any] = {}
+    units: dict[str, Any] = {}
+    names = Names()
+    for one in columns(view, fine=True):
+        where, said = (found, units) if not one.noun else (found.setdefault(names[one.noun], {}), units.setdefault(names[one.noun], {}))
+        key = names[of_itself(one)]
+        where[key], said[key] = np.asarray(one.values, dtype=float), one.unit
+    about = {names[key]: value if isinstance(value, float) else str(value) for key, value in view.attributes.items()}
+    with whole(path) as part, part.open("wb") as stream:
+        scipy.io.savemat(stream, {"result": found, "units": units, "about": about}, long_field_names=True, oned_as="column", do_compression=True)
+
+
+def of_itself(one: Column) -> str:
+    """What a column is called where its noun is said already."""
+    return one.name if not one.noun else one.quantity
+
+
+class Names(dict[str, str]):
+    """Names as MATLAB has them: letters, digits and underscores, the first a letter; no two become one."""
+
+    def __missing__(self, name: str) -> str:
+        plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
+        plain = (plain if re.match(r"[A-Za-z]", plain) else f"x{plain}")[: LONGEST_FIELD - 4]
+        taken, found, k = set(self.values()), plain, 2
+        while found in taken:
+            found, k = f"{plain}_{k}", k + 1
+        self[name] = found
+        return found
+
+
+FORMATS: dict[str, Callable[[View, Path], None]] = {
+    ".csv": _csv, ".mat": _matlab, ".nc": _netcdf, ".nc4": _netcdf, ".h5": _netcdf, ".parquet": _parquet,
+}  # fmt: skip

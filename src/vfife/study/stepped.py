@@ -1,0 +1,264 @@
+"""A mechanism that is stepped from outside: by a controller, a hardware loop, or another solver that has the other half of a machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..analysis.motion import half_damping, is_free
+from ..assembly.bounds import watched
+from ..codegen.runner import Runner
+from ..errors import Fault, ModelError, VfifeError, kind_of, shown, suggestion
+from ..laws.stored import refuse_recorded
+from ..model.mechanism import Mechanism
+from ..model.validate import validate
+from ..result import Result
+from ..results.channels import RECORDED, entities
+from ..results.view import View
+from ..simulation import StartFrom, assembled_at
+from ..solvers.arguments import Arguments, Loop
+from ..solvers.record import Record, recorded_rows
+from ..solvers.steered import Input, Table, inputs_of, steerable
+from ..solvers.transient import choose_loop
+from ..units import number
+
+
+class Nowhere(NamedTuple):
+    """An array of no rows, as machine code asks for it: its address is looked up once."""
+
+    shape: tuple[int, int, int]
+    ctypes: Any
+
+
+class Simulation:
+    """Steps a mechanism, lets every channel of it be read, and torques, forces, loads and speeds of drivers be set between.
+
+    >>> sim = Simulation(mechanism)  # doctest: +SKIP
+    >>> while sim.advance(sim.time + 1e-3) < 2.0:  # doctest: +SKIP
+    ...     sim.set("motor", controller(sim.read("rotor.angular_velocity")))
+
+    While nothing is set it has the bits of :func:`~vfife.simulation.simulate` with the same step; it is one run, without companions or ideal
+    reference, and its automatic step is not halved.
+
+    A torque, force or load that is set at a time acts from half a step later: a central difference takes the force at t_n for the time from
+    t_n - step/2 to t_n + step/2. It stays until it is set anew, whatever it was over time, and the energy ledger counts what it does. A speed that
+    is set is gone to evenly, within a step unless more is said. Advancing takes some 3 microseconds beside the steps, setting and reading less than
+    one; channels that are derived (a force from its components, energies) take some milliseconds.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        *,
+        step: float | str | None = None,
+        loop: Loop = "auto",
+        start: StartFrom | None = None,
+        steered: Collection[str] = (),
+        force_step: bool = False,
+    ) -> None:
+        """Assembles a mechanism at its start, or at that of a former run (:func:`~vfife.simulation.simulate` says more of the arguments).
+
+        ``steered``: names of drivers of constant speed whose speed is to be set; bits are those of a run to rounding then.
+
+        Raises ModelError with all faults of the arguments or the mechanism, AssemblyError, StepError.
+        """
+        given = Arguments("Simulation")
+        given.mechanism(mechanism)
+        size, chosen = given.step(step), given.loop(loop)
+        given.one_of("force_step", force_step, (bool,), "True or False")
+        given.one_of("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
+        for name in (steered,) if isinstance(steered, str) else steered if given.faults == [] else ():
+            if name not in mechanism.drivers:
+                given.fault("steered", "there is no such driver", name, "", suggestion(str(name), mechanism.drivers, "name a driver"))
+        given.tell()
+        validate(mechanism)
+        if mechanism.settings.analysis == "static":
+            raise ModelError([Fault("[run] analysis", "a static analysis has no steps in time", remedy="use simulate")], "Simulation()")
+        self.mechanism = mechanism
+        former = Result.load(start) if isinstance(start, str | Path) else start
+        self.assembly = assembled_at(steerable(mechanism, (steered,) if isinstance(steered, str) else steered), size, former, force_step=force_step)
+        refuse_recorded([*self.assembly.topology.contact_laws, *self.assembly.topology.friction_laws])
+        self._kept = recorded_rows(self.assembly)
+        self.loop = choose_loop(self.assembly, chosen)
+        self._runner = Runner(
+            self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop, self._kept,
+            parts=mechanism.settings.parts, watched=watched([self.assembly], np.ones(1, dtype=bool)),
+        )  # fmt: skip
+        self._state, self._broken, numbers = (looked_into(one) for one in (self._runner.S, self._runner.broken, self._runner.functions))
+        self._none = nowhere(self.loop)
+        self._take: Any = self._runner.take
+        self._look = self._runner.look
+        self.step: float = self.assembly.choice.step
+        self._take(0, 1, self._none, True, self._look)
+        self._n = 0
+        self._first = self._rows()
+        self._before = (0, self._first)
+        self._seen: tuple[int, View] | None = None
+        starts = self.assembly.topology.function_start
+        self._inputs = {one.name: (one, Table(numbers, starts[one.function]) if one.function >= 0 else None) for one in inputs_of(self.assembly)}
+        self._readers: dict[str, Callable[[], float]] = {}
+
+    def __repr__(self) -> str:
+        return (
+            f"<Simulation of {self.mechanism.name!r} at {self.time:.6g} s, steps of {self.step:.4g} s; inputs: {', '.join(self.inputs) or 'none'}>"
+        )
+
+    # ------------------------------------------------------------------------------------------------------------- time
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return self._n * self.step
+
+    def advance(self, to: float) -> float:
+        """Steps to the step that is nearest to a time (s), and gives the time reached; to a time that was reached already, nothing is done.
+
+        Raises VfifeError where that lies before, and where numbers leave all bounds, after which nothing more can be had of it.
+        """
+        n = self._n
+        try:
+            count = round(to / self.step) - n
+        except (TypeError, ValueError, OverflowError):
+            raise ModelError([Fault("to", f"this is {kind_of(to)}", shown(to), "a time in s", "give a number")], "advance()") from None
+        if count > 0:
+            self._take(n + 1, count, self._none, True, self._look)
+            self._n = n + count
+            if self._broken[0] > 0.0:
+                where = f"between {n * self.step:g} s and {self.time:g} s"
+                raise VfifeError(f"{self.mechanism.name}: {where} numbers left all bounds; take a smaller step, or look at what was set last")
+        elif count < 0:
+            raise VfifeError(f"{to:g} s has passed: the simulation is at {self.time:g} s and does not go back; make a new one")
+        return self._n * self.step
+
+    # ---------------------------------------------------------------------------------------------------------- reading
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of what can be read: those of ``result.series``."""
+        return list(self._view().series)
+
+    def read(self, name: str) -> float:
+        """The value of a channel now: ``C.force`` (N), ``rod.angle`` (rad), ``kinetic_energy`` (J) ...
+
+        Largest values since the last output are those since :meth:`advance` was last called. Raises VfifeError for a name that no channel has.
+        """
+        reader = self._readers.get(name)
+        if reader is None:
+            reader = self.channel(name)
+        return reader()
+
+    def channel(self, name: str) -> Callable[[], float]:
+        """What reads a channel, again and again, without looking for its name: at once what the state has, in milliseconds what is derived."""
+        if name not in self._readers:
+            series = self._view().series
+            if name not in series:
+                raise VfifeError(f"there is no channel {shown(name)}: {suggestion(str(name), series, 'sim.channels has their names')}")
+            variable, entity, noun = series.place(name)
+            index = None if entity is None else entities(self._view().record)[entity].index(noun)
+            self._readers[name] = self._row(variable, entity, noun, index) or self._derived(variable, index)
+        return self._readers[name]
+
+    def _row(self, variable: str, entity: str | None, noun: str, index: int | None) -> Callable[[], float] | None:
+        """What reads a channel that is a row of the state, or a velocity, which the state has half a step later; None for others."""
+        state, layout = self._state, self.assembly.layout
+        blocks = dict(RECORDED.get(entity or "", ()))
+        if entity == "body":
+            where = self.assembly.bodies[noun]
+            index = where.row
+            carried = variable in ("body_x", "body_y") and where.center == where.reference
+            if not where.elements and (carried or variable == "body_angle"):
+                at = layout.row("particle_theta" if variable == "body_angle" else f"particle_{variable[-1]}", where.particles[0])
+                return lambda: state[at]
+            if not where.elements and variable == "body_angular_velocity":
+                return self._rate(where.particles[0])
+        if variable in blocks and entity != "particle" and index is not None:
+            row = layout.row(blocks[variable], index)
+            return lambda: state[row]
+        return None
+
+    def _rate(self, particle: int) -> Callable[[], float]:
+        """What reads an angular velocity at t_n; see :func:`~vfife.analysis.motion.velocities`."""
+        state, record = self._state, self._view().record
+        rate, second = (self.assembly.layout.row(f"particle_{name}", particle) for name in ("w", "aw"))
+        dt, z = half_damping(record)
+        half, left = 0.5 * dt, 1.0 - z
+        if not is_free(record)[particle]:
+            return lambda: state[rate]
+        return lambda: (state[rate] - half * state[second]) / left
+
+    def _derived(self, variable: str, index: int | None) -> Callable[[], float]:
+        def reader() -> float:
+            values = self._view().channels[variable].values
+            return float(values[-1] if index is None else values[-1, index])
+
+        return reader
+
+    def _rows(self) -> Any:
+        return self._runner.states[self._kept, 0].copy()
+
+    def _view(self) -> View:
+        """The state now as a result has it, after that of the start and that of the last reading."""
+        if self._seen is None or self._seen[0] != self._n:
+            now, rows = self._n, self._rows()
+            kept = [(0, self._first), *([self._before] if 0 < self._before[0] < now else []), *([(now, rows)] if now else [])]
+            record = Record(self.assembly, np.array([n for n, _ in kept]), np.stack([one for _, one in kept]), self._kept, loop=self.loop)
+            self._seen, self._before = (now, View(record)), (now, rows)
+        return self._seen[1]
+
+    # ---------------------------------------------------------------------------------------------------------- setting
+
+    @property
+    def inputs(self) -> dict[str, str]:
+        """What can be set, by name: what it is, and its unit."""
+        return {name: f"{one.words} ({one.unit})" for name, (one, _) in self._inputs.items()}
+
+    def set(self, name: str, value: float | str, within: float | None = None) -> None:
+        """Sets an input from now on: a torque (N m), a force (N), what multiplies a load (1), or the speed of a driver (rad/s, m/s).
+
+        Numbers are in SI units; texts may have a unit. ``within``: time (s) in which a driver goes evenly to its new speed, a step unless given.
+        Raises ModelError for a name that no input has, or a value that is none.
+        """
+        found = self._inputs.get(name)
+        if found is None:
+            remedy = suggestion(str(name), self._inputs, "sim.inputs has their names")
+            raise ModelError([Fault("name", "there is no such input", shown(name), "", remedy)], "set()")
+        one, table = found
+        if type(value) is not float:
+            value = self._number(one, value)
+        if not math.isfinite(value):
+            raise ModelError([Fault(name, "not a finite number", shown(value), one.unit, "give a number")], "set()")
+        if not one.moves and table is not None:
+            if within is not None:
+                raise ModelError([Fault("within", "only a driver's speed is gone to", shown(within), "", "leave it out")], "set()")
+            table.hold(value)
+            return
+        if within is not None and not within > 0.0:
+            raise ModelError([Fault("within", "zero or negative", shown(within), "above 0 s", "leave it out for one step")], "set()")
+        if table is None or not table.moves:
+            what, remedy = "the motion of this driver is one piece, which cannot be changed under way", "make it a ramp, or a table of three points"
+            if self.assembly.mechanism.drivers[name].steady_speed is not None:
+                what, remedy = "the speed of this driver is constant", f"name it when the simulation is made: steered=({shown(name)},)"
+            raise ModelError([Fault(name, what, remedy=remedy)], "set()")
+        table.go(self._n * self.step, value, self.step if within is None else within)
+
+    def _number(self, one: Input, value: Any) -> float:
+        try:
+            return number(value if isinstance(value, str | bool) else float(value), one.unit)
+        except (TypeError, ValueError):
+            words = f"a number in {one.unit}" if one.unit != "1" else "a number"
+            raise ModelError([Fault(one.name, f"this is {kind_of(value)}", shown(value), words, "give one")], "set()") from None
+
+
+def nowhere(loop: str) -> Any:
+    """An array of no rows as a loop takes it."""
+    none: Any = np.zeros((1, 0, 1))
+    return Nowhere(none.shape, none.ctypes) if loop == "generated" else none
+
+
+def looked_into(numbers: Any) -> Any:
+    """An array by number, three times as fast as NumPy gives and takes one."""
+    return memoryview(numbers)

@@ -1,0 +1,201 @@
+"""The page in a browser: opened from disk with no way to the network, run, moved, read, taken away; by keys alone, and on a phone.
+
+Where there is no Chromium, or no Playwright to drive it, these tests are skipped and the rest runs.
+"""
+
+import importlib.util
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.pages import page_of
+from vfife import gallery
+from vfife.codegen.runner import Runner
+from vfife.live.patches import patched
+from vfife.live.sliders import asked_slides, default_slides
+from vfife.modelfile import loads
+from vfife.solvers.record import recorded_rows
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+WHY = "needs a browser: install the package chromium, and playwright into the environment of the tests"
+pytestmark = pytest.mark.skipif(CHROMIUM is None or importlib.util.find_spec("playwright") is None, reason=WHY)
+
+SWITCHES = (
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync",
+)  # fmt: skip
+EVIL = '<img src=x onerror="window.struck=1"><b>bold</b>'
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=CHROMIUM, args=list(SWITCHES))
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def opened(browser, tmp_path):
+    """Opens a page from disk; whatever it asks of the network, and whatever goes wrong in it, fails the test."""
+    faults: list[str] = []
+    contexts = []
+
+    def open_page(text: str, **options):
+        path = tmp_path / f"page{len(contexts)}.html"
+        path.write_text(text, "utf-8")
+        context = browser.new_context(accept_downloads=True, **options)
+        contexts.append(context)
+
+        def let(route):
+            if not route.request.url.startswith(("file://", "blob:", "data:")):
+                faults.append(f"asked for {route.request.url}")
+                route.abort()
+            else:
+                route.continue_()
+
+        context.route("**/*", let)
+        page = context.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
+        page.goto(path.as_uri())
+        page.wait_for_function("() => live.running.store.end > 1")
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert faults == []
+
+
+def outputs_of(page, until: int) -> np.ndarray:
+    """The rows that the page keeps of outputs 0 to ``until``, as their bits."""
+    page.wait_for_function(f"() => live.running.store.end > {until}")
+    texts = page.evaluate(
+        """(until) => {
+          const { store } = live.running;
+          return Array.from(new BigUint64Array(store.data.slice(0, (until + 1) * store.width).buffer), String);
+        }""",
+        until,
+    )
+    return np.array([int(one) for one in texts], dtype=np.uint64).reshape(until + 1, -1)
+
+
+def bits_of(both, until: int) -> np.ndarray:
+    """What Python makes of the same outputs."""
+    own = both.own
+    runner = Runner(own.topology, own.state[:, None], own.tables, "generated", recorded_rows(own), parts=own.mechanism.settings.parts)
+    rows = np.concatenate([runner.advance(1, 1), runner.advance(own.choice.outputs_every, until)])[:, :, 0]
+    return np.ascontiguousarray(rows).view(np.uint64)
+
+
+def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
+    mechanism = gallery.four_bar_case_b()
+    slides = asked_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"])
+    found = patched(mechanism, slides)
+    page = opened(page_of(mechanism, slides))
+    assert (outputs_of(page, 720) == bits_of(found.base, 720)).all()
+    page.locator("#slide-0").focus()
+    page.keyboard.press("End")
+    page.wait_for_function("() => live.running.id === 2")
+    last = len(slides[0].values) - 1
+    base = found.base.own.choice
+    moved = patched(loads(page.evaluate("() => live.sliders.setting.model")), [], base.step).base
+    assert moved.own.mechanism.joints["C"].clearance == slides[0].values[last]
+    assert (outputs_of(page, 720) == bits_of(moved, 720)).all()
+
+
+def test_names_are_text_and_nothing_else(opened):
+    mechanism = gallery.four_bar_case_b()
+    mechanism.name = mechanism.note = EVIL
+    page = opened(page_of(mechanism))
+    assert page.inner_text("#name") == EVIL
+    assert page.locator("h1 *").count() == page.locator("#note *").count() == 0
+    assert page.evaluate("() => window.struck") is None
+
+
+def test_everything_goes_by_keys(opened):
+    mechanism = gallery.four_bar_case_b()
+    page = opened(page_of(mechanism, asked_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"])))
+    page.wait_for_function("() => live.running.store.end > 1000")
+    page.keyboard.press(" ")
+    assert page.get_attribute("#play", "aria-label") == "play"
+    head = page.evaluate("() => Math.round(live.clock.head)")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("() => live.clock.head") == head + 20
+    page.keyboard.press("End")
+    assert page.evaluate("() => live.clock.head === live.running.store.end - 1")
+    joint = page.evaluate("() => live.selected.joint")
+    page.keyboard.press("j")
+    assert page.evaluate("() => live.selected.joint") != joint
+    page.keyboard.press("k")
+    assert page.locator("#comparison").is_visible()
+    page.keyboard.press("k")
+    assert not page.locator("#comparison").is_visible()
+    theme = page.evaluate("() => document.documentElement.dataset.theme")
+    page.keyboard.press("t")
+    assert page.evaluate("() => document.documentElement.dataset.theme") != theme
+    page.keyboard.press("?")
+    assert page.locator("#keys").is_visible()
+    page.keyboard.press("Escape")
+    reached = set()
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("() => document.activeElement.id"))
+    assert {"play", "back", "forth", "scrub", "speed", "magnify", "slide-0", "keep", "theme", "help"} <= reached
+
+
+def test_what_is_taken_away(opened):
+    """Model, numbers and pictures: the numbers are those of the outputs, in as many lines; pictures are well-formed."""
+    from xml.etree import ElementTree
+
+    mechanism = gallery.slider_crank_loose_guide()
+    page = opened(page_of(mechanism))
+    page.wait_for_function("() => live.running.store.end > 400")
+    page.keyboard.press(" ")
+
+    def taken(selector: str, opener: bool = True) -> Path:
+        if opener:
+            page.evaluate("() => { document.getElementById('take').open = true; }")
+        with page.expect_download() as download:
+            page.click(selector)
+        return Path(download.value.path())
+
+    assert loads(taken("#get-model").read_text("utf-8")) == mechanism
+    lines = taken("#get-csv").read_text("utf-8").splitlines()
+    head, first = lines[0].split(","), lines[1].split(",")
+    assert len(head) == len(first) and head[0] == "time (s)" and float(first[0]) == 0.0
+    assert taken("#get-png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    for selector, opener in (("#get-svg", True), ("#forces button:has-text('SVG')", False), ("#orbits button:has-text('SVG')", False)):
+        text = taken(selector, opener).read_text("utf-8")
+        assert ElementTree.fromstring(text).tag.endswith("svg") and "NaN" not in text
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_fits_a_phone(opened, scheme):
+    mechanism = gallery.four_bar_case_c()
+    page = opened(page_of(mechanism), viewport={"width": 360, "height": 740}, color_scheme=scheme, has_touch=True, is_mobile=True)
+    page.wait_for_function("() => live.running.store.end > 800")
+    assert page.evaluate("() => document.documentElement.scrollWidth <= window.innerWidth")
+    assert page.evaluate("() => document.documentElement.dataset.theme") == scheme
+    assert page.locator("#play").is_visible() and page.locator("#scene").is_visible()
+    box = page.locator("#play").bounding_box()
+    assert box["height"] >= 30 and box["width"] >= 40
+
+
+def test_frames_do_not_wait_for_steps(opened):
+    """Drawing goes on while the worker steps: of the mechanisms with the longest steps. No bound on the machine, but more than a few frames."""
+    page = opened(page_of(gallery.jansen_leg()))
+    drawn = page.evaluate("() => live.frames.count")
+    began = time.monotonic()
+    page.wait_for_function(f"() => live.frames.count > {drawn} + 20")
+    assert time.monotonic() - began < 30.0
+    assert page.evaluate("() => live.running.store.end") > 100
+    assert default_slides(gallery.jansen_leg())

@@ -1,0 +1,129 @@
+"""What a page computes is what Python computes: rows to the bit, measures to the bit, forces and energies to round-off."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from live.pages import needs_node, page_of, run_by_node
+from vfife import gallery, simulate
+from vfife.analysis.forces import joint_force, joint_rows
+from vfife.codegen.runner import Runner
+from vfife.live.patches import patched
+from vfife.live.sliders import asked_slides
+from vfife.live.together import together
+from vfife.model.functions import turn_of
+from vfife.modelfile import dump, loads
+from vfife.solvers.record import recorded_rows
+
+pytestmark = needs_node
+
+
+def steps_of(assembly, outputs: int) -> np.ndarray:
+    """Rows that Python keeps, shape (outputs, rows)."""
+    kept = recorded_rows(assembly)
+    runner = Runner(assembly.topology, assembly.state[:, None], assembly.tables, "generated", kept, parts=assembly.mechanism.settings.parts)
+    return np.concatenate([runner.advance(1, 1), runner.advance(assembly.choice.outputs_every, outputs - 1)])[:, :, 0]
+
+
+def as_numbers(texts: list[str], width: int) -> np.ndarray:
+    return np.array([int(one) for one in texts], dtype=np.uint64).view(np.float64).reshape(-1, width)
+
+
+# A turn each: three loose joints with friction, a block with play, springs or gears with tables, an elastic link.
+RUNS = {"four_bar_case_c": 721, "slider_crank_loose_guide": 121, "gear_train": 60, "elastic_pendulum": 30, "quick_return": 721}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_page_steps_with_the_bits_of_python(name, tmp_path):
+    mechanism = getattr(gallery, name)()
+    page = page_of(mechanism)
+    both = patched(mechanism, []).base
+    there = run_by_node(page, f"const [a, b] = step(new Setting(), {RUNS[name]}); return [bits(a), bits(b)];", tmp_path)
+    for texts, assembly, outputs in zip(there, (both.own, both.ideal), (RUNS[name], 721), strict=True):
+        if assembly is None:
+            assert not texts
+            continue
+        ours = steps_of(assembly, outputs)
+        found = as_numbers(texts, ours.shape[1])
+        assert found.shape == ours.shape
+        assert (found.view(np.uint64) == np.ascontiguousarray(ours).view(np.uint64)).all()
+
+
+def test_another_step_is_seen(tmp_path):
+    """The comparison is of what the page holds: one number of its step changed by a part in 10^15 is another run."""
+    mechanism = gallery.quick_return()
+    same = run_by_node(page_of(mechanism), "return bits(step(new Setting(), 40)[0]);", tmp_path)
+    other = run_by_node(
+        page_of(mechanism), "return bits(step(new Setting(), 40)[0]);", tmp_path, lambda text: text.replace("(0.5)", "(0.50000000000000011)")
+    )
+    assert same != other
+
+
+TURNS = """
+const setting = new Setting(), [rows, without] = step(setting, %d);
+const reader = new Reader(own, setting.part("state"), setting), width = own.kept.length, data = Float64Array.from(rows);
+const turns = new Turns(reader, perTurn, given.bodies);
+for (let k = 0; k < data.length / width; k++) turns.take(data, k * width, k);
+const last = data.length - width;
+const start = reader.ledger(data, 0, true), end = reader.ledger(data, last);
+const ideally = {};
+if (ideal) {
+  const other = new Reader(ideal, setting.part("ideal_state"), setting), more = Float64Array.from(without);
+  const one = new Turns(other, ideal.perTurn, given.bodies);
+  for (let k = 0; k < more.length / ideal.kept.length; k++) one.take(more, k * ideal.kept.length, k);
+  Object.assign(ideally, one.done[0]);
+}
+const forces = Object.fromEntries(Object.keys(own.joints).map((name) => [name, reader.force(data, last, name)]));
+const turned = Object.fromEntries(given.bodies.map((body) =>
+  [body.name, [...reader.point(data, last, body.centre), ...reader.turn(data, last, body)]]));
+return { turns: turns.shown, start, end, forces, turned, ideally };
+"""
+
+
+@pytest.mark.parametrize(("name", "turns"), [("four_bar_case_c", 1.0), ("slider_crank_loose_guide", 0.5), ("elastic_pendulum", None)])
+def test_peaks_and_energies_are_those_of_a_run(name, turns, tmp_path):
+    """Peaks from the extremes of every step: the same numbers; the ledger and forces at the end of the run to round-off."""
+    mechanism = getattr(gallery, name)()
+    result = simulate(mechanism, turns=turns, companions=0)
+    record, measures = result.record, result.measures
+    found = run_by_node(page_of(mechanism), TURNS % len(record.steps), tmp_path)
+    (shown,) = found["turns"]
+    for joint, force in shown["force"].items():
+        assert force == measures[f"{joint}.force.max"]
+    for contact, depth in zip(record.assembly.contacts, shown["depth"], strict=True):
+        assert depth == measures[f"{contact}.penetration.max"]
+    for contact, began in zip(record.assembly.contacts, shown["began"], strict=True):
+        assert began == measures[f"{contact}.impacts"]
+    if result.reference is not None:
+        for joint, force in found["ideally"]["force"].items():
+            assert force == result.reference.measures[f"{joint}.force.max"]
+    for k, joint in enumerate(joint_rows(record)):
+        assert found["forces"][joint] == pytest.approx(joint_force(record)[-1, k], rel=1e-12, abs=1e-9)
+    terms = result.ledger.terms
+    names = {"kinetic": "kinetic", "strain": "strain", "contact": "contact", "spring": "spring", "lost in contacts": "contact_loss",
+             "lost in friction": "friction_loss", "lost in damping": "damping_loss", "loads": "external", "drivers": "driver"}  # fmt: skip
+    for here, there in names.items():
+        assert found["end"][here] == pytest.approx(terms[there][-1], rel=2e-3 if here == "contact" else 1e-9, abs=1e-9 * result.ledger.largest)
+        assert found["start"][here] == pytest.approx(terms[there][0], rel=1e-9, abs=1e-9 * result.ledger.largest)
+    for k, body in enumerate(record.assembly.bodies):
+        x, y, _, _, angle, rate = found["turned"][body]
+        if not record.assembly.bodies[body].elements:
+            assert (x, y) == pytest.approx([result.channels[f"body_{axis}"].values[-1, k] for axis in "xy"], rel=1e-12, abs=1e-15)
+        assert np.cos(angle) == pytest.approx(np.cos(result.channels["body_angle"].values[-1, k]), abs=1e-12)
+        assert rate == pytest.approx(result.channels["body_angular_velocity"].values[-1, k], rel=1e-10, abs=1e-10)
+
+
+def test_a_setting_of_the_page_is_the_model_with_these_values(tmp_path):
+    """Sliders moved in the page: the numbers that it begins with, and the model that it hands out, are what Python makes of them."""
+    mechanism = gallery.four_bar_case_b()
+    slides = asked_slides(mechanism, ["joint.C.clearance=0.15..0.3mm", "driver.crank.speed=1200..1500rpm"])
+    slides = [dataclasses.replace(slide, values=(slide.values[0], slide.values[slide.here], slide.values[-1]), here=1) for slide in slides]
+    page = page_of(mechanism, slides)
+    positions = [0, 2]
+    found = run_by_node(page, f"const one = new Setting({positions}); return [bits(one.vector), one.model, own.every];", tmp_path)
+    settings = [pair for slide, k in zip(slides, positions, strict=True) for pair in slide.set(k)]
+    wanted = loads(dump(mechanism), set=settings)
+    assert loads(found[1]) == wanted
+    fine = together(wanted, turn_of(wanted) / (wanted.settings.outputs * found[2]))
+    assert (as_numbers(found[0], 1)[:, 0].view(np.uint64) == fine.vector.view(np.uint64)).all()

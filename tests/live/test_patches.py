@@ -1,0 +1,108 @@
+"""Positions of sliders as patches: what is laid together is what assembly gives, to the bit, and what is not is put into a group."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+
+from vfife import gallery
+from vfife.errors import VfifeError
+from vfife.live.patches import Settings, patched
+from vfife.live.sliders import Slide, asked_slides, default_slides, value_at
+from vfife.model.mechanism import StartSettings
+from vfife.modelfile import dump
+
+
+def few(slide: Slide, count: int = 3) -> Slide:
+    """A slider with few positions, its ends among them."""
+    places = sorted({0, slide.here, len(slide.values) - 1})[:count]
+    return dataclasses.replace(slide, values=tuple(slide.values[k] for k in places), here=places.index(slide.here))
+
+
+def same(one, other) -> bool:
+    return bool((one.view(np.uint64) == other.view(np.uint64)).all())
+
+
+def every_setting(found, mechanism):
+    """Each setting as patches give it and as assembly does, with the numbers and the model file of both."""
+    settings = Settings(mechanism, found.slides, found.base.own.choice.step)
+    for positions in itertools.product(*(range(len(slide.values)) for slide in found.slides)):
+        wanted = settings.at(positions)
+        assert wanted is not None
+        yield found.laid(positions), wanted.vector, found.written(positions), dump(wanted.own.mechanism)
+
+
+def test_patches_of_sliders_that_do_not_meet_combine_to_the_bit():
+    mechanism = gallery.four_bar_case_c()
+    slides = default_slides(mechanism)
+    assert [slide.name for slide in slides] == [
+        *(f"joint.{name}.clearance" for name in "BCD"), "driver.crank.speed", "friction", "restitution",
+    ]  # fmt: skip
+    found = patched(mechanism, [few(slides[k]) for k in (1, 3, 5)])
+    assert [group.sliders for group in found.groups] == [(0,), (1,), (2,)] and found.texts
+    for numbers, wanted, text, model in every_setting(found, mechanism):
+        assert same(numbers, wanted)
+        assert text == model
+
+
+def test_patches_that_do_not_combine_are_grouped():
+    """Where journals are seated, the start depends on every clearance and on the speed at once."""
+    mechanism = gallery.four_bar_case_c()
+    mechanism.start = StartSettings(journals="seated")
+    slides = [few(slide) for slide in default_slides(mechanism)]
+    found = patched(mechanism, [slides[1], slides[3], slides[4]])
+    assert [group.sliders for group in found.groups] == [(0, 1), (2,)]
+    for numbers, wanted, _, _ in every_setting(found, mechanism):
+        assert same(numbers, wanted)
+    apart = [numbers for numbers, *_ in every_setting(found, mechanism)]
+    assert len({numbers.tobytes() for numbers in apart}) == len(apart)
+
+
+def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():
+    mechanism = gallery.four_bar_case_c()
+    alone = patched(mechanism, []).base.own.choice
+    found = patched(
+        mechanism, [few(slide) for slide in asked_slides(mechanism, ["driver.crank.speed=500..1500rpm", "joint.C.clearance=0.02..0.2mm"])]
+    )
+    assert found.base.own.choice.outputs_every > alone.outputs_every
+    assert found.base.own.choice.outputs == alone.outputs
+
+
+def test_positions_that_no_model_may_have_are_left_out():
+    mechanism = gallery.four_bar_case_b()
+    found = patched(mechanism, asked_slides(mechanism, ["joint.C.clearance=0.1..40mm"]))
+    radius = mechanism.joints["C"].bearing_radius
+    (slide,) = found.slides
+    assert slide.values[-1] < radius
+    assert "joint.C.clearance" in found.notes[0] and "left out" in found.notes[0]
+
+
+def test_ranges_are_read_with_their_units():
+    mechanism = gallery.four_bar_case_c()
+    (one,) = asked_slides(mechanism, ["joint.C.clearance=0.01..0.5mm"])
+    assert (one.values[0], one.values[-1], one.values[one.here]) == (1e-5, 5e-4, 2e-4)
+    (two,) = asked_slides(mechanism, ["joint.C.clearance = 10 µm .. 0.5 mm"])
+    assert two.values == one.values
+    (speed,) = asked_slides(mechanism, ["driver.crank.speed=1000..2000 rpm"])
+    assert speed.values[0] == pytest.approx(1000 * np.pi / 30, rel=1e-2)
+    assert value_at(mechanism, "joint.C.contact.restitution") == (0.9, "1")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("joint.C.clearance", "PATH=LOW..HIGH"), ("joint.C.clearance=1mm", "PATH=LOW..HIGH"), ("joint.C.clearance=2..1mm", "empty"),
+        ("joint.X.clearance=1..2mm", "there is no"), ("joint.C.clearanse=1..2mm", "clearance"), ("joint.C.bearing=1..2", "no number"),
+        ("joint.C.clearance=1..2 kg", "length"), ("nothing.C=1..2", "in the model"),
+    ],
+)  # fmt: skip
+def test_a_slide_that_cannot_be_used_is_told_in_a_sentence(text, said):
+    with pytest.raises(ValueError, match="--slide") as error:
+        asked_slides(gallery.four_bar_case_c(), [text])
+    assert said in str(error.value)
+
+
+def test_what_has_no_motion_has_no_page():
+    with pytest.raises(VfifeError, match="static"):
+        patched(gallery.toggle_press(), [])

@@ -1,0 +1,225 @@
+"""Measures of a run of many turns: means after the transient, what varies, what is not known; runs that end by themselves."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import vfife
+from support import TURN, four_bar, journal_in_bearing
+from vfife.analysis.measured import Measured
+from vfife.analysis.measures import measures
+from vfife.analysis.ranges import over_turns
+from vfife.errors import ModelError, VfifeError
+from vfife.report.digits import amount, decimals, percent
+from vfife.report.summary import show
+from vfife.report.trust import verdict
+from vfife.result import Result
+
+OUTPUTS = 200
+
+
+@cache
+def settled() -> Result:
+    """Case c, whose turns come a tenth nearer to each other with each; with a step that shows it."""
+    return vfife.simulate(four_bar("BCD"), turns=9, step="5 us", outputs=OUTPUTS, companions=3)
+
+
+@cache
+def astray() -> Result:
+    """A slider-crank with a loose pin and no friction: no two turns of it are alike."""
+    return vfife.simulate(vfife.gallery.slider_crank_loose_pin(), turns=12, outputs=OUTPUTS, companions=3, step=math.pi / 50.0 / (150 * OUTPUTS))
+
+
+def peaks(result: Result, block: str, k: int) -> np.ndarray:
+    """Largest value in each turn, from the extremes within the output intervals."""
+    return result.record.block(block)[1:, k].reshape(-1, OUTPUTS).max(axis=1)
+
+
+# ---------------------------------------------------------------------------------------------------------------- values
+
+
+def test_a_measure_is_the_mean_of_its_turns_after_the_transient() -> None:
+    result = settled()
+    said = result.motion
+    assert said is not None and (said.motion, said.period, said.count) == ("periodic", 1, 9)
+    assert said.since is not None and 3 <= said.since <= 6 and said.first == said.since and said.last == 9
+    force = np.sqrt(peaks(result, "contact_force_squared_max", 1))[said.first - 1 :]
+    one = result.measures["C.force.max"]
+    assert one.value == pytest.approx(force.mean(), rel=1e-14)
+    assert (one.lowest, one.highest) == pytest.approx((force.min(), force.max()), rel=1e-14)
+    alpha = peaks(result, "body_alpha_max", result.record.assembly.bodies["follower"].row)[said.first - 1 :]
+    assert result.measures["follower.angular_acceleration.max"].value == pytest.approx(alpha.mean(), rel=1e-14)
+    assert result.reference is not None
+    ideal = result.reference.measures["C.force.max"]
+    lip = result.measures["C.force.lip"]
+    assert (lip.value, lip.lowest) == pytest.approx((100.0 * (force.mean() / ideal - 1.0), 100.0 * (force.min() / ideal - 1.0)), rel=1e-9)
+
+
+def test_what_is_not_known_is_the_range_of_means() -> None:
+    """Of each companion one row a turn is kept, which is what a run of its own would leave."""
+    result = settled()
+    left, said = result.record.companions, result.motion
+    assert left is not None and said is not None and left.turns.shape == (9, len(left.kept), 3)
+    row = int(np.flatnonzero(left.kept == result.record.assembly.layout["contact_force_squared_max"][1])[0])
+    means = np.sqrt(left.turns[said.first - 1 :, row]).mean(axis=0)
+    one = result.measures["C.force.max"]
+    assert one.low == pytest.approx(min(one.value, *means), rel=1e-14) and one.high == pytest.approx(max(one.value, *means), rel=1e-14)
+    last = left.rows[1:, row].max(axis=0)
+    assert np.array_equal(left.turns[-1, row], last)
+
+
+def test_counts_are_those_of_the_whole_run() -> None:
+    result = settled()
+    assert [result.measures[f"{joint}.impacts"] for joint in "BCD"] == result.record.block("contact_onsets")[-1].tolist()
+
+
+def test_a_run_of_few_turns_is_told_by_its_last() -> None:
+    result = vfife.simulate(four_bar("BCD"), turns=2, step="5 us", outputs=OUTPUTS, companions=0, reference=False)
+    assert result.motion is not None and result.motion.motion == "unsettled"
+    assert dict(result.measures) == measures(result.record)
+    assert all(one.lowest == one.highest == one.low == one.high == one.value for one in result.measures.values())
+
+
+def test_an_ideal_mechanism_repeats_from_its_second_turn_on() -> None:
+    """Its joints are kept by the same equations in every turn; noise of what carries nothing does not count."""
+    result = vfife.simulate(vfife.gallery.slider_crank(), turns=3, companions=0)
+    said = result.motion
+    assert said is not None and (said.motion, said.period, said.since, said.first) == ("periodic", 1, 2, 3)
+    assert said.distance < 1e-6
+
+
+def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companions() -> None:
+    result = astray()
+    said, left = result.motion, result.record.companions
+    assert said is not None and left is not None and said.motion == "not periodic" and (said.first, said.last) == (7, 12)
+    own = np.sqrt(peaks(result, "contact_force_squared_max", 0))[6:]
+    row = int(np.flatnonzero(left.kept == result.record.assembly.layout["contact_force_squared_max"][0])[0])
+    every = np.column_stack([own, np.sqrt(left.turns[6:, row])])
+    one = result.measures["pin.force.max"]
+    assert one.value == pytest.approx(every.mean(), rel=1e-13)
+    assert (one.low, one.high) == pytest.approx((every.mean(axis=0).min(), every.mean(axis=0).max()), rel=1e-13)
+    assert (one.lowest, one.highest) == pytest.approx((every.min(), every.max()), rel=1e-13)
+    assert one.variation > 2.0 * one.width  # single turns do not hold, means do
+    told = result.summary
+    assert told["turns"]["motion"] == "not periodic" and verdict(told).startswith("This motion is not periodic: single turns of ")
+    assert told["warnings"][0] == verdict(told)
+
+
+def test_statistics_over_turns_of_made_up_lanes() -> None:
+    lanes = [[{"a": 1.0}, {"a": 2.0}], [{"a": 4.0}, {"a": 5.0}]]
+    one, both = over_turns(lanes, together=False)["a"], over_turns(lanes, together=True)["a"]
+    assert (one.value, one.low, one.high, one.lowest, one.highest) == (1.5, 1.5, 4.5, 1.0, 2.0)
+    assert (both.value, both.low, both.high, both.lowest, both.highest) == (3.0, 1.5, 4.5, 1.0, 5.0)
+    assert Measured(2.0, lowest=1.0, highest=2.5).variation == 1.5
+
+
+def test_a_run_file_gives_them_back(tmp_path: Path) -> None:
+    result = settled()
+    result.save(tmp_path / "run.sqlite")
+    again = Result.load(tmp_path)
+    assert again.summary == result.summary and again.motion == result.motion
+    for name, one in result.measures.items():
+        other = again.measures[name]
+        assert (one, one.low, one.high, one.lowest, one.highest) == (other, other.low, other.high, other.lowest, other.highest)
+
+
+# ----------------------------------------------------------------------------------------------------------------- turns
+
+
+def test_turns_lie_over_each_other() -> None:
+    result = settled()
+    turns = result.turns
+    assert turns.sizes["turn"] == 8 and turns.sizes["crank_angle"] == OUTPUTS and turns.turn.values.tolist() == list(range(2, 10))
+    assert turns.crank_angle.values == pytest.approx(np.arange(1, OUTPUTS + 1) * 360.0 / OUTPUTS)
+    force = result.data["joint_force"].sel(joint="C").values[1:].reshape(9, OUTPUTS)
+    assert np.array_equal(turns["joint_force"].sel(joint="C").values, force[1:])
+    assert turns["joint_force"].dims == ("turn", "crank_angle", "joint") and turns["joint_force"].units == "N"
+    assert float(turns.time.sel(turn=9)[-1]) == pytest.approx(9 * TURN)
+    assert turns.attrs["measures_of"] == f"turns {result.motion.first} to 9"  # type: ignore[union-attr]
+
+
+def test_turns_that_there_are_not_are_told() -> None:
+    with pytest.raises(VfifeError, match="journal in bearing: there are no turns to lay over each other"):
+        vfife.simulate(journal_in_bearing(), step="1 us", duration="0.1 ms", companions=0).turns  # noqa: B018
+
+
+def test_turns_that_hold_no_whole_number_of_steps_are_not_compared() -> None:
+    result = vfife.simulate(four_bar("C"), turns=6, step="10.3 us", companions=0, reference=False)
+    assert result.motion is None and result.summary["turns"] == {}
+    assert dict(result.measures) == measures(result.record)
+    assert "the step does not divide a turn" in text_of(result)
+
+
+# -------------------------------------------------------------------------------------------------------- until it repeats
+
+
+def test_a_run_ends_when_it_has_settled() -> None:
+    """Two turns in a row are within the tolerance; the bits are those of a run that went on."""
+    result, longer = (vfife.simulate(four_bar("BCD"), turns=9, step="5 us", outputs=OUTPUTS, companions=3, settle=one) for one in ("0.2 %", None))
+    done = len(result.record.steps)
+    assert result.record.status == "complete" and 5 * OUTPUTS < done < 9 * OUTPUTS and done % OUTPUTS == 1
+    assert np.array_equal(result.record.rows, longer.record.rows[:done])
+    said = result.motion
+    assert said is not None and (said.motion, said.since, said.tolerance) == ("periodic", said.count - 1, 0.002)
+    assert result.record.companions is not None and len(result.record.companions.turns) == said.count
+    assert result.record.final is not None
+
+
+def test_it_goes_on_to_the_end_where_it_does_not_repeat() -> None:
+    result = vfife.simulate(four_bar("BCD"), turns=3, step="5 us", outputs=OUTPUTS, companions=0, settle=1e-6, reference=False)
+    assert len(result.record.steps) == 3 * OUTPUTS + 1 and result.record.status == "complete"
+
+
+@pytest.mark.parametrize(("given", "match"), [
+    ({"settle": 0.0}, "zero or negative"), ({"settle": 2.0}, "a share above 0"), ({"settle": "soon"}, "settle"),
+])  # fmt: skip
+def test_a_tolerance_that_cannot_be_is_told(given: dict[str, object], match: str) -> None:
+    with pytest.raises(ModelError, match=match):
+        vfife.simulate(four_bar("C"), **given)  # type: ignore[arg-type]
+
+
+def test_what_has_no_turns_cannot_repeat_them() -> None:
+    m = journal_in_bearing()
+    m.settings = dataclasses.replace(m.settings, settle=0.01)
+    with pytest.raises(ModelError, match="no crank turns at constant speed"):
+        vfife.simulate(m, duration="1 ms")
+
+
+# ------------------------------------------------------------------------------------------------------------ as it is told
+
+
+def text_of(result: Result) -> str:
+    console = Console(width=150, record=True, file=open("/dev/null", "w"))  # noqa: SIM115
+    show(console, result, result.reference)
+    return console.export_text()
+
+
+def test_every_table_says_which_part_of_the_run_it_is_of() -> None:
+    result, said = settled(), settled().motion
+    assert said is not None
+    text = text_of(result)
+    part = f"mean of turns {said.first} to 9"
+    assert f"Largest reactions ({part})" in text and f"Largest angular accelerations ({part})" in text and "Contact (whole run)" in text
+    assert f"repeats itself from turn {said.since} on" in text
+    short = vfife.simulate(four_bar("C"), turns=2, step="10 us", companions=0, reference=False)
+    assert "Largest reactions (last turn, the 2nd)" in text_of(short)
+    half = vfife.simulate(four_bar("C"), turns=0.5, step="10 us", companions=0, reference=False)
+    assert "Largest reactions (whole run)" in text_of(half)
+    assert "of turns 7 to 12, of the run and 3 companions)" in text_of(astray()) and "lowest to highest turn" in text_of(astray())
+
+
+def test_digits_are_no_finer_than_what_is_known() -> None:
+    assert amount(73979.5, "N", 25.3) == "73,980 N" and amount(73979.5, "N", 310.0) == "74,000 N" and amount(2.4637, "N", 0.3) == "2.5 N"
+    assert amount(73979.53, "N") == "73,979.5 N" and amount(40.19487, "N") == "40.19 N" and amount(40.19487, "N", 1e-9) == "40.19 N"
+    assert percent(156.39, 40.0) == "160 %" and percent(28.2406, 0.04) == "28.24 %" and percent(28.2406) == "28.24 %" and percent(None) == ""
+    for value in (3.0, 47.11, 815.0, 14500.0):
+        for spread in (0.004, 0.07, 3.0, 55.0):
+            assert 10.0 ** -decimals(value, spread) <= max(spread, 0.1) * (1.0 + 1e-12)
+            assert decimals(value, spread) <= -math.floor(math.log10(spread))

@@ -1,0 +1,201 @@
+"""Whether turns repeat, and with which period: sequences whose periods are known, a decay whose rate is, a ball on a table."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from support import four_bar
+from vfife.analysis.turns import FEW, MANY, Turns, settling, told
+from vfife.assembly.assemble import assemble
+from vfife.solvers.record import recorded_rows
+from vfife.solvers.repeating import LONGEST, Comparison, Settling, distance, outputs_of_a_turn, repeated_since
+
+
+class Plain:
+    """Compares turns by all of their numbers."""
+
+    def distance(self, before: np.ndarray, after: np.ndarray) -> float:
+        return distance(before, after)
+
+
+def sequence(values: np.ndarray) -> list[np.ndarray]:
+    """Turns with a peak each."""
+    return [np.array([[0.1], [value], [0.2]]) for value in values]
+
+
+def say(values: np.ndarray, tolerance: float = 1e-3) -> Turns:
+    return told(sequence(values), Plain(), tolerance)  # type: ignore[arg-type]
+
+
+def logistic(r: float, count: int, start: float = 0.3) -> np.ndarray:
+    x = [start]
+    while len(x) < count:
+        x.append(r * x[-1] * (1.0 - x[-1]))
+    return np.array(x)
+
+
+# Periods of x -> r x (1 - x), May, Nature 261 (1976): doublings at 3, 1 + sqrt 6, 3.5441; chaos beyond 3.5699 but for windows, 3 from 1 + sqrt 8.
+@pytest.mark.parametrize(("r", "period"), [(2.8, 1), (3.2, 2), (3.5, 4), (3.55, 8), (1.0 + math.sqrt(8.0) + 0.003, 3)])
+def test_the_logistic_map_has_the_periods_it_is_known_for(r: float, period: int) -> None:
+    found = say(logistic(r, 300))
+    assert (found.motion, found.period) == ("periodic", period)
+    assert found.since is not None and found.first >= found.since and (found.last - found.first + 1) % period == 0
+    assert found.last == found.count == 300
+
+
+@pytest.mark.parametrize("r", [3.58, 3.7, 3.9, 4.0])
+def test_chaos_is_not_periodic(r: float) -> None:
+    found = say(logistic(r, 60))
+    assert found.motion == "not periodic" and found.period is None and found.since is None
+    assert (found.first, found.last) == (31, 60)
+
+
+def test_a_quasi_periodic_sequence_is_not_periodic() -> None:
+    """Turns of the golden mean come near each other after 1, 2, 3, 5, 8 ... turns, by 1/(sqrt 5 n) of a round at the nearest."""
+    golden = 0.5 * (math.sqrt(5.0) - 1.0)
+    found = say(2.0 + np.sin(2.0 * math.pi * golden * np.arange(80)), 0.01)
+    assert found.motion == "not periodic" and found.distance > 0.01
+
+
+def test_a_period_longer_than_is_looked_for_is_none() -> None:
+    assert say(np.tile(np.arange(1.0, LONGEST + 1.0), 5)).period == LONGEST
+    assert say(np.tile(np.arange(1.0, LONGEST + 2.0), 5)).motion == "not periodic"
+
+
+@pytest.mark.parametrize(("rate", "tolerance"), [(0.5, 1e-3), (0.8, 1e-2), (0.9, 1e-2)])
+def test_a_transient_of_known_rate_ends_where_it_must(rate: float, tolerance: float) -> None:
+    """Peaks 1 + a q^k: turn k is |a (1 - q) q^(k - 1)| from the one before, as a share of the larger; the first within the tolerance counts."""
+    k = np.arange(60)
+    x = 1.0 + 0.4 * rate**k
+    apart = np.abs(np.diff(x)) / np.maximum(x[1:], x[:-1])
+    since = 2 + int(np.argmax(apart <= tolerance))  # turns are counted from 1
+    found = say(x, tolerance)
+    assert (found.motion, found.period, found.since) == ("periodic", 1, since)
+    assert found.first == since and found.distance == pytest.approx(apart[-1])
+    short = say(x[: since - 1], tolerance)
+    assert short.motion == ("settling" if since > 6 else "unsettled") and (short.first, short.last) == (short.count, short.count)
+
+
+def test_a_slow_decay_is_settling_and_chaos_is_not() -> None:
+    assert settling(0.95 ** np.arange(30)) and not settling(np.abs(np.diff(logistic(3.9, 30))))
+    assert not settling(np.full(20, 0.3)) and not settling([0.1, 0.05]) and not settling(0.99 ** np.arange(20))
+
+
+def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:
+    x = np.array([5.0, *np.ones(20)])
+    for count in range(3, FEW):
+        found = say(x[:count])
+        assert (found.motion, found.since, found.first, found.last) == ("periodic", 3, count, count)
+    longer = say(x[: FEW + 3])
+    assert (longer.since, longer.first, longer.last) == (3, 3, FEW + 3)
+    assert say(logistic(3.9, MANY - 1)).motion == "unsettled" and say(logistic(3.9, MANY)).motion == "not periodic"
+    assert math.isnan(say(x[:1]).distance)
+
+
+def test_means_are_over_whole_periods() -> None:
+    found = say(np.array([9.0, *[1.0, 2.0, 3.0] * 6, 1.0]))
+    assert found.period == 3 and (found.last - found.first + 1) % 3 == 0 and found.first > found.since - 1 > 3  # type: ignore[operator]
+
+
+def bounces(acceleration: float, restitution: float, count: int) -> np.ndarray:
+    """Speeds after each landing of a ball that bounces high on a table which goes up and down, the map of Holmes, J. Sound Vib. 84 (1982):
+    in units in which the table's period is 2 pi and the time of flight is the speed.
+    """
+    phase = 0.01 - math.acos(max(-1.0, 2.0 * math.pi * (restitution - 1.0) / acceleration))  # near where it lands once a period of the table
+    speed, found = 2.0 * math.pi, []
+    for _ in range(count):
+        phase = phase + speed
+        speed = restitution * speed - acceleration * math.cos(phase)
+        found.append(abs(speed))
+    return np.array(found)
+
+
+def test_a_bouncing_ball_doubles_its_period_where_theory_says() -> None:
+    """Holmes: bouncing once a period is born at gamma = 2 pi (1 - alpha), where alpha is the restitution, and doubles its period at
+    gamma^2 = (2 pi (1 - alpha))^2 + 4 (1 + alpha)^2.
+    """
+    alpha = 0.4
+    born = 2.0 * math.pi * (1.0 - alpha)
+    doubled = math.sqrt(born**2 + 4.0 * (1.0 + alpha) ** 2)
+    assert say(bounces(1.02 * born, alpha, 600)).period == 1
+    assert say(bounces(0.99 * doubled, alpha, 2000), 1e-4).period == 1
+    assert say(bounces(1.02 * doubled, alpha, 2000), 1e-4).period == 2
+
+
+# ------------------------------------------------------------------------------------------------------ while a run goes on
+
+
+@pytest.fixture(scope="module")
+def cut():
+    """A run in which a turn has five outputs, and the rows that turns are compared by."""
+    assembly = assemble(four_bar("C"), 1e-5, turns=40, outputs=5)
+    return assembly, recorded_rows(assembly)
+
+
+def rows_of(cut, values: np.ndarray) -> np.ndarray:
+    """Outputs of turns in which the force of the contact has such peaks, output 0 with them."""
+    assembly, kept = cut
+    rows = np.zeros((5 * len(values) + 1, len(kept)))
+    column = int(np.flatnonzero(kept == assembly.layout["contact_force_squared_max"][0])[0])
+    rows[3::5, column] = 1e6 * values
+    return rows
+
+
+@pytest.mark.parametrize("values", [logistic(3.2, 40), logistic(3.5, 40), 1.0 + 0.5 ** np.arange(40), logistic(3.9, 40)])
+def test_a_run_ends_where_it_is_found_to_repeat(cut, values: np.ndarray) -> None:
+    """The watch ends it at the first turn after which the whole run would be called periodic, whatever pieces outputs come in."""
+    rows = rows_of(cut, values)
+    ends = []
+    for piece in (1, 2, 5):
+        watch, at = Settling(*cut, 1e-3), 1
+        while at < len(rows) and not watch.ended:
+            some = min(piece, watch.room)
+            watch.take(rows[at : at + some])
+            at += some
+        ends.append((at - 1) / 5 if watch.ended else None)
+    assert len(set(ends)) == 1
+    comparison = Comparison(*cut)
+    turns = [rows[1 + 5 * k : 6 + 5 * k][:, comparison.columns] for k in range(40)]
+
+    def repeats(n: int, period: int) -> bool:
+        some = max(period, 2)
+        return n >= period + some and all(comparison.distance(turns[k - period], turns[k]) <= 1e-3 for k in range(n - some, n))
+
+    wanted = next((n for n in range(1, 41) if any(repeats(n, period) for period in range(1, 9))), None)
+    assert ends[0] == wanted
+    assert wanted is None or repeated_since(turns[:wanted], comparison, 1e-3) is not None
+
+
+@pytest.mark.parametrize("done", [1, 40, 66, 98])
+def test_a_watch_that_is_taken_up_ends_where_it_would_have(cut, done: int) -> None:
+    rows = rows_of(cut, np.array([*logistic(3.9, 12), *logistic(3.5, 28, 0.874997)]))
+    ends = []
+    for taken in (0, done):
+        watch = Settling(*cut, 1e-3)
+        watch.restore(rows[: taken + 1])
+        at = taken + 1
+        while not watch.ended and at < len(rows):
+            watch.take(rows[at : at + 1])
+            at += 1
+        ends.append(at)
+    assert ends[0] == ends[1] < len(rows)
+
+
+def test_what_is_next_to_nothing_does_not_keep_turns_apart(cut) -> None:
+    """Noise in an idle joint, a thousandth of the largest of its kind, does not count; a tenth of it does."""
+    comparison = Comparison(*cut)
+    columns = list(comparison.families["squares"])
+    before, after = np.zeros((2, 5, len(comparison.columns)))
+    before[2, columns[0]] = after[2, columns[0]] = 1e8
+    before[3, columns[1]], after[3, columns[1]] = 1e2, 9e2
+    assert comparison.distance(before, after) < 1e-3
+    after[3, columns[1]] = 1e6
+    assert comparison.distance(before, after) == pytest.approx(1.0, rel=1e-3)
+
+
+def test_turns_are_counted_where_they_can_be() -> None:
+    assert outputs_of_a_turn(assemble(four_bar("C"), 1e-5, turns=3, outputs=100)) == 100
+    assert outputs_of_a_turn(assemble(four_bar("C"), 1.03e-5, turns=3, outputs=100)) is None
