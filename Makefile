@@ -23,10 +23,12 @@ export MPLBACKEND ?= Agg
 # A test run starts a hundred processes, and each would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test oldest coverage lint docs bench verify soak mutations clean help
+.PHONY: demo test oldest coverage lint docs package release bench verify soak mutations clean help
 
-demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with figures, into runs/four_bar
-	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures --force
+demo: $(VENV)/.runtime  ## what play costs an air compressor in force, noise and energy, with figures in runs/demo
+	@$(PYTHON) examples/compressor.py runs/demo
+	@echo "Next: $(VENV)/bin/vfife run examples/compressor.toml --set joint.small-end.clearance=\"50 um\" -o runs/mine --figures"
+	@echo "      $(VENV)/bin/vfife new compressor -o mine.toml    $(VENV)/bin/vfife run examples/four_bar.toml (the paper's four-bar)"
 
 test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
 	@command -v chromium >/dev/null || echo "No chromium here: tests of pages in a browser are skipped (on Debian: apt-get install chromium)."
@@ -48,6 +50,13 @@ lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
 	@$(PYTHON) -m sphinx -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+package: $(VENV)/.dev  ## build wheel and sdist into dist/, and try the wheel in a bare environment outside this folder
+	@$(PYTHON) .ci/package.py
+
+release: $(VENV)/.dev  ## put version and date where they stand, then make package: make release VERSION=0.2.0
+	@$(PYTHON) .ci/release.py "$(VERSION)"
+	@$(PYTHON) .ci/package.py
 
 bench: $(VENV)/.runtime  ## measure speed into benchmarks/latest.json
 	@$(PYTHON) benchmarks/run.py

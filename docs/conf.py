@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import sys
-import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -17,7 +16,7 @@ sys.path[:0] = [str(ROOT / "src"), str(HERE), str(ROOT / "benchmarks")]
 project = "vfife"
 author = "The vfife authors"
 copyright = "The vfife authors"
-release = version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+release = version = re.findall(r'__version__ = "(.+)"', (ROOT / "src/vfife/__init__.py").read_text(encoding="utf-8"))[0]
 
 extensions = [
     "myst_parser",

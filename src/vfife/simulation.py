@@ -15,6 +15,7 @@ from .analysis.ranges import estimate, own_ranges
 from .analysis.trust import finer
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
+from .assembly.possible import Outlook, outlook
 from .assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from .codegen.cache import sources as sources_of_the_step
 from .errors import Fault, ModelError
@@ -26,9 +27,9 @@ from .results.companions import kept_companions
 from .results.lock import Lock
 from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
-from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout
+from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout, step_of
 from .results.runfile import RunFile
-from .results.start_from import States, initial_state
+from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
 from .solvers.companions import displacements, number
@@ -98,18 +99,24 @@ def comparable(mechanism: Mechanism) -> bool:
     return len(mechanism.ideal().joints) == len(mechanism.joints)
 
 
-def ideal_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Assembly | None:
-    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run."""
+def ideal_of(
+    mechanism: Mechanism, turns: float | None = None, duration: float | None = None, start: Result | States | None = None
+) -> Assembly | None:
+    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run, from its start."""
     if not comparable(mechanism):
         return None
     if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
-        turns, duration = 1.0, None
-    return assemble(mechanism.ideal(), beside=mechanism, turns=turns, duration=duration)
+        turns, duration, start = 1.0, None, None
+    ideal = mechanism.ideal()
+    given = None if start is None else initial_state(start, ideal)
+    return assemble(ideal, beside=mechanism, turns=turns, duration=duration, given=given)
 
 
-def reference_of(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Result | None:
+def reference_of(
+    mechanism: Mechanism, turns: float | None = None, duration: float | None = None, start: Result | States | None = None
+) -> Result | None:
     """What the ideal mechanism does (:func:`ideal_of`). Raises KeyboardInterrupt where it is interrupted."""
-    return referred(ideal_of(mechanism, turns, duration))
+    return referred(ideal_of(mechanism, turns, duration, start))
 
 
 def referred(ideal: Assembly | None) -> Result | None:
@@ -175,20 +182,29 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
         given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
         return Prepared(assemble(still), None, asked.loop, lambda _: assemble(still), asked={"sources": sources_of_the_step().decode()})
-    ideal = reference if isinstance(reference, Result) else reference_of(mechanism, asked.turns, asked.duration) if reference else None
     former = Result.load(start) if isinstance(start, str | Path) else start
+    if former is not None:
+        mechanism = on_clock(mechanism, former)
+    seen = outlook(mechanism, asked.turns, asked.duration) if start is None else Outlook()
+    ideal = reference if isinstance(reference, Result) else None
+    if reference is True and seen.through:
+        ideal = reference_of(mechanism, asked.turns, asked.duration, former)
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
 
     wanted = mechanism.settings.companions if asked.companions is None else asked.companions
 
     def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
-        return assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
+        found = assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
+        return dataclasses.replace(found, notes=(*found.notes, *seen.notes))
 
     begin = first_contact_steps(mechanism, wanted, asked.loop)
     assembly = again(asked.step, begin)
+    before = step_of(former.record, assembly) if isinstance(former, View) and asked.step is None else None
+    if before is not None:
+        assembly = taken_over(again(before))
     companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
-    if begin != CONTACT_STEPS and not companions and assembly.choice.automatic:  # a large frame: nobody looks whether a coarse step will do
-        assembly = again(asked.step)
+    if before is None and begin != CONTACT_STEPS and not companions and assembly.choice.automatic:
+        assembly = again(asked.step)  # a large frame: nobody looks whether a coarse step will do
     smooth = not mechanism.contacts and choose_loop(assembly, asked.loop) == "generated"
     refined = smooth and bool(wanted) and (wanted != "auto" or worth(assembly))
     kept = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
@@ -310,6 +326,12 @@ def resume(run: str | Path, *, until: float | str | None = None, progress: Calla
     return result
 
 
+def taken_over(assembly: Assembly) -> Assembly:
+    """The assembly with the step of the run that it goes on from, which may still be halved."""
+    choice = dataclasses.replace(assembly.choice, automatic=True, culprit="the run that it goes on from")
+    return dataclasses.replace(assembly, choice=choice)
+
+
 def looked_at(prepared: Prepared, record: Record) -> Record:
     """The record of a smooth run with an estimate of what its step leaves out, where one is made: Ctrl-C leaves it out."""
     if prepared.refined and record.status == Status.COMPLETE and len(record.steps) > 2:
@@ -341,6 +363,7 @@ def assembled_at(
     """
     if start is None:
         return assemble(mechanism, step, expected=expected, contact_steps=contact_steps, **length)
+    mechanism = on_clock(mechanism, start, time)
     given = initial_state(start, mechanism, time)
     assembly = assemble(mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length)
     record = restart_record(start, time)

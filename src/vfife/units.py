@@ -124,6 +124,18 @@ def number(value: Any, dimension: str) -> float:
     return result
 
 
+def quantity_in_si(digits: str, unit: str) -> float:
+    """SI value of a number in any unit. Raises ValueError for a unit that cannot be read.
+
+    >>> quantity_in_si("2.5", "kN")
+    2500.0
+    """
+    if not _UNIT.fullmatch(" ".join(unit.split())):
+        raise ValueError(f'the unit "{unit}" cannot be read')
+    (exact, rough, pi), _ = _measure(" ".join(unit.split()))
+    return float(Fraction(digits) * exact) * rough * math.pi**pi
+
+
 def dimension_of(unit: str) -> tuple[str, str]:
     """What a quantity in this unit is called, and an example of one."""
     exponents = _measure(unit)[1]

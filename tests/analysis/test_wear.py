@@ -78,6 +78,13 @@ def test_line_pressure_is_hertz() -> None:
     np.testing.assert_allclose(mean_pressure(beside, force[1:]), math.pi / 4.0 * line_pressure(beside, force[1:])[0], rtol=1e-12)
 
 
+def test_no_contact_is_wider_than_its_journal() -> None:
+    """A snug pin whose pressure goes with the cosine bears F = integral of p cos = pi/4 p_0 d L."""
+    pressure, half = line_pressure(Pair(0.01, 1e-5, 0.02), np.array([1e6]))
+    assert half[0] == pytest.approx(0.00999)
+    assert math.pi / 4.0 * pressure[0] * 2 * 0.00999 * 0.02 == pytest.approx(1e6)
+
+
 def test_line_pressure_of_a_roller_on_a_plane() -> None:
     """A steel roller of 10 mm radius on a steel plane under 100 N/mm, E* = 113.7 GPa, by hand: 0.602 GPa and 0.106 mm."""
     pair = Pair(math.inf, 0.0, 1.0, opposite_radius=0.01)

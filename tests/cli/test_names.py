@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+import vfife
 from cli.test_hostile import CRANK
+from vfife.cli import lawplot
 
 NAMES = {"joint.P": "[/]", "joint.W": r"$\frac{1$", "joint.O": "[bold]x", "body.rod": "<b>&%s{0}", "body.block": "$_$^"}
 
@@ -34,3 +36,48 @@ def test_names_are_text(command: Callable, clear: bool) -> None:
             assert name in done.stdout or words[0] == "export"
     assert len(list(Path("out/figures").glob("*.png"))) >= 2
     assert r"$\frac{1$.force.max" in json.loads(Path("out/summary.json").read_text())["measures"]
+    result = vfife.load_result("out")
+    for page in (result._repr_html_(), result.record.assembly.mechanism._repr_html_()):  # what a notebook shows
+        assert "<script>" not in page and "<b>&%s" not in page and "&lt;b&gt;&amp;%s{0}" in page
+    for name, figure in result.plot().items():
+        figure.savefig(f"{name}.svg")  # outside of what sets the style
+    if clear:
+        done = command("compare", "model.toml", "--contact", "hertz,pereira", "-o", "compared")
+        assert done.exit_code == 0 and "[/]" in done.stdout, (done.stderr, done.exception)
+        assert "[/]" in Path("compared/compare.csv").read_text()
+    assert {path.name for path in Path().iterdir() if path.suffix != ".svg"} <= {"model.toml", "out", "out.nc", "compared"}
+    assert {path.name for path in Path("..").iterdir() if path.name.startswith("x")} == set()
+
+
+HOSTILE = ("<script>alert(1)</script>", "../x", "a/b", "nul\x00", "\u202eevil", "\x1b[31mred", "new\nline", "{0}", "%s", "-o", "x" * 3000)
+
+
+@pytest.mark.parametrize("place", ["name", "body", "joint"])
+@pytest.mark.parametrize("name", HOSTILE, ids=lambda name: repr(name[:12]))
+def test_any_name_is_text_or_is_told(command: Callable, name: str, place: str) -> None:
+    """Whatever it is made of: it is shown as it is, or refused in a sentence, and no file bears it."""
+    quoted = json.dumps(name).replace("\\u0000", "\\u0000")
+    if place == "name":
+        text = CRANK.replace('name = "slider-crank"', f"name = {quoted}")
+    elif place == "joint":
+        text = CRANK.replace("[joint.P]", f"[joint.{quoted}]")
+    else:
+        text = CRANK.replace("[body.rod]", f"[body.{quoted}]").replace('"rod.', f'"{json.dumps(name)[1:-1]}.')
+    Path("model.toml").write_text(text, encoding="utf-8")
+    short = ["run", "model.toml", "-o", "out", "--json", "--loop", "interpreted", "--duration", "1e-4"]
+    for words in (["check", "model.toml", "--long"], ["check", "model.toml", "--json"], short):
+        done = command(*words)
+        assert done.exit_code in (0, 2) and "Traceback" not in done.output, (done.exception, done.stderr)
+        assert "\x1b" not in done.output and "\x00" not in done.output and "\u202e" not in done.output
+        if done.exit_code == 2:
+            assert "model.toml" in done.stderr
+    if Path("out").exists():
+        page = vfife.load_result("out").record.assembly.mechanism._repr_html_()
+        assert "<script>" not in page
+        vfife.load_result("out").plot("mechanism")
+    assert {path.name for path in Path().iterdir()} <= {"model.toml", "out"}
+
+
+def test_a_picture_of_an_own_law_stays_where_it_is_asked_for() -> None:
+    for name in ("../x", "/etc/x", "a b", "..", "$x$"):
+        assert lawplot.target_of(None, name).parent == Path() and lawplot.target_of(None, name).suffix == ".png"

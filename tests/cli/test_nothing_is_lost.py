@@ -376,6 +376,41 @@ def test_a_full_disk_in_the_run_file(command: Callable, pendulum: Path, monkeypa
         assert "nothing to keep" in done.stderr
 
 
+FILES = {
+    "a model": ("new", "slider-crank", "--force", "-o", "out.toml"),
+    "the schema": ("schema", "-o", "out.json"),
+    "a law": ("laws", "hertz", "--plot", "-o", "out.png"),
+    "a law, drawn": ("laws", "coulomb", "--plot", "-o", "out.svg"),
+}
+
+
+@pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
+@pytest.mark.parametrize("what", FILES)
+def test_every_other_file_is_whole_or_as_it_was(command: Callable, monkeypatch: pytest.MonkeyPatch, what: str, fault: Any) -> None:
+    words = FILES[what]
+    Path(words[-1]).write_text("before")
+    with monkeypatch.context() as context:
+        context.setattr(os, "replace", fault)
+        done = command(*words, *(["--json"] if words[0] == "laws" else []))
+    assert done.exit_code == 5 and "bytes are free there" in done.stderr and "as it was" in done.stderr, (done.stderr, done.exception)
+    assert os.strerror(fault_number(fault)) in done.stderr
+    assert [path.name for path in Path().iterdir()] == [words[-1]] and Path(words[-1]).read_text() == "before"
+    assert command(*words).exit_code == 0 and Path(words[-1]).read_text(errors="replace") != "before"
+
+
+def test_a_page_of_the_paper_is_whole_or_as_it_was(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from vfife.paper.page import Folder
+    from vfife.report.contents import Item
+
+    place, item = Folder(tmp_path, ""), Item("table3", "Table 3", data={})
+    place.add(item, str)
+    before = contents(tmp_path)
+    with monkeypatch.context() as context, pytest.raises(OSError, match="space"):
+        context.setattr(os, "replace", no_room)
+        place.add(item, str)
+    assert contents(tmp_path) == before
+
+
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("there", [False, True])
 def test_an_export_is_whole_or_not_there(command: Callable, kept: Path, monkeypatch: pytest.MonkeyPatch, fault: Any, there: bool) -> None:

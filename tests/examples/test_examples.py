@@ -16,6 +16,7 @@ SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
 def test_script_runs_and_its_number_holds(script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", [str(script)])
     runpy.run_path(str(script), run_name="__main__")
     assert "assert" in script.read_text()
 
@@ -27,6 +28,13 @@ def test_readme_code_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     for block in blocks:
         exec(compile(block, "README.md", "exec"), {"__name__": "__main__"})
     assert (tmp_path / "orbits.png").stat().st_size > 10_000
+
+
+def test_code_of_the_designers_page_runs() -> None:
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "designer.md").read_text(encoding="utf-8"), re.S)
+    assert blocks
+    for block in blocks:
+        exec(compile(block, "designer.md", "exec"), {"__name__": "__main__"})
 
 
 def test_demo_json_is_one_object(tmp_path: Path) -> None:

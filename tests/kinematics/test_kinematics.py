@@ -338,9 +338,9 @@ def test_flat_parallelogram_gains_a_freedom_at_its_change_point():
 
 def test_a_loop_too_short_names_its_joints_and_the_missing_length():
     guess = np.array([[0.0, 0.0, 0.0], [0.0, 0.1, 1.2], [0.3, 0.3, 0.4], [0.9, 0.2, 1.9]])
-    with pytest.raises(AssemblyError, match=r"A by 25 mm, B by 25 mm.*100 mm together.*A, B, C, D cannot reach") as info:
+    with pytest.raises(AssemblyError, match=r"C by 100 mm \(with A, B, D closed\).*A, B, C, D cannot reach") as info:
         close(four_bar(1.0, 0.2, 0.3, 0.4), guess)
-    assert info.value.joints == ("A", "B", "C", "D")
+    assert info.value.joints == ("C",)
     assert sum(info.value.gaps) == pytest.approx(0.1, rel=1e-9)
     assert isinstance(info.value, ValueError)
 
@@ -350,7 +350,7 @@ def test_a_drive_beyond_its_range_is_blamed_with_the_gap_of_the_other_links():
     guess = np.array([[0.0, 0.0, 0.0], [0.1, 0.2, 1.2], [0.4, 0.5, -0.2], [0.8, 0.2, 2.0]])
     with pytest.raises(AssemblyError, match="driven angle of crank") as info:
         close(system, guess)
-    assert sum(info.value.gaps) == pytest.approx(np.hypot(1.0, 0.4) - 1.0, rel=1e-2)
+    assert sum(info.value.gaps) == pytest.approx(np.hypot(1.0, 0.4) - 1.0, rel=1e-8)
 
 
 def test_a_guess_between_two_branches_is_called_so():

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from vfife.model.polynomials import Polynomials, moved
-from vfife.model.tabulated import closes, held, repeated, two_ways, whole_turns
+from vfife.model.tabulated import closes, held, repeated, table, two_ways, whole_turns
 
 PLACES, VALUES = (0.0, 0.1, 0.3, 0.35, 0.6), (0.0, 2.0, 2.1, 9.0, 0.0)
 INTERPOLANTS = {
@@ -19,7 +19,7 @@ INTERPOLANTS = {
 
 @pytest.mark.parametrize("how", INTERPOLANTS)
 def test_a_table_is_the_interpolant_and_keeps_its_end_values(how):
-    function, x = held(PLACES, VALUES, how), np.linspace(-0.5, 1.1, 321)
+    function, x = held(table(PLACES, VALUES, how)), np.linspace(-0.5, 1.1, 321)
     wanted = np.where((x < 0.0) | (x > 0.6), 0.0, INTERPOLANTS[how](np.clip(x, 0.0, 0.6)))
     assert function.sampled(x)[:, 0] == pytest.approx(wanted, abs=1e-12)
     assert function.kinks == (), "a force with a bend is summed to second order without an event"
@@ -27,7 +27,7 @@ def test_a_table_is_the_interpolant_and_keeps_its_end_values(how):
 
 def test_a_monotone_table_never_leaves_its_values_and_a_spline_does():
     x = np.linspace(0.0, 0.6, 2001)
-    monotone, spline = (held(PLACES, VALUES, how).sampled(x)[:, 0] for how in ("monotone", "spline"))
+    monotone, spline = (held(table(PLACES, VALUES, how)).sampled(x)[:, 0] for how in ("monotone", "spline"))
     assert monotone.min() >= 0.0 and monotone.max() <= 9.0 + 1e-12
     assert spline.max() > 9.1 or spline.min() < -0.1
     rising = monotone[x <= 0.35]
@@ -38,7 +38,7 @@ def test_a_monotone_table_never_leaves_its_values_and_a_spline_does():
 @pytest.mark.parametrize("begin", [0.0, -7.3, 2.1])
 def test_a_repeated_table_is_periodic_wherever_it_begins(how, begin):
     """Its pieces begin in [0, period) as the kernels want, and it meets itself as it does inside."""
-    function = repeated([begin + p for p in PLACES], VALUES, how)
+    function = repeated(table([begin + p for p in PLACES], VALUES, how, repeated=True))
     assert min(function.starts) == 0.0 and max(function.starts) < function.period == pytest.approx(0.6)
     x = begin + np.linspace(0.0, 0.6, 97)[:-1]
     one = function.sampled(x)[:, 0]
@@ -58,13 +58,13 @@ def test_a_moved_function_is_the_function_moved():
     x = 1e-4 * math.pi + np.linspace(-2.0, 3.0, 411)
     for by in (0.0, 0.3, -0.1, 11.17, 0.8):
         assert moved(wave, by).sampled(x) == pytest.approx(wave.sampled(x - by), abs=1e-9)
-    once = held(PLACES, VALUES)
+    once = held(table(PLACES, VALUES))
     assert moved(once, 0.25).sampled(x) == pytest.approx(once.sampled(x - 0.25), abs=1e-9)
 
 
 def test_two_ways_lie_a_gap_apart_with_a_kink_between_them():
     out, back = (1.0, 3.0, 10.0), (1.0, 2.0, 10.0)
-    function, gap = two_ways((0.1, 0.2, 0.3), out, back)
+    function, gap = two_ways(table((0.1, 0.2, 0.3), out), table((0.1, 0.2, 0.3), back))
     x = np.linspace(-0.5, 1.0, 151)
     for values, by in ((out, 0.0), (back, -gap)):
         wanted = PchipInterpolator((0.1, 0.2, 0.3), values)(np.clip(x, 0.1, 0.3))

@@ -2,40 +2,12 @@
 
 import pytest
 
+from model_texts import COMPRESSOR as MODEL
+from model_texts import GAS
 from vfife.errors import ModelError
 from vfife.model.loads import GuideForce, PointForce
 from vfife.modelfile import dump, loads
 
-MODEL = """
-[ground]
-O = [0, 0]
-[body.crank]
-length = 0.05
-mass = 0.5
-[body.rod]
-length = 0.2
-mass = 0.4
-[body.piston]
-mass = 0.6
-inertia = 1e-3
-position = [0.25, 0]
-[joint.A]
-bearing = "ground.O"
-journal = "crank.start"
-[joint.B]
-bearing = "crank.end"
-journal = "rod.start"
-[joint.C]
-bearing = "rod.end"
-journal = "piston.origin"
-[joint.guide]
-kind = "slider"
-bearing = "ground.O"
-journal = "piston.origin"
-[driver.crank]
-speed = "600 rpm"
-""".replace("inertia = 1e-3", "inertia = 1e-3\npins = { origin = [0, 0] }")
-GAS = '[load.gas]\nkind = "guide"\nslider = "guide"\n'
 TABLE = 'travels = ["150 mm", "0.25 m"]\n'
 FAULTS = {
     "no size": (GAS, "[load.gas]", "nothing says how large"),
@@ -54,6 +26,14 @@ FAULTS = {
     "cannot repeat": (GAS + TABLE + "force = [1, 1]\nrepeat = true", "[load.gas] repeat", "only a table over times or angles"),
     "joining": (GAS + TABLE + 'force = [1, 2]\ninterpolation = "cubic"', "[load.gas] interpolation", "monotone"),
     "unit": (GAS + TABLE + 'force = [1, "2 bar"]', "[load.gas] force", "a pressure"),
+    "expression": (GAS + 'travels = [0.1, 0.2]\nexpression = "2*sine(x)"', "[load.gas] expression", 'column 3: there is no "sine"'),
+    "expression and force": (GAS + 'force = 3\nexpression = "2*x"\ntravels = [0, 1]', "[load.gas] force", "exclude each other"),
+    "no range": (GAS + 'expression = "2*x"', "[load.gas] travels", "needs the range"),
+    "other range": (GAS + 'expression = "2*x"\ntimes = [0, 1]', "[load.gas] times", "goes over travels, not over times"),
+    "range of three": (GAS + 'expression = "2*x"\ntravels = [0, 1, 2]', "[load.gas] travels", "its first and its last place"),
+    "pole": (GAS + 'expression = "1/x"\ntravels = [-1, 1]', "[load.gas] expression", "no finite value at x = 0"),
+    "back of time": (GAS + 'expression = "2*t"\ntimes = [0, 1]\nexpression_back = "x"', "[load.gas] expression_back", "only an expression of x"),
+    "open period": (GAS + 'expression = "2*t"\ntimes = [0, 1]\nrepeat = true', "[load.gas] expression", "and ends at 2"),
     "no guide for travels": ('[load.p]\nat = "rod.end"\nforce = [1, 0]\ntravels = [0, 1]\nfactors = [0, 1]', "[load.p] slider", "along its guide"),
     "no such crank": ('[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\ncrank = "krank"', "[load.p] crank", 'there is no body'),
 }  # fmt: skip

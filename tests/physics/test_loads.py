@@ -8,9 +8,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
-from support import SHARE, bits, go, lanes, particle, times
+import vfife
+from support import go, particle, times
+from vfife.analysis.ground import ground_load
 from vfife.assembly.assemble import assemble
-from vfife.codegen.python import straight_line
 from vfife.kernels.arrays import FUNCTION, PARTICLE
 from vfife.kernels.step import travel
 from vfife.model.loads import GuideForce, PointForce
@@ -62,35 +63,20 @@ def test_one_curve_gives_back_what_it_took():
     assert found[10] == pytest.approx(-taken, rel=1e-3) and abs(found[20]) < 1e-5 * abs(taken)
 
 
-def test_adiabatic_compression_takes_its_work():
-    """p V^1.4 constant over 161 places: from the lower to the upper dead centre (p1 V1 - p2 V2)/0.4, less what the table leaves out."""
-    dead, bore, gamma = 0.012, 0.05, 1.4
+@pytest.mark.parametrize("expressed", [True, False])
+def test_adiabatic_compression_takes_its_work(expressed):
+    """p V^1.4 constant, as an expression and as a table of 161 places: from dead centre to dead centre (p1 V1 - p2 V2)/0.4."""
+    dead, area, gamma = 0.012, 0.25 * math.pi * 0.05**2, 1.4
     places = np.linspace(0.15, 0.25, 161)
-    volume = 0.25 * math.pi * bore**2 * (0.25 - places + dead)
-    pressure = 1e5 * (volume[0] / volume) ** gamma
-    m = cylinder(travels=tuple(places), pressure=tuple(pressure))
+    pressure = 1e5 * ((0.1 + dead) / (0.25 - places + dead)) ** gamma
+    table = {"travels": tuple(places), "pressure": tuple(pressure)}
+    text = {"travels": (0.15, 0.25), "pressure": None, "expression": "1[bar]*(112[mm]/(262[mm] - x))^1.4"}
+    m = cylinder(**(text if expressed else table))
     m.bodies["crank"] = dataclasses.replace(m.bodies["crank"], angle=math.pi)
     m.bodies["piston"] = dataclasses.replace(m.bodies["piston"], position=(0.15, 0.0))
-    record = go(m, 2e-5, duration=0.05, outputs=10)
-    closed = (pressure[0] * volume[0] - pressure[-1] * volume[-1]) / (gamma - 1.0)
-    assert work(record)[-1] == pytest.approx(closed, rel=2e-4)
-
-
-def test_every_loop_takes_the_same_bits():
-    """Interpreted, generated and straight-line Python, over both ways, a crank's angle and a speed."""
-    m = cylinder(pressure_back=BACK, tilt=0.3)
-    m.loads["drag"] = GuideForce(name="drag", slider="guide", speeds=(-4.0, 0.0, 4.0), force=(3.0, 0.0, -5.0))
-    angles = tuple(np.linspace(0.0, 2.0 * math.pi, 9))
-    factors = tuple(np.sin(angles[:-1])) + (0.0,)
-    m.loads["tooth"] = PointForce(name="tooth", at="rod.end", force=(2.0, 5.0), angles=angles, factors=factors, zero_angle=0.7)
-    assembly = assemble(m, 2e-4, duration=0.1, outputs=10, force_step=True)
-    found = []
-    for loop in ("interpreted", "generated", "python", *(("data-driven",) if SHARE == 1.0 else ())):
-        runner = lanes([assembly], "interpreted" if loop == "python" else loop)
-        runner.take = straight_line(runner.topology)(runner.memory) if loop == "python" else runner.take
-        found.append(bits(np.concatenate([runner.advance(1, 1), runner.advance(25, 10)])))
-    assert all((one == found[0]).all() for one in found[1:])
-    assert len(np.unique(found[0])) > 400
+    record = go(m, 5e-6, duration=0.05, outputs=10)
+    closed = area * (1e5 * (0.1 + dead) - pressure[-1] * dead) / (gamma - 1.0)
+    assert work(record)[-1] == pytest.approx(closed, rel=2e-7 if expressed else 1e-4)
 
 
 def flywheel(**load) -> Mechanism:
@@ -194,3 +180,45 @@ def test_the_rate_of_a_travel_is_its_derivative():
     before, now, after = (travel(S, 0, PARTICLE.SIZE, 2 * PARTICLE.SIZE, dt) for dt in (-step, 0.0, step))
     assert now[1] == pytest.approx((after[0] - before[0]) / (2.0 * step), rel=1e-8)
     assert abs(now[1]) > 0.1
+
+
+def test_gas_does_not_shake_the_ground():
+    """It presses on piston and head alike: what the ground feels is -sum m a, with gas and without."""
+    loads = [ground_load(go(m, 2e-5, duration=0.1, outputs=40)) for m in (cylinder(pressure_back=BACK, tilt=0.4), cylinder(bore=1e-6, tilt=0.4))]
+    assert loads[0] == pytest.approx(loads[1], abs=1e-4 * np.abs(loads[1]).max())
+    assert np.abs(loads[1][:, :2]).max() > 100.0
+
+
+def test_expressions_over_time_angle_and_speed():
+    """F = 3 sin(2t) on a free mass; a pulsating torque over an angle, which repeats; drag k v^2: each against its closed form."""
+    m = Mechanism("free")
+    m.rigid_body("a", mass=2.0, inertia=0.1, pins={"at": (0.0, 0.0)})
+    m.force("push", "a.at", force=(3.0, 0.0), expression="sin(2*t)", times=(0.0, 2.0))
+    record = go(m, 1e-4, duration=2.0, outputs=20)
+    assert particle(record, "a")["x"] == pytest.approx(0.75 * times(record) - 0.375 * np.sin(2.0 * times(record)), abs=1e-7)
+    record = go(flywheel(expression="0.4 + cos(angle)"), 1e-4, duration=0.6, outputs=20)
+    p = particle(record, "disc")
+    energy = 0.5 * 0.03 * 30.0**2 + 2.0 * (0.4 * p["theta"] + np.sin(p["theta"]))
+    speed = p["w"] - 0.5 * 1e-4 * record.block("function_value")[:, 0] * 2.0 / 0.03
+    assert speed[1:] == pytest.approx(np.sqrt(2.0 * energy / 0.03)[1:], rel=1e-5) and p["theta"][-1] > 4.0 * math.pi
+    m = Mechanism("drag")
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("block", mass=2.0, inertia=0.1, velocity=(3.0, 0.0, 0.0))
+    m.slider("guide", "ground.O", "block.center")
+    m.guide_force("drag", "guide", expression="-1.5*v*abs(v)", speeds=(-5.0, 5.0))
+    record = go(m, 1e-4, duration=1.0, outputs=20)
+    assert particle(record, "block")["x"] == pytest.approx(2.0 / 1.5 * np.log(1.0 + 1.5 * 3.0 * times(record) / 2.0), abs=1e-6)
+
+
+def test_a_gas_is_set_from_outside():
+    """By its pressure, in place of its table, beside a load that goes by the crank's angle."""
+    m = cylinder(pressure_back=BACK)
+    m.force("tooth", "rod.end", force=(1.0, 2.0), expression="sin(angle)")
+    sim = vfife.Simulation(m, step=2e-5, force_step=True)
+    assert sim.inputs == {
+        "gas": "pressure of the load above ambient (Pa)", "tooth": "what multiplies the load (1)", "crank": "speed of the driver (rad/s)"
+    }  # fmt: skip
+    sim.set("gas", "3 bar")
+    sim.set("tooth", 0.0)
+    sim.advance(0.05)
+    assert sim.read("external_work") == pytest.approx(3e5 * 0.25 * math.pi * 0.05**2 * 0.1, rel=1e-3), "half a turn: p A s"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -12,6 +13,7 @@ from vfife.analysis.turns import FEW, MANY, Turns, settling, told
 from vfife.assembly.assemble import assemble
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import LONGEST, Comparison, Settling, distance, outputs_of_a_turn, repeated_since
+from vfife.solvers.turnrows import TurnRows
 
 
 class Plain:
@@ -194,6 +196,35 @@ def test_what_is_next_to_nothing_does_not_keep_turns_apart(cut) -> None:
     assert comparison.distance(before, after) < 1e-3
     after[3, columns[1]] = 1e6
     assert comparison.distance(before, after) == pytest.approx(1.0, rel=1e-3)
+
+
+def test_rounding_of_what_carries_nothing_does_not_keep_turns_apart(cut) -> None:
+    """A torque of 1e-5 N m beside forces of 10 kN is none, nor are second differences of an angle that is known to sixteen digits."""
+    comparison = Comparison(*cut)
+    before, after = np.zeros((2, 5, len(comparison.columns)))
+    before[2, comparison.families["squares"][0]] = after[2, comparison.families["squares"][0]] = 1e8
+    moment, turning = (comparison.families[kind][0] for kind in ("moments", "accelerations"))
+    before[3, moment], after[3, moment] = 1e-5, 3e-5
+    before[3, turning], after[3, turning] = 1e-16 / 1e-5**2, -1e-16 / 1e-5**2
+    assert comparison.distance(before, after) < 0.01
+    after[3, moment] = 0.1
+    assert comparison.distance(before, after) > 0.9
+
+
+@pytest.mark.parametrize("pieces", [[12], [1] * 12, [5, 2, 5], [3, 9]])
+def test_rows_of_turns_do_not_depend_on_the_pieces_that_come(pieces: list[int]) -> None:
+    """Extremes are the largest of a turn, sums its last; a checkpoint in the middle of one, too."""
+    rows = np.random.default_rng(3).normal(size=(12, 2, 3))
+    gathered, at = TurnRows(5, np.array([True, False])), 0
+    for piece in pieces:
+        again = TurnRows(5, gathered.extreme)
+        again.restore(json.loads(json.dumps(gathered.remembered)), gathered.turns)
+        gathered = again
+        gathered.take(rows[at : at + piece])
+        at += piece
+    found = gathered.array(3)
+    assert np.array_equal(found[:, 0], rows[:10, 0].reshape(2, 5, 3).max(axis=1)) and np.array_equal(found[:, 1], rows[[4, 9], 1])
+    assert gathered.array(3, 9).shape == (1, 2, 3)
 
 
 def test_turns_are_counted_where_they_can_be() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import vfife
+from vfife.model.loads import Load
 from vfife.solvers.steered import Table
 
 STEP = 1e-5
@@ -125,6 +126,33 @@ def test_a_load_is_multiplied() -> None:
     simulation.advance(20 * STEP)
     alpha = 2.0 * 0.1 / 0.02
     assert simulation.read("rotor.angular_velocity") == pytest.approx(alpha * (10.5 - 9.5) * STEP, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", Load.registry)
+def test_a_load_of_any_kind_ends_where_it_is_set_to_nothing(kind: str) -> None:
+    """What pushes a free block along a guide, fixed in space or with it; half a step later nothing does."""
+    m = vfife.Mechanism("block", settings=vfife.Settings(duration=0.01))
+    m.point("O", 0, 0)
+    m.rigid_body("block", mass=1.0, inertia=0.01)
+    m.slider("guide", "ground.O", "block.center")
+    noun = Load.registry[kind]
+    aim = {"slider": "guide"} if noun.along else {"at": "block.center"}
+    m.loads["push"] = noun(name="push", **{**noun.sample, **aim})
+    simulation = stepped(m)
+    simulation.advance(10 * STEP)
+    before = simulation.read("kinetic_energy")
+    simulation.set("push", 0.0)
+    simulation.advance(12 * STEP)
+    after = simulation.read("kinetic_energy")
+    simulation.advance(50 * STEP)
+    assert 0.0 < before < after == pytest.approx(simulation.read("kinetic_energy"), rel=1e-12)
+    assert simulation.inputs["push"] == ("force of the load along its guide (N)" if noun.along else "what multiplies the load (1)")
+
+
+def test_a_load_and_a_driver_of_one_name_are_told_apart() -> None:
+    m = rotor(**TORQUE)
+    m.loads["motor"] = vfife.PointForce(name="motor", at="rotor.rim", force=(0.0, 1.0))
+    assert list(stepped(m).inputs) == ["motor", "driver.motor"]
 
 
 def test_a_driver_goes_evenly_to_its_new_speed() -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.topology import GEARED
-from ..kinematics.forces import Datum, actions, driven_body
+from ..kinematics.forces import driven_body
 from ..solvers.record import Record
 from .forces import contact_force
 from .losses import of_window
@@ -21,12 +19,12 @@ Array = NDArray[np.float64]
 def ground_load(record: Record) -> Array:
     """Force (N, N) of the mechanism on the ground, and its moment (N m) about the ground's origin, global axes, shape (outputs, 3).
 
-    The sum of all reactions on the ground: joints, with play and without, pivots and torques of drivers, gears on fixed carriers, springs. Weight
-    and loads act on bodies from outside; so what is told is them less the rate of change of momentum: F = sum (F_ext - m a), the shaking force
-    of a mechanism without loads and weight being -sum m a.
+    The sum of all that acts on the ground: joints, with play and without, pivots and torques of drivers, gears on fixed carriers, springs, and
+    loads whose opposite the ground takes, as the head of a cylinder does. Other loads and weight act on bodies from outside; so what is told is
+    them less the rate of change of momentum: F = sum (F_ext - m a), the shaking force of a mechanism without loads and weight being -sum m a.
     """
     total = np.zeros((len(record.steps), 3))
-    for part in (_ideals, _contacts, _springs, _drivers, _motors):
+    for part in (_ideals, _contacts, _springs, _drivers, _motors, _loads):
         total += part(record)
     return total
 
@@ -94,7 +92,7 @@ def _drivers(record: Record) -> Array:
 def _motors(record: Record) -> Array:
     """Torques against the ground, whose housings stand on it."""
     mechanism, total = record.assembly.mechanism, np.zeros((len(record.steps), 3))
-    at = sum(len(one.ends) for one in actions(dataclasses.replace(mechanism, drivers={}), Datum()))
+    at = sum(len(load.pushes(mechanism.joints)) for load in mechanism.loads.values())
     for name, driver in mechanism.drivers.items():
         if driver.moves:
             continue
@@ -102,6 +100,17 @@ def _motors(record: Record) -> Array:
             value = record.block("function_value")[:, record.assembly.topology.load_function[at]]
             total[:, 2] -= value * float(record.parameter("load_m")[at])
         at += 2 if driven_body(name, driver) and driver.against != "ground" else 1
+    return total
+
+
+def _loads(record: Record) -> Array:
+    """Loads on the ground itself."""
+    t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
+    for k, body in enumerate(t.load_particle):
+        if body == 0:
+            x, y, fx, fy, moment = (float(record.parameter(f"load_{name}")[k]) for name in ("x", "y", "fx", "fy", "m"))
+            value = record.block("function_value")[:, t.load_function[k]]
+            total += value[:, None] * np.array([fx, fy, x * fy - y * fx + moment])
     return total
 
 

@@ -11,6 +11,7 @@ from .losses import of_window
 from .motion import times
 
 IDLE = 1e-3  # of what is given off and lost together: a machine that gives off less does no work
+OPEN = 1e-5  # of the largest energy: what a turn leaves over that only goes to and fro
 STILL = 1e-6  # of the torque's range: a mean below it is none
 
 
@@ -50,8 +51,9 @@ def efficiency(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     time = times(part)
     if time[-1] - time[0] < (1.0 - 1e-9) * turn:
         return {}
-    done = {name: float(values[-1] - values[0]) for name, values in ledger(part).terms.items()}
+    kept = ledger(part)
+    done = {name: float(values[-1] - values[0]) for name, values in kept.terms.items()}
     given, lost = sum(max(-done[name], 0.0) for name in ("driver", "external")), sum(done[name] for name in LOST)
-    if not given > IDLE * (given + lost) or lost < 0.0:
+    if not given > max(IDLE * (given + lost), OPEN * kept.largest) or lost < 0.0:
         return {}
     return {"mechanism.efficiency": given / (given + lost)}

@@ -64,6 +64,11 @@ class Measures(dict[str, Measured]):
     A name of a former version, such as ``lip.C.force``, still finds its measure, with a DeprecationWarning that says the new one.
     """
 
+    part = ""  # of the run that they are of, but for counts, which are those of all of it
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} measures, {self.part or 'of a run'}: {dict(self)}>"
+
     def __missing__(self, name: str) -> Measured:
         new = self._present(name)
         if new is None:

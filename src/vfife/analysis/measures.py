@@ -51,7 +51,7 @@ def last_turn(record: Record) -> Window:
     return chosen
 
 
-def measures(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, float]:
+def measures(record: Record, reference: Mapping[str, float] | None = None, every: tuple[Measure, ...] | None = None) -> dict[str, float]:
     """Largest absolute values over the last full crank turn, from the extremes within the output intervals; counts of
     the whole run.
 
@@ -63,13 +63,13 @@ def measures(record: Record, reference: Mapping[str, float] | None = None) -> di
     """
     if record.static:
         return static_measures(record)
-    found = over_turn(record, last_turn(record))
+    found = over_turn(record, last_turn(record), every)
     return found | compared(record, found, reference) | over_run(record)
 
 
-def over_turn(record: Record, window: Window) -> dict[str, float]:
-    """The measures of a turn."""
-    return taken(OVER_TURN, record, window)
+def over_turn(record: Record, window: Window, every: tuple[Measure, ...] | None = None) -> dict[str, float]:
+    """The measures of a turn, or ``every`` one of some of them."""
+    return taken(OVER_TURN if every is None else every, record, window)
 
 
 def over_run(record: Record) -> dict[str, float]:
@@ -139,8 +139,9 @@ def contact_counts(record: Record, window: Window) -> dict[str, float]:
     return found
 
 
+PEAKS: tuple[Measure, ...] = (largest_loads, deepest_penetrations, largest_accelerations)  # of extremes; a step is judged by them
 OVER_TURN: tuple[Measure, ...] = (
-    largest_loads, deepest_penetrations, largest_accelerations, driving, losses, largest_sliding, largest_pressures, largest_strokes,
+    *PEAKS, driving, losses, largest_sliding, largest_pressures, largest_strokes,
     largest_shaking, largest_stresses, largest_deflections, efficiency,
 )  # fmt: skip
 OVER_RUN: tuple[Measure, ...] = (contact_counts,)

@@ -21,14 +21,15 @@ CONFORMAL = 0.3  # half-width over journal radius: beyond, a half-space is no pi
 def line_pressure(pair: Pair, force: Array) -> tuple[Array, Array]:
     """Largest pressure (Pa) and half-width (m) of two cylinders pressed together over their axial length by a force (N) of any shape.
 
-    p_0 = sqrt(F E*/(pi L R)) and a = sqrt(4 F R/(pi L E*)), R = R_B R_J/(R_B -+ R_J), minus for a journal in its bearing; Johnson, Contact
-    Mechanics (1985), Eq. 4.43 and 4.45. A half-space in place of each round: sound while a is well below the radius of the journal.
+    a = sqrt(4 F R/(pi L E*)) and p_0 = 2 F/(pi a L), R = R_B R_J/(R_B -+ R_J), minus for a journal in its bearing: Hertz' line contact; Johnson,
+    Contact Mechanics (1985), Eq. 4.43 and 4.45. No contact is wider than its journal: a is R_J at the most, where p_0 becomes 4 F/(pi d L), that of
+    a snug pin whose pressure goes with the cosine. From a = 0.3 R_J (``CONFORMAL``) on Hertz' half-spaces are a coarse picture, and p_0 is too low.
     """
     per_length, radius = np.maximum(force, 0.0) / pair.axial_length, pair.relative_radius
-    return (
-        np.sqrt(per_length * pair.composite_modulus / (math.pi * radius)),
-        np.sqrt(4.0 * per_length * radius / (math.pi * pair.composite_modulus)),
-    )
+    pressure = np.sqrt(per_length * pair.composite_modulus / (math.pi * radius))
+    half = np.sqrt(4.0 * per_length * radius / (math.pi * pair.composite_modulus))
+    journal = pair.journal_radius
+    return np.maximum(pressure, 2.0 * per_length / (math.pi * journal)), np.minimum(half, journal)
 
 
 def mean_pressure(pair: Pair, force: Array) -> Array:

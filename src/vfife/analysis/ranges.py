@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,11 @@ from numpy.typing import NDArray
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from .measured import Measured, Measures
-from .measures import compared, last_turn, measures, over_run, over_turn
-from .turns import each_turn, each_turn_beside, turns
+from .measures import PEAKS, Measure, compared, last_turn, measures, over_run, over_turn
+from .turns import Turns, each_turn, each_turn_beside, part_of, turns
 
 Array = NDArray[np.float64]
+Some: TypeAlias = tuple[Measure, ...] | None  # of the measures of a turn; all of them
 
 JUDGED = ("force.max", "moment.max", "penetration.max", "angular_acceleration.max", "torque.max")  # largest values of a turn
 LOADS = (".force.max", ".moment.max", ".torque.max")
@@ -34,7 +36,7 @@ def companion_records(record: Record) -> Iterator[Record]:
             yield dataclasses.replace(record, steps=found.steps, source=found.rows[:, :, k], kept=found.kept, companions=None)
 
 
-def ranged(record: Record, reference: Mapping[str, float] | None = None) -> Measures:
+def ranged(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> Measures:
     """The measures of a run (:func:`~vfife.analysis.measures.measures`): means of its turns after the transient, with what varies and what is
     not known; see :func:`own_ranges`.
 
@@ -42,16 +44,18 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None) -> Meas
     that size which decided: then the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
-    found = {name: (one, *_reach(record, name, one)) for name, one in own_ranges(record, reference).items()}
+    found = {name: (one, *_reach(record, name, one)) for name, one in own_ranges(record, reference, every).items()}
     earlier = {} if record.companions is None else record.companions.earlier
     if earlier and not followed(record, {name: one for name, (one, _, _) in found.items()}, earlier):
         found = {
             name: (one, min(low, earlier[name][0]), max(high, earlier[name][1])) if name in earlier else (one, low, high)
             for name, (one, low, high) in found.items()
         }
-    return Measures({
+    made = Measures({
         name: Measured(one, low, high, name not in open_ones, one.lowest, one.highest) for name, (one, low, high) in found.items()
     })  # fmt: skip
+    made.part = part_of(record, counted(record))
+    return made
 
 
 def _reach(record: Record, name: str, one: Measured) -> tuple[float, float]:
@@ -62,26 +66,34 @@ def _reach(record: Record, name: str, one: Measured) -> tuple[float, float]:
     return one.value - error, one.value + error
 
 
-def own_ranges(record: Record, reference: Mapping[str, float] | None = None) -> dict[str, Measured]:
+def own_ranges(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Measured]:
     """The measures with their ranges, whatever was tried before.
 
     Of a run whose turns repeat: means over its turns since then, from the lowest to the highest of them, and how these means differ over run and
     companions. Of one that is not periodic: means over turns of run and companions together. Of a run of few turns, or one that has not settled:
-    its last turn. Counts are those of the whole run.
+    its last turn. Counts are those of the whole run. ``every``: some of the measures of a turn only.
     """
-    said = turns(record)
-    if said is None or not said.several or (record.companions is not None and len(record.companions.turns) < said.last):
-        return joined(measures(record, reference), [measures(one, reference) for one in companion_records(record)])
+    said = counted(record)
+    if said is None or not said.several:
+        return joined(measures(record, reference, every), [measures(one, reference, every) for one in companion_records(record)])
     left = record.companions
     sound = [] if left is None else [k for k in range(len(left.shifts)) if k not in left.lost]
     lanes = [each_turn(record, said.first, said.last), *(each_turn_beside(record, k, said.first, said.last) for k in sound)]
-    taken = [[_of_a_turn(one, reference) for one in lane] for lane in lanes]
+    taken = [[_of_a_turn(one, reference, every) for one in lane] for lane in lanes]
     whole = joined(over_run(record), [over_run(one) for one in companion_records(record)])
     return over_turns(taken, together=said.motion == "not periodic") | whole
 
 
-def _of_a_turn(record: Record, reference: Mapping[str, float] | None) -> dict[str, float]:
-    found = over_turn(record, last_turn(record))
+def counted(record: Record) -> Turns | None:
+    """The turns of a run, told by its last one where nothing is kept of those before of its companions."""
+    said = turns(record)
+    if said is not None and record.companions is not None and len(record.companions.turns) < said.last:
+        return dataclasses.replace(said, first=said.last)
+    return said
+
+
+def _of_a_turn(record: Record, reference: Mapping[str, float] | None, every: Some) -> dict[str, float]:
+    found = over_turn(record, last_turn(record), every)
     return found | compared(record, found, reference)
 
 
@@ -112,7 +124,7 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     An order is taken as it is found, between one and two; two where nothing but rounding is left to tell it by.
     """
     finer = dataclasses.replace(record, steps=refined.steps, source=refined.rows, kept=refined.kept)
-    own, other = measures(record), measures(finer)
+    own, other = (measures(one, every=PEAKS) for one in (record, finer))
     power = 2.0 ** min(max(2.0 if refined.order is None else refined.order, 1.0), 2.0)
     judged = [name for name in own if name.endswith(tuple(f".{kind}" for kind in JUDGED)) and name in other]
     return Estimate(refined.order, {name: abs(own[name] - other[name]) * power / (power - 1.0) for name in judged})

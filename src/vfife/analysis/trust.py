@@ -11,6 +11,7 @@ from ..solvers.record import Record
 from ..solvers.status import Status
 from .energy import ledger, own_floor
 from .measured import Measured
+from .measures import PEAKS
 from .ranges import ranged, spreads
 from .turns import turns
 
@@ -50,7 +51,7 @@ def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | N
     left, said = record.companions, record.estimate
     if left is None and said is None:
         return None
-    found = ranged(record) if found is None else found
+    found = ranged(record, every=PEAKS) if found is None else found
     name, apart = max(spreads(found, record.assembly.choice.step).items(), key=lambda item: item[1], default=("", 0.0))
     low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
     if left is None:

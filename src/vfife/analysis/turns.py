@@ -17,9 +17,9 @@ from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn,
 Array = NDArray[np.float64]
 Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
 
-FEW = 5  # turns of a run below which its measures are those of its last period, and no mean
+FEW = 4  # turns of a run below which its measures are those of its last period, and no mean
 MANY = 10  # turns after which one that neither repeats nor is about to is called not periodic
-MOST = 256  # turns that a mean is taken over
+MOST = 100  # turns that a mean is taken over
 TREND = 24  # turns back from the end by which it is told whether a motion is settling
 FALLING = -0.9  # correlation of the logarithm of distances with the number of the turn, of a motion that is settling
 FALLEN = 0.7  # by which factor they fall over those turns, at the least
@@ -60,6 +60,27 @@ def turns(record: Record) -> Turns | None:
     comparison, settle = Comparison(record.assembly, record.kept), record.assembly.mechanism.settings.settle
     columns = _Columns(record, comparison, outputs)
     return told(columns, comparison, SETTLED if settle is None else settle)
+
+
+def part_of(record: Record, said: Turns | None) -> str:
+    """Which part of a run its measures are of, in a few words: ``mean of turns 3 to 8``, ``last turn, the 2nd``, ``whole run``."""
+    choice, left = record.assembly.choice, record.companions
+    if record.static:
+        return "all load factors"
+    if said is not None and said.several:
+        many = said.motion == "not periodic" and left is not None
+        beside = f", of the run and {len(left.shifts)} companions" if many and left is not None else ""
+        return f"mean of turns {said.first} to {said.last}{beside}"
+    if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
+        return "whole run"
+    whole = said is not None and len(record.steps) - 1 == said.count * (outputs_of_a_turn(record.assembly) or 0)
+    return f"last turn, the {ordinal(said.last)}" if said is not None and whole else "last turn"
+
+
+def ordinal(number: int) -> str:
+    """``1st``, ``2nd``, ``3rd``, ``4th`` ..."""
+    ending = "th" if 10 < number % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{ending}"
 
 
 def _unbroken(record: Record) -> bool:
@@ -137,6 +158,6 @@ def each_turn_beside(record: Record, companion: int, first: int, last: int) -> I
     size = outputs * record.assembly.choice.outputs_every
     for turn in range(first, last + 1):
         own = left.turns[turn - 1, :, companion]
-        before = left.turns[turn - 2, :, companion] if turn > 1 else own
+        before = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(own)  # sums begin at 0
         steps = np.array([turn - 1, turn], dtype=np.int64) * size
         yield dataclasses.replace(record, steps=steps, source=np.stack([before, own]), kept=left.kept, companions=None, final=None)

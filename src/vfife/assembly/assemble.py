@@ -19,6 +19,7 @@ from ..model.functions import Polynomials
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
+from ..model.weighed import contradictions
 from .assembled import Assembly
 from .checks import refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck
 from .entities import Parts, parts_of, touches_of, turning
@@ -75,7 +76,8 @@ def assemble(
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
-    filler = Filler(mechanism, numbering, Layout(topology), motion, prestress(mechanism, seats) if wanted(mechanism) and given is None else None)
+    stressed = prestress(mechanism, seats) if wanted(mechanism) and given is None else None
+    filler = Filler(mechanism, numbering, Layout(topology), motion, stressed, given=given is not None)
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)
@@ -95,7 +97,7 @@ def assemble(
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
-    notes = cautions(mechanism) + strange + missed(mechanism, choice, filler.layout, filler.state)
+    notes = cautions(mechanism) + contradictions(mechanism) + strange + missed(mechanism, choice, filler.layout, filler.state)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),

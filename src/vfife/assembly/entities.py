@@ -25,6 +25,7 @@ from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers,
 from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
 from ..model.carriers import carrier_of
+from ..model.functions import motion_function
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
@@ -125,7 +126,7 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
         found.append(Ideal(gear.name, gear.rows(), ends[0], ends[1], carrier=numbering.particle(carrier_of(mechanism, gear))))
     for name, driver in constraint_drivers(mechanism).items():
-        function = numbering.function(driver.motion(0.0))
+        function = numbering.function(motion_function(driver, 0.0, mechanism.clock))
         if driver.slider and (guided := guide_of(mechanism, driver.slider)):
             bearing, journal = (numbering.place(side) for side in guided[0].sides)
             found.append(Ideal(name, (Along(guided[1].direction),), bearing, journal, function))
@@ -218,7 +219,8 @@ def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, 
     driver = kinematic_drivers(mechanism)[name]
     if driver.steady_speed is not None:
         return -1
-    return numbering.function(driver.motion(motion.datum.angle.get(name, mechanism.bodies[name].angle)))
+    start = motion.datum.angle.get(name, mechanism.bodies[name].angle)
+    return numbering.function(motion_function(driver, start, mechanism.clock))
 
 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:

@@ -31,7 +31,10 @@ if TYPE_CHECKING:
 class Filler:
     """Writes parameters and start values into S."""
 
-    def __init__(self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: PrestressedState | None) -> None:
+    def __init__(
+        self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: PrestressedState | None, *, given: bool = False
+    ) -> None:
+        self.lengths = motion.datum.spring if given else {}
         self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
         self.state = np.zeros(layout.rows)
         self.free = frozenset(numbering.free)
@@ -169,10 +172,11 @@ class Filler:
             self.state[start : start + len(numbers)] = numbers
 
     def springs(self, springs: Sequence[tuple[AnySpring, int, Place, Place]]) -> None:
-        """Stiffness, damping and free lengths; those that are not given are what the start has."""
+        """Stiffness, damping and free lengths; those that are not given are what the start has, and the model's own where another one was given."""
         for index, (spring, kind, first, second) in enumerate(springs):
             self._pins("spring", index, (first, second), ("first", "second"))
-            for name, values in spring_fields(spring, self._apart(kind, first, second)).items():
+            start = self.lengths[spring.name] if spring.name in self.lengths else self._apart(kind, first, second)
+            for name, values in spring_fields(spring, start).items():
                 row = self.layout.row(f"spring_{name}", index)
                 self.state[row : row + len(values)] = values
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinematics.forces import driven_body
+from ..model.functions import motion_function, timed
 from ..model.mechanism import Mechanism
 from ..model.polynomials import Polynomials
 
@@ -48,9 +49,9 @@ def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) ->
         if driver.moves:
             whose = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
             reach = math.inf if driver.revolves and body else 1.0 if body else size  # round and round: that is a turn, which is divided anyway
-            yield Prescribed(whose, driver.motion(), (0.0, length), True, reach=reach)
+            yield Prescribed(whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach)
         elif driver.over == "time":
-            yield Prescribed(f"the force on {driver.point or body}", driver.effort(), (0.0, length), False)
+            yield Prescribed(f"the force on {driver.point or body}", timed(driver.effort(), mechanism.clock), (0.0, length), False)
         elif driver.over == "angle" and spin > 0.0:
             effort = driver.effort()
             yield Prescribed(f"the torque on {body}", effort, (effort.starts[0], effort.starts[-1]), False, spin)
@@ -58,7 +59,7 @@ def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) ->
         function, gap = load.course()
         ends = (function.starts[0], function.starts[-1])
         if load.over == "time":
-            yield Prescribed(f"the load {name}", function, (0.0, length), False)
+            yield Prescribed(f"the load {name}", timed(function, mechanism.clock), (0.0, length), False)
         elif load.over == "angle" and spin > 0.0:
             yield Prescribed(f"the load {name}", function, ends if function.period is None else (0.0, function.period), False, spin)
         elif load.over == "travel" and spin > 0.0 and len(function.starts) > 1:

@@ -65,7 +65,7 @@ def choose_step(
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     turn = turn_of(mechanism)
     settings = mechanism.settings
-    length = _length(mechanism, turns, duration, turn)
+    length = length_of(mechanism, turns, duration, turn)
     wanted: float | Literal["auto"] | str = settings.step if step is None else step
     per = outputs or settings.outputs
     if wanted == "auto":
@@ -131,7 +131,8 @@ def _limits(
     return limits
 
 
-def _length(mechanism: Mechanism, turns: float | None, duration: float | None, turn: float | None) -> float:
+def length_of(mechanism: Mechanism, turns: float | None, duration: float | None, turn: float | None) -> float:
+    """How long a run lasts (s): its arguments, else the settings, else two turns (s each) of the driver, else a second."""
     settings = mechanism.settings
     if turns is None and duration is None:
         turns, duration = settings.turns, settings.duration

@@ -11,9 +11,11 @@ from .. import __version__
 from .check import check
 from .compare import compare
 from .ended import export, info, plot
+from .impacts import impacts
 from .laws import laws
 from .live import live
 from .materials import materials
+from .modes import modes
 from .new import new
 from .paper import paper
 from .plainly import Command, Plainly, UsageError
@@ -65,5 +67,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, resume, check, compare, info, plot, live, export, laws, materials, schema, paper, verify):
+for command in (new, run, resume, check, modes, compare, info, impacts, plot, live, export, laws, materials, schema, paper, verify):
     app.command(cls=Command)(command)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -119,7 +120,8 @@ def show(found: dict[str, Any]) -> None:
 
 def target_of(asked: Path | None, name: str) -> Path:
     """The file to draw into. Raises ValueError where none can be there."""
-    target = asked if asked is not None else Path(f"{name}.png")
+    plain = re.sub(r"[^\w-]+", "-", name).strip("-") or "law"
+    target = asked if asked is not None else Path(f"{plain}.png")
     if target.suffix.lower() not in (".png", ".pdf", ".svg"):
         raise ValueError(f"-o {target}: the ending chooses the kind of picture; allowed: .png, .pdf, .svg")
     if not target.absolute().parent.is_dir():

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from .options import JsonOption, LawsOption, positive, take_laws
-from .terminal import fail, grid, output, print_json, row, sentences
+from .terminal import fail, grid, output, print_json, row, sentences, writing
 
 Size = Annotated[str, typer.Option(metavar="LENGTH", help="Of the pair of surfaces.")]
 MaterialOption = Annotated[str, typer.Option("--material", metavar="NAME", help='Of both surfaces, or "bearing,journal"; see `vfife materials`.')]
@@ -98,7 +98,9 @@ def by_itself(law: dict[str, Any], pair_of: tuple[str, ...], sizes: tuple[float,
     numbers, what = lawplot.contact(noun, pair, mass, speed) if law["kind"] == "contact" else lawplot.friction(noun, pair, normal)
     from ..plots.laws import drawn
 
-    return {"derived": noun.derived(pair), "units": noun.units(pair), "numbers": numbers, "picture": str(drawn(law["kind"], target, **what))}
+    with writing(str(target), "What was there is as it was."):
+        drawn(law["kind"], target, **what)
+    return {"derived": noun.derived(pair), "units": noun.units(pair), "numbers": numbers, "picture": str(target)}
 
 
 def described() -> Iterator[dict[str, Any]]:

@@ -29,6 +29,7 @@ def live(
         from ..live import asked_slides, default_slides, model_of
         from ..live.page import LARGEST, written
         from ..live.patches import patched
+        from ..results.folder import written as kept
 
         take_laws(laws)
         mechanism, step = model_of(source, overrides(set_))
@@ -37,9 +38,10 @@ def live(
         page = written(found).encode("utf-8")
         place = out if out is not None else Path(f"{(source.resolve() if source.is_dir() else source).stem}.html")
         if len(page) > LARGEST:
-            raise ValueError(f"the page takes {amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may; slide less")
+            sizes = f"{amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may"
+            raise ValueError(f"the page takes {sizes}; slide less, or use fewer elements")
     for note in found.notes:
         tell("note", f"{note}.")
     with writing(str(place)):
-        place.write_bytes(page)
+        kept(place, page.decode("utf-8"))
     typer.echo(f"{place}: {amount_of_bytes(len(page))}, sliders: {', '.join(one.name for one in found.slides) or 'none'}; open it in a browser.")

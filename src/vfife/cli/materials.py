@@ -16,11 +16,14 @@ def materials(as_json: JsonOption = False) -> None:
         return
     from rich.text import Text
 
-    table = grid("material", "Young's modulus, GPa", "Poisson's ratio", "density, kg/m³", "what it is", "source", right=(1, 2, 3))
-    sources = list(dict.fromkeys(one["source"] for one in found))
+    heads = ("material", "Young's modulus, GPa", "Poisson's ratio", "density, kg/m³", "hardness, GPa", "what it is", "source")
+    table = grid(*heads, right=(1, 2, 3, 4))
+    sources = list(dict.fromkeys(source for one in found for source in (one["source"], one["hardness_source"]) if source))
     for one in found:
         numbers = (f"{1e-9 * one['youngs_modulus']:.4g}", f"{one['poissons_ratio']:.4g}", f"{one['density']:.4g}")
-        row(table, one["name"], *numbers, one["meaning"], f"[{1 + sources.index(one['source'])}]")
+        hard = "" if one["hardness"] is None else f"{1e-9 * one['hardness']:.3g}"
+        from_where = ", ".join(f"[{1 + sources.index(source)}]" for source in (one["source"], one["hardness_source"]) if source)
+        row(table, one["name"], *numbers, hard, one["meaning"], from_where)
     console = output()
     console.print(table)
     for number, source in enumerate(sources, 1):
@@ -30,8 +33,11 @@ def materials(as_json: JsonOption = False) -> None:
 
 
 def listed() -> list[dict[str, Any]]:
-    """Name, Young's modulus (Pa), Poisson's ratio, density (kg/m^3), meaning and source of each."""
-    from ..laws.materials import TABLE
+    """Name, Young's modulus (Pa), Poisson's ratio, density (kg/m^3), meaning, source, and hardness (Pa) with its source, of each."""
+    from ..laws.materials import HARDNESS, TABLE
 
-    keys = ("youngs_modulus", "poissons_ratio", "density", "meaning", "source")
-    return [{"name": name, **dict(zip(keys, entry, strict=True))} for name, entry in TABLE.items()]
+    keys, none = ("youngs_modulus", "poissons_ratio", "density", "meaning", "source"), (None, None)
+    return [
+        {"name": name, **dict(zip(keys, entry, strict=True)), **dict(zip(("hardness", "hardness_source"), HARDNESS.get(name, none), strict=True))}
+        for name, entry in TABLE.items()
+    ]

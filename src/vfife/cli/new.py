@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from .terminal import fail, grid, output, row, sentences
+from ..results.folder import written
+from .terminal import fail, grid, output, row, sentences, writing
 
 ROOM = Path(__file__).resolve().parents[1]
 SCHEMA = ROOM / "modelfile" / "model.schema.json"
@@ -27,12 +28,10 @@ def new(name: NameArgument = None, out: OutOption = None, force: ForceOption = F
     if out is None:
         typer.echo(text, nl=False)
         return
-    with sentences(str(out)):
-        try:
-            with out.open("w" if force else "x", encoding="utf-8") as file:
-                file.write(text)
-        except FileExistsError:
-            raise ValueError("there is such a file already; choose another name, or replace it with --force") from None
+    with sentences(str(out)), writing(str(out), "What was there is as it was."):
+        if out.exists() and not force:
+            raise ValueError("there is such a file already; choose another name, or replace it with --force")
+        written(out, text)
 
 
 def templates() -> dict[str, Path]:

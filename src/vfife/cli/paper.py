@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..results.folder import written
 from .options import JsonOption
 from .signals import NOW
-from .terminal import errors, fail, grid, json_text, output, print_json, row, sentences, span, tell
+from .terminal import errors, fail, grid, json_text, output, print_json, row, sentences, span, tell, writing
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -44,13 +45,15 @@ def paper(
     index.html, figures and paper.json. Ctrl-C keeps the items that are done.
     """
     names = chosen(item)
-    with sentences(f"-o {folder}"):
+    with sentences(f"-o {folder}"), writing(f"-o {folder}", "Nothing was begun."):
         if folder.exists() and not folder.is_dir():
             raise ValueError(f"-o {folder}: this is a file; name a folder")
         folder.mkdir(parents=True, exist_ok=True)
     began = time.monotonic()
     searching = item is not None and names == ["infer"] and not stored
-    done, whole, parameters = work(names, folder, budget if searching else 0.0, seed)
+    NOW.saved = f"Items that are done are kept in {folder}."
+    with writing(f"-o {folder}", NOW.saved):
+        done, whole, parameters = work(names, folder, budget if searching else 0.0, seed)
     if as_json:
         print_json(payload(done, parameters))
     else:
@@ -90,7 +93,7 @@ def work(names: list[str], path: Path, budget: float, seed: int) -> tuple[list[I
                 place.add(made, json_text)
                 done.append(made)
             if budget > 0.0:
-                (path / "fitted.json").write_text(json_text(context.fit) + "\n", encoding="utf-8")
+                written(path / "fitted.json", json_text(context.fit) + "\n")
         except KeyboardInterrupt:
             whole = False
     return done, whole, as_numbers(context.parameters)

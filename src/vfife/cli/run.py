@@ -46,7 +46,7 @@ Reference = Annotated[bool, typer.Option("--reference/--no-reference", help="Com
 ForceStep = Annotated[bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")]
 StartFrom = Annotated[
-    Path | None, typer.Option("--start-from", metavar="RUN", help="A new run from where a former one ended (its folder or file).")
+    Path | None, typer.Option("--start-from", metavar="RUN", help="A new run from where a former one ended (its folder or file), by its clock.")
 ]
 BESIDE = "Runs with displaced steps beside it, 0 to 7, or auto: their range tells how far it can be trusted."
 Companions = Annotated[str | None, typer.Option(metavar="N", help=BESIDE, show_default=MODELS)]

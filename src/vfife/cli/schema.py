@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from .terminal import sentences
+from ..results.folder import written
+from .terminal import writing
 
 OutOption = Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Write it into this file.", show_default=False)]
 
@@ -19,5 +20,5 @@ def schema(out: OutOption = None) -> None:
     if out is None:
         typer.echo(text(), nl=False)
         return
-    with sentences(str(out)):
-        out.write_text(text(), encoding="utf-8")
+    with writing(str(out), "What was there is as it was."):
+        written(out, text())

@@ -8,6 +8,7 @@ With its default values a function builds what the model file of the same name i
 """
 
 from .block_on_incline import block_on_incline
+from .compressor import compressor
 from .four_bar import four_bar, four_bar_case_b, four_bar_case_c, four_bar_ideal
 from .frames import elastica_circle, lee_frame, williams_toggle
 from .gear_train import gear_train
@@ -23,6 +24,7 @@ from .squeezer import squeezer
 
 __all__ = [
     "block_on_incline",
+    "compressor",
     "double_pendulum",
     "elastic_pendulum",
     "elastica_circle",

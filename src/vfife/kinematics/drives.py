@@ -13,6 +13,7 @@ from ..errors import AssemblyError
 from ..model.bodies import PointMass
 from ..model.carriers import carrier_of
 from ..model.drivers import AngleTable, Driver
+from ..model.functions import motion_function
 from ..model.joints import Contact, Gear, Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
@@ -133,9 +134,9 @@ def _drive(mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driv
     body = driven_body(name, driver)
     if body:
         start = datum.angle.get(body, _angle(mechanism, body)) - datum.angle.get(driver.against, _angle(mechanism, driver.against))
-        angle, rate, second = driver.motion(start)(time)
+        angle, rate, second = motion_function(driver, start, mechanism.clock)(time)
         return Constraint(name, names.index(driver.against), names.index(body), (Turn(),), aim=angle, speed=rate, acceleration=second, driven=True)
-    return travel_of(mechanism, names, name, driver, *driver.motion(datum.travel.get(name, 0.0))(time))
+    return travel_of(mechanism, names, name, driver, *motion_function(driver, datum.travel.get(name, 0.0), mechanism.clock)(time))
 
 
 def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:

@@ -18,7 +18,7 @@ from ..kernels.spring import spring as spring_force
 from ..kernels.step import argument, load
 from ..kernels.topology import BUSHING, LINEAR, SLIDING, SPEED, STOP, TIME, TORSIONAL, TRAVEL, TURNED
 from ..model.drivers import Driver
-from ..model.functions import crank_of
+from ..model.functions import crank_of, timed
 from ..model.joints import Joint
 from ..model.loads.load import Load, Push
 from ..model.lumping import rigid_properties
@@ -153,22 +153,23 @@ def driven_body(name: str, driver: Driver) -> str:
 
 def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
     """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a speed or an angle."""
-    found = [action for one in mechanism.loads.values() for action in _loading(mechanism, one, datum)]
+    found = [action for one in mechanism.loads.values() for action in _loading(mechanism, one)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             body = driven_body(name, driver)
-            function, depends = _effort(driver, body, datum)
+            function, depends = _effort(mechanism, driver, body)
             found.append(Action(function, depends, _sides(driver, body), steady=driver.steady))
     return found
 
 
-def _loading(mechanism: Mechanism, one: Load, datum: Datum) -> Iterator[Action]:
+def _loading(mechanism: Mechanism, one: Load) -> Iterator[Action]:
     """A load's actions: one for what is fixed in space, one for what turns with its bodies."""
     function, gap = one.course()
+    function = timed(function, mechanism.clock) if one.over == "time" else function
     argument, guide = _depends(mechanism, one, gap)
     pushes = one.pushes(mechanism.joints)
     for follow in (False, True):
-        ends = tuple((push.body, push.pin, _aligned(push, datum)) for push in pushes if push.follow == follow)
+        ends = tuple((push.body, push.pin, _aligned(push, mechanism)) for push in pushes if push.follow == follow)
         if ends:
             yield Action(function, argument, ends, follow, one.steady, guide)
 
@@ -193,11 +194,16 @@ def _direction(joint: Joint) -> tuple[float, float]:
     return guide.unit()
 
 
-def _aligned(push: Push, datum: Datum) -> tuple[float, float, float]:
+def _model_angle(mechanism: Mechanism, body: str) -> float:
+    """The angle (rad) that the model gives a body, which a run from a former one's end counts from too."""
+    return 0.0 if body == "ground" else mechanism.bodies[body].angle
+
+
+def _aligned(push: Push, mechanism: Mechanism) -> tuple[float, float, float]:
     """Force and moment in the frame of the body on which they act."""
     if not push.aligned:
         return push.acts
-    s, c = sincos(datum.angle.get(push.aligned, 0.0) - datum.angle.get(push.body, 0.0))
+    s, c = sincos(_model_angle(mechanism, push.aligned) - _model_angle(mechanism, push.body))
     x, y, moment = push.acts
     return c * x - s * y, s * x + c * y, moment
 
@@ -210,16 +216,16 @@ def _sides(driver: Driver, body: str) -> tuple[tuple[str, str, tuple[float, floa
     return (body, "", (0.0, 0.0, 1.0)), *opposite
 
 
-def _effort(driver: Driver, body: str, datum: Datum) -> tuple[Polynomials, tuple[int, str, str]]:
-    """A torque's function, and what it depends on: time, the speed of the body, or its angle, counted from the start."""
+def _effort(mechanism: Mechanism, driver: Driver, body: str) -> tuple[Polynomials, tuple[int, str, str]]:
+    """A torque's function, and what it depends on: time, the speed of the body, or its angle, counted from the start that the model has."""
     function = driver.effort()
     if driver.over == "time":
-        return function, NO_BODIES
+        return timed(function, mechanism.clock), NO_BODIES
     if driver.point:
         raise ValueError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
     if driver.over == "speed":
         return function, (SPEED, driver.against, body)
-    begin = datum.angle.get(body, 0.0) - datum.angle.get(driver.against, 0.0)
+    begin = _model_angle(mechanism, body) - _model_angle(mechanism, driver.against)
     shifted = dataclasses.replace(function, starts=tuple(start + begin for start in function.starts))
     return shifted, (TURNED, driver.against, body)
 
@@ -272,11 +278,17 @@ def _acting(action: Action, now: Instant) -> Iterator[Applied]:
 
 def _pulling(spring: AnySpring, now: Instant, start: float) -> Iterator[Applied]:
     """Force of a massless element on its two ends; ``start`` is its distance or angle at the start."""
-    ends, element = now.ends(spring), 2 * PARTICLE.SIZE
+    ends = now.ends(spring)
+    for end, force in zip(ends, pull(spring, start, ends), strict=True):
+        yield end.pushed(*force)
+
+
+def pull(spring: AnySpring, start: float, ends: Sequence[End]) -> list[tuple[float, float, float]]:
+    """Force (N, N) and moment (N m) of a massless element on each of its two pins; ``start`` is its distance or angle at the start."""
+    element = 2 * PARTICLE.SIZE
     rows = _records(ends, SPRING.SIZE)
     for name, values in spring_fields(spring, start).items():
         first = element + getattr(SPRING, name)
         rows[first : first + len(values)] = values
     spring_force(rows, element, 0, PARTICLE.SIZE, kind_of_spring(spring), 1.0, 0.0)
-    for base, end in zip((0, PARTICLE.SIZE), ends, strict=True):
-        yield end.pushed(*(rows[base + field] for field in (PARTICLE.fx, PARTICLE.fy, PARTICLE.mz)))
+    return [(rows[base + PARTICLE.fx], rows[base + PARTICLE.fy], rows[base + PARTICLE.mz]) for base in (0, PARTICLE.SIZE)]

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from .linalg import RANK_TOLERANCE, Matrix, constrained, damped_step, shared_out, weighted
+from .gathered import Gathered
+from .linalg import DENSE, RANK_TOLERANCE, Matrix, constrained, damped_step, shared_out, weighted
+from .opened import closing_joint, parted
 from .system import RigidSystem, checked, equations, metric
 
 Array = NDArray[np.float64]
@@ -155,13 +157,15 @@ def _is_closed(system: RigidSystem, closure: Closure) -> bool:
 
 def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) -> AssemblyError:
     """Return the error that names the open joints of a position, their gaps and the likely cause."""
-    phi = _open(system, closure.position)[0]
+    before = _open(system, closure.position)[0]
+    phi, alone = _put_down(system, closure)
     gaps = [float(np.linalg.norm(phi[system.rows(k)])) for k in range(len(system.joints))]
     largest = max(gaps, default=0.0)
     gap_of = {joint.name: gap for joint, gap in zip(system.joints, gaps, strict=True) if gap > 1e-3 * largest}
     listed = ", ".join(_gap(system, k, phi) for k, joint in enumerate(system.joints) if joint.name in gap_of)
-    cause = f"the links joined by {', '.join(gap_of)} cannot reach one another: check their lengths and end points"
-    if any(not joint.pinned for joint in system.joints if joint.name in gap_of):
+    loop = [system.joints[k].name for k in range(len(system.joints)) if np.abs(before[system.rows(k)]).max() > 1e-3 * np.abs(before).max()]
+    cause = f"the links joined by {', '.join(loop)} cannot reach one another: check their lengths and end points"
+    if any(not joint.pinned for joint in system.joints if joint.name in loop):
         cause += ", the directions of guides and the angles of welded, guided and geared bodies"
     angles = [system.names[drive.body_b] for drive in system.drives if drive.turns]
     places = [drive.name for drive in system.drives if not drive.turns]
@@ -170,8 +174,23 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
     else:
         cause += f", and the driven angle of {', '.join(angles)}" if angles else ""
         cause += f", and the driven travel of {', '.join(places)}" if places else ""
-    message = f"joints stay open, {listed} ({1e3 * sum(gap_of.values()):.4g} mm together); {cause}"
+    together = f"with {', '.join(name for name in loop if name not in gap_of)} closed" if alone else f"{1e3 * sum(gap_of.values()):.4g} mm together"
+    message = f"joints stay open, {listed} ({together}); {cause}"
     return AssemblyError(message, tuple(gap_of), tuple(gap_of.values()))
+
+
+def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
+    """phi of an open position, the gap put down to the joint that closes the loop; and whether that one alone is open then."""
+    phi = _open(system, closure.position)[0]
+    rows = np.abs(phi)
+    joint = closing_joint(system, rows / rows.max()) if len(rows) <= DENSE else None
+    if joint is None:
+        return phi, False
+    gathered = Gathered(system)
+    position, gap, _ = parted(gathered, joint, np.array([drive.aim for drive in system.drives]), closure.position)
+    alone = _open(system, position)[0]
+    others = np.delete(np.abs(alone), np.arange(system.starts[joint], system.starts[joint + 1]))
+    return (alone, True) if others.max(initial=0.0) <= 1e-3 * gap else (phi, False)
 
 
 def _gap(system: RigidSystem, k: int, phi: Array) -> str:

@@ -69,9 +69,9 @@ def taylor(number: Any) -> Taylor:
 
 
 def sqrt(number: Any) -> Any:
-    """Square root of a plain number or of one with derivatives."""
+    """Square root of a plain number, of an array of them, or of one with derivatives."""
     if not isinstance(number, Taylor):
-        return math.sqrt(number)
+        return number**0.5 if hasattr(number, "shape") else math.sqrt(number)
     value = math.sqrt(number.value)
     half = 0.5 / value
     rate = half * number.rate

@@ -22,12 +22,15 @@ from ..fields import quantity as quantity
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3)."""
+    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3), and its hardness (Pa) where it is known."""
 
     name: str = "steel"
     youngs_modulus: float = quantity("Pa", "Young's modulus", 207e9, above=0.0)
     poissons_ratio: float = quantity("1", "Poisson's ratio", 0.3, above=-1.0, high=0.5)
     density: float = quantity("kg/m^3", "density", 7800.0, above=0.0)
+    hardness: float | None = quantity(
+        "Pa", "indentation hardness: Brinell's or Vickers' number times 9.81 MPa; if left out, that of `vfife materials`, or none", None, above=0.0
+    )
 
     @property
     def compliance(self) -> float:
@@ -157,6 +160,12 @@ class Law:
         With the deepest penetration (m) and the fastest impact (m/s) of a run also those on what only the run can tell.
         """
         return ()
+
+    def usual(self, pair: Pair) -> tuple[float, float] | None:
+        """Impact speeds (m/s) between which a run is beyond the quasi-static theory of the law, as nearly all machines are: a line says so, and no
+        warning does. None where there are none.
+        """
+        return None
 
     def derived(self, pair: Pair) -> dict[str, str]:
         """Numbers worth printing, by slot name."""

@@ -35,3 +35,18 @@ TABLE: dict[str, tuple[float, float, float, str, str]] = {
 }
 
 MATERIALS: dict[str, Material] = {name: Material(name, *numbers[:3]) for name, numbers in TABLE.items()}
+
+# Name: indentation hardness (Pa) of materials whose handbook tells one, as Brinell's or Vickers' number times 9.80665 MPa; source.
+HARDNESS: dict[str, tuple[float, str]] = {
+    "steel": (163 * 9.80665e6, "163 HB of AISI 1045, hot-rolled: Shigley, Table A-20"),
+    "cast-iron": (201 * 9.80665e6, "201 HB of ASTM No. 30: Shigley, Table A-24"),
+    "silicon-nitride": (16.0e9, "16.0 GPa, Vickers: Callister, Table 12.6"),
+    "alumina": (26.5e9, "26.5 GPa, Vickers: Callister, Table 12.6"),
+}
+
+
+def hardness_of(material: Material) -> float | None:
+    """Hardness (Pa) of a material: its own, or that of the built-in one that it is; None where it is not known."""
+    if material.hardness is None and MATERIALS.get(material.name) == material and material.name in HARDNESS:
+        return HARDNESS[material.name][0]
+    return material.hardness

@@ -33,7 +33,7 @@ def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
         origin = kind.entry if issubclass(kind, Recorded) else {"file": file_of(kind), "text": text_of(kind)}
         entry: Entry = {"name": law.name, "kind": what, "source": law.source, "formula": law.formula, "slots": list(law.slots), "joints": []}
         entry = found.setdefault((what, law.name), {**entry, "file": origin["file"], "text": origin["text"]})
-        joint: Entry = {"fields": fields(law), "pair": dataclasses.asdict(pair), "p": [float(v) for v in law.parameters(pair)]}
+        joint: Entry = {"fields": fields(law), "pair": described(pair), "p": [float(v) for v in law.parameters(pair)]}
         if isinstance(law, ContactLaw):
             joint["table"] = kind.of(joint)["table"] if issubclass(kind, Recorded) else table(law, pair, tuple(joint["p"]))
         if joint not in entry["joints"]:
@@ -44,6 +44,14 @@ def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
 def fields(law: Law) -> dict[str, Any]:
     """Parameters by name."""
     return {field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
+
+
+def described(pair: Pair) -> Entry:
+    """A pair of surfaces as far as laws know it: of hardness none does, and files of former versions have none."""
+    found = dataclasses.asdict(pair)
+    for side in ("bearing", "journal"):
+        del found[side]["hardness"]
+    return found
 
 
 def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]]:
@@ -67,7 +75,7 @@ class Recorded(Law, register=False):
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """The numbers that were recorded for these surfaces."""
-        return tuple(self.of({"fields": fields(self), "pair": dataclasses.asdict(pair)})["p"])
+        return tuple(self.of({"fields": fields(self), "pair": described(pair)})["p"])
 
     @classmethod
     def of(cls, joint: Mapping[str, Any]) -> Entry:

@@ -59,6 +59,7 @@ def stepped(assembly: Assembly) -> Json:
         "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows, "joints": own,
         "kept": recorded_rows(assembly).tolist(), "extremes": layout.of("extreme"), "free": list(topology.free), "driven": list(topology.driven),
         "present": [kind == CURRENT for kind in topology.strains], "perTurn": per_turn(assembly),
+        "torques": {body.name: body.driven for body in assembly.bodies.values() if body.driven is not None},
         "alphas": {name: body.row for name, body in assembly.bodies.items()},
     }  # fmt: skip
 
@@ -98,7 +99,14 @@ def joints(assembly: Assembly) -> list[Json]:
         angles = (_angle(assembly, pins[0]), _angle(assembly, pins[1]))
         at = strokes.Asked(outlines.place(assembly, pins[0]), outlines.place(assembly, pins[1]), angles, size)
         drawn, tilt = strokes.of_joint(joint, at, angles, (sides[0] == "ground", sides[1] == "ground"))
-        words = {"words": joint.words, "bodies": sides, "turned": sides[0] != "ground"}
+        around, *reaches = joint.drawn
+        words = {
+            "reaches": [reach or 0.0 for reach in reaches],
+            "around": [list(point) for point in around],
+            "words": joint.words,
+            "bodies": sides,
+            "turned": sides[0] != "ground",
+        }
         found.append({"name": name, "bearing": pins[0], "journal": pins[1], "strokes": drawn, "tilt": tilt, **words})
     return found
 
@@ -145,11 +153,17 @@ def springs(assembly: Assembly) -> list[Json]:
 
 
 def loads(assembly: Assembly) -> list[Json]:
-    """Forces and moments that are given: where they act."""
-    return [
-        {"name": load.name, "at": outlines.pin_of(assembly, load.at), "acts": list(load.acts), "follow": load.follows}
-        for load in assembly.mechanism.loads.values()
-    ]
+    """Forces and moments that are given: where they act on a body that can move, and which particle turns their direction (the ground: none)."""
+    found = []
+    for load in assembly.mechanism.loads.values():
+        for push in load.pushes(assembly.mechanism.joints):
+            if push.body == "ground":
+                continue
+            at = outlines.pin_of(assembly, f"{push.body}.{push.pin}") if push.pin else outlines.centre_of(assembly, push.body)
+            turner = push.aligned or (push.body if push.follow else "ground")
+            particle = 0 if turner == "ground" else assembly.bodies[turner].particles[0]
+            found.append({"name": load.name, "at": at, "acts": list(push.acts), "turner": particle})
+    return found
 
 
 def points(assembly: Assembly) -> list[list[float]]:
@@ -164,5 +178,9 @@ def _angle(assembly: Assembly, pin: outlines.Pin) -> float:
 def extent(assembly: Assembly) -> float:
     """About the size of a drawing (m): the largest side of what the mechanism spans at its start."""
     at = [outlines.place(assembly, pin) for body in assembly.bodies.values() for piece in outlines.drawn(assembly, body)["pieces"] for pin in piece]
+    for joint in assembly.mechanism.joints.values():
+        for end, reach in zip((joint.bearing, joint.journal), joint.drawn[1:], strict=True):
+            x, y = outlines.place(assembly, outlines.pin_of(assembly, end))
+            at += [(x - reach, y - reach), (x + reach, y + reach)] if reach else []
     spread = np.ptp(np.array([*at, *assembly.mechanism.points.values()], dtype=float).reshape(-1, 2), axis=0)
     return float(spread.max(initial=0.0)) or 1.0

@@ -49,9 +49,11 @@ class Together:
         """Whether the other runs by the same text, and differs in numbers alone."""
         if (self.ideal is None) != (other.ideal is None) or len(self.vector) != len(other.vector):
             return False
-        counts = [(one.choice.outputs_every, one.choice.outputs) for one in (self.own, other.own)]
         pairs = [(self.own, other.own)] + ([(self.ideal, other.ideal)] if self.ideal and other.ideal else [])
-        return counts[0] == counts[1] and all(one.topology == two.topology for one, two in pairs)
+        return all(
+            one.topology == two.topology and (one.choice.outputs_every, one.choice.outputs) == (two.choice.outputs_every, two.choice.outputs)
+            for one, two in pairs
+        )
 
 
 def started(assembly: Assembly) -> Array:
@@ -94,8 +96,15 @@ def refuse_unfit(mechanism: Mechanism) -> None:
         raise VfifeError("a static analysis has no motion to run in a page; see vfife run and vfife plot")
 
 
-def together(mechanism: Mechanism, step: float | None = None, *, force: bool = False, known: list[Assembly] | None = None) -> Together:
-    """Both, with a step (s) or the automatic one. Raises ModelError and AssemblyError for what cannot be run.
+def together(
+    mechanism: Mechanism,
+    step: float | None = None,
+    ideal_step: float | None = None,
+    *,
+    force: bool = False,
+    known: list[Assembly] | None = None,
+) -> Together:
+    """Both, with steps (s) or the automatic ones. Raises ModelError and AssemblyError for what cannot be run.
 
     ``known`` are ideal references that were assembled before, and takes another one: play changes none.
     """
@@ -103,11 +112,17 @@ def together(mechanism: Mechanism, step: float | None = None, *, force: bool = F
     own = assemble(mechanism, step, force_step=force)
     if choose_loop(own, "auto") != "generated":
         raise VfifeError("a page runs models whose step is written out, and this one has too many elements, or path units of several steps")
-    ideal = None
-    if comparable(mechanism) and all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
-        without, known = mechanism.ideal(), [] if known is None else known
-        ideal = next((one for one in known if one.mechanism == without), None)
-        if ideal is None:
-            ideal = assemble(without, beside=mechanism, turns=1.0)
-            known.append(ideal)
-    return Together(own, ideal)
+    if not comparable(mechanism) or any(driver.steady_speed is None for driver in mechanism.drivers.values() if driver.moves):
+        return Together(own, None)
+    without, known = mechanism.ideal(), [] if known is None else known
+    for one in known:
+        if one.mechanism == without and ideal_step in (None, one.choice.step):
+            return Together(own, one)
+    known.append(assemble(without, ideal_step, beside=mechanism, turns=1.0))
+    return Together(own, known[-1])
+
+
+def turned(assembly: Assembly, turn: float | None) -> float:
+    """The step (s) with which another mechanism, whose crank takes ``turn`` (s), has as many steps in a turn; the same one without a crank."""
+    choice = assembly.choice
+    return choice.step if turn is None or choice.turn is None else turn / round(choice.turn / choice.step)

@@ -6,12 +6,23 @@ import math
 
 from .drivers import Driver
 from .mechanism import Mechanism
-from .polynomials import Polynomials, clamped, constant, spline
+from .polynomials import Polynomials, clamped, constant, moved, raised, spline
 
 
-def motion_function(driver: Driver, offset: float = 0.0) -> Polynomials:
-    """What a driver prescribes (rad or m), ``offset`` added. TypeError for a driver that prescribes no motion."""
-    return driver.motion(offset)
+def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> Polynomials:
+    """What a driver prescribes (rad or m) over the time of a run that begins at ``clock`` (s): what it adds from there on to ``offset``.
+
+    TypeError for a driver that prescribes no motion.
+    """
+    if clock == 0.0:
+        return driver.motion(offset)
+    function = driver.motion(0.0)
+    return raised(moved(function, -clock), offset - function(clock)[0])
+
+
+def timed(function: Polynomials, clock: float) -> Polynomials:
+    """A function of the clock over the time of a run that begins at ``clock`` (s)."""
+    return moved(function, -clock) if clock else function
 
 
 def torque_function(driver: Driver) -> Polynomials:

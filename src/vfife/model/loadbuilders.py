@@ -21,6 +21,7 @@ class LoadBuilders:
         angles: Sequence[Quantity] | None = None, travels: Sequence[Quantity] | None = None, speeds: Sequence[Quantity] | None = None,
         crank: str = "", slider: str = "", zero_angle: Quantity = 0.0, zero_travel: Quantity = 0.0, repeat: bool | None = None,
         interpolation: Interpolation = "monotone",
+        expression: str = "", expression_back: str = "",
     ) -> PointForce:  # fmt: skip
         """Adds a force and a moment at a pin, ``body.pin``; see :class:`~vfife.model.loads.PointForce`."""
         raise NotImplementedError
@@ -31,6 +32,7 @@ class LoadBuilders:
         factors_back: Sequence[Quantity] | None = None, times: Sequence[Quantity] | None = None, angles: Sequence[Quantity] | None = None,
         travels: Sequence[Quantity] | None = None, speeds: Sequence[Quantity] | None = None, crank: str = "", slider: str = "",
         zero_angle: Quantity = 0.0, zero_travel: Quantity = 0.0, repeat: bool | None = None, interpolation: Interpolation = "monotone",
+        expression: str = "", expression_back: str = "",
     ) -> PointForce:  # fmt: skip
         """Adds a moment on the body of a pin, ``body.pin``; see :class:`~vfife.model.loads.PointForce`."""
         raise NotImplementedError
@@ -43,6 +45,7 @@ class LoadBuilders:
         reverse: bool = False, times: Sequence[Quantity] | None = None, angles: Sequence[Quantity] | None = None,
         travels: Sequence[Quantity] | None = None, speeds: Sequence[Quantity] | None = None, crank: str = "", zero_angle: Quantity = 0.0,
         zero_travel: Quantity = 0.0, repeat: bool | None = None, interpolation: Interpolation = "monotone",
+        expression: str = "", expression_back: str = "",
     ) -> GuideForce:  # fmt: skip
         """Adds a force along the guide of a joint, as gas has it in a cylinder; see :class:`~vfife.model.loads.GuideForce`."""
         raise NotImplementedError

@@ -45,6 +45,9 @@ class StartSettings:
     journals: Journals = described(
         Choice(("centred", "seated")), "journals centred in their bearings, or seated where the ideal reaction presses them", "centred"
     )
+    time: float | None = quantity(
+        "s", "where the clock of drivers and loads stands when the run begins; left out: 0, or where a former run ended from which it goes on", None
+    )
 
 
 Start = StartSettings  # as it was called before
@@ -161,6 +164,11 @@ class Mechanism(Builders):
         """What a notebook shows: its drawing, and tables of its parts."""
         return str(answered("html", self))
 
+    @property
+    def clock(self) -> float:
+        """Where the clock (s) of drivers and loads stands when a run begins; load factors have none."""
+        return 0.0 if self.settings.analysis == "static" else self.start.time or 0.0
+
     def ideal(self) -> Mechanism:
         """The reference that clearance runs are compared with: every joint ideal, every link rigid with its lumped masses."""
         from .lumping import rigidified
@@ -171,5 +179,5 @@ class Mechanism(Builders):
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
             joints={name: ideal for name, joint in self.joints.items() if (ideal := joint.ideal()) is not None},
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
-            start=StartSettings(),
+            start=StartSettings(time=self.start.time),
         )

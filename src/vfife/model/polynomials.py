@@ -24,7 +24,8 @@ class Polynomials:
 
     With a ``period`` (s) the function repeats itself; the pieces then cover [0, period). A kink is where the value jumps, or one of its
     derivatives up to ``order``: 2 for motions, whose acceleration must not jump unseen; 0 for forces, of which steps take the sum as the
-    trapezoidal rule does, to second order over bends too. ``breaks``: pieces that begin with a kink whatever they are.
+    trapezoidal rule does, to second order over bends too. ``breaks``: pieces that begin with a kink whatever they are; ``edges``: those that may
+    begin with a kink or a bend, all unless said.
     """
 
     starts: tuple[float, ...]
@@ -32,6 +33,7 @@ class Polynomials:
     period: float | None = None
     order: int = 2
     breaks: tuple[int, ...] = ()
+    edges: tuple[int, ...] | None = None
 
     def table(self) -> NDArray[np.float64]:
         """As the kernels read it."""
@@ -54,13 +56,20 @@ class Polynomials:
 
     def _kink(self, before: int, after: int, length: float) -> bool:
         """Whether value, slope or curvature, up to the ``order``, jumps from the end of one piece, so long (s), to the begin of another."""
-        return after in self.breaks or any(self._jumps(before, after, length)[: self.order + 1])
+        known = self.edges is None or after in self.edges
+        return after in self.breaks or (known and any(self._jumps(before, after, length)[: self.order + 1]))
 
     def _jumps(self, before: int, after: int, length: float) -> list[float]:
         """By how much value, slope and curvature jump there; 0 for what is next to nothing."""
         ends = [_derivatives(self.coefficients[before], length), _derivatives(self.coefficients[after], 0.0)]
-        least = KINK * max(max(abs(x) * length**k for end in ends for k, x in enumerate(end)), 1e-300)
+        size = max(abs(x) * length**k for end in ends for k, x in enumerate(end))
+        least = KINK * max(size, 1e-300, 0.0 if self.order else self._largest)
         return [abs(x - y) if abs(x - y) * length**k > least else 0.0 for k, (x, y) in enumerate(zip(*ends, strict=True))]
+
+    @cached_property
+    def _largest(self) -> float:
+        """Largest absolute value at the begins of pieces."""
+        return max(abs(row[0]) for row in self.coefficients)
 
     @cached_property
     def bends(self) -> tuple[tuple[float, float], ...]:
@@ -69,7 +78,7 @@ class Polynomials:
         lengths = [late - early for early, late in pairwise(self.starts)]
         lengths.append(span - self.starts[-1] + self.starts[0] if self.period else span)
         found = []
-        for k in range(0 if self.period else 1, count):
+        for k in range(0 if self.period else 1, count) if self.edges is None else self.edges:
             value, slope, _ = self._jumps(k - 1, k, lengths[k - 1])
             if slope and not value and self.order < 1:
                 found.append((self.starts[k], 2.0 * slope / (lengths[k - 1] + lengths[k])))
@@ -122,10 +131,17 @@ def moved(function: Polynomials, by: float) -> Polynomials:
     first = min(range(count), key=turned.__getitem__)
     order = [(first + k) % count for k in range(count)]
     starts, rows = [turned[k] for k in order], [function.coefficients[k] for k in order]
+    edges = [order.index(k) for k in (range(count) if function.edges is None else function.edges)]
     if starts[0] > 0.0:  # the last piece goes on into the next period, whose begin is the table's
         rows.insert(0, recentred(rows[-1], period - starts[-1]))
         starts.insert(0, 0.0)
-    return replace(function, starts=tuple(starts), coefficients=tuple(rows))
+        edges = [k + 1 for k in edges]
+    return replace(function, starts=tuple(starts), coefficients=tuple(rows), edges=tuple(sorted(edges)))
+
+
+def raised(function: Polynomials, by: float) -> Polynomials:
+    """The function with a constant added."""
+    return replace(function, coefficients=tuple((row[0] + by, *row[1:]) for row in function.coefficients))
 
 
 def recentred(coefficients: tuple[float, ...], at: float) -> tuple[float, ...]:

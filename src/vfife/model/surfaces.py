@@ -24,18 +24,38 @@ def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | No
     Without ``found`` what is known before a run; with it, the deepest penetration (m) and the fastest impact (m/s) of each joint, what only
     the run could tell, of the worst of those joints that have the same laws and surfaces.
     """
+    said: dict[str, list[str]] = {}
+    for (law, pair), names in _alike(mechanism).items():
+        known = law.cautions(pair)
+        if found is not None:
+            known = tuple(one for one in law.cautions(pair, *_worst(found, names)) if one not in known)
+        for sentence in known:
+            said.setdefault(f"{law.name}, {sentence}.", []).extend(names)
+    return tuple(f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in said.items())
+
+
+def remarks(mechanism: Mechanism, found: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
+    """A line on impacts beyond the theory of the laws, as nearly all machines have them, its joints together; ``found`` as in :func:`cautions`."""
+    beyond: dict[float, list[str]] = {}
+    for (law, pair), names in _alike(mechanism).items():
+        usual = law.usual(pair)
+        if usual is not None and usual[0] < _worst(found, names)[1] <= usual[1]:
+            beyond.setdefault(usual[0], []).extend(names)
+    said = "{}: impacts of up to {:.3g} m/s, the law being quasi-static up to {:.3g} m/s, as usual in machines"
+    return tuple(said.format(", ".join(names), _worst(found, names)[1], limit) for limit, names in beyond.items())
+
+
+def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:
+    """Joints with the same law and the same surfaces."""
     alike: dict[tuple[Law, Pair], list[str]] = {}
     for name, joint in mechanism.contacts.items():
         pair = dataclasses.replace(surfaces(mechanism, joint), effective_mass=None)
         laws: tuple[Law, ...] = (joint.contact, joint.friction)
         for law in laws:
             alike.setdefault((law, pair), []).append(name)
-    said: dict[str, list[str]] = {}
-    for (law, pair), names in alike.items():
-        known = law.cautions(pair)
-        if found is not None:
-            depths, speeds = zip(*(found[name] for name in names), strict=True)
-            known = tuple(one for one in law.cautions(pair, max(depths), max(speeds)) if one not in known)
-        for sentence in known:
-            said.setdefault(f"{law.name}, {sentence}.", []).extend(names)
-    return tuple(f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in said.items())
+    return alike
+
+
+def _worst(found: Mapping[str, tuple[float, float]], names: list[str]) -> tuple[float, float]:
+    depths, speeds = zip(*(found[name] for name in names), strict=True)
+    return max(depths), max(speeds)

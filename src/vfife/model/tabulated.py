@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from .polynomials import Polynomials, moved
@@ -12,7 +13,7 @@ Interpolation = Literal["monotone", "linear", "spline"]
 INTERPOLATIONS: tuple[Interpolation, ...] = ("monotone", "linear", "spline")
 JOINING = "how a table's values are joined: monotone (never beyond them), linear, or a spline, which is smoother and may overshoot"
 APART = 64.0  # ranges of a table by which that of the way back lies before that of the way out
-CLOSED = 1e-9  # of the largest value, by which the first and the last value of a table that repeats may differ
+CLOSED = 1e-8  # of the largest value, by which the first and the last value of a table that repeats may differ
 
 Places = Sequence[float]
 Rows = tuple[tuple[float, ...], ...]
@@ -43,34 +44,77 @@ def rows_between(places: Places, values: Places, how: Interpolation = "monotone"
     return tuple(tuple(float(c) for c in fit.c[::-1, first + k]) for k in range(count))
 
 
-def held(places: Places, values: Places, how: Interpolation = "monotone") -> Polynomials:
-    """A table of forces that keeps its end values beyond its ends."""
-    return Polynomials(
-        (float(2.0 * places[0] - places[-1]), *map(float, places)),
-        ((float(values[0]),), *rows_between(places, values, how), (float(values[-1]),)),
-        order=0,
-    )
+@dataclass(frozen=True)
+class Pieces:
+    """Polynomials over a range: where each begins, its coefficients from there, constant first, and where the last one ends.
+
+    ``edges`` are those at whose begin the function may leap or bend; all but the first unless said.
+    """
+
+    starts: tuple[float, ...]
+    rows: Rows
+    end: float
+    edges: tuple[int, ...] | None = None
+
+    @property
+    def inner(self) -> tuple[int, ...]:
+        """The pieces at whose begin the function may leap or bend."""
+        return tuple(range(1, len(self.starts))) if self.edges is None else self.edges
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Its first and its last value."""
+        return self.rows[0][0], polynomial_at(self.rows[-1], self.end - self.starts[-1])
+
+    @property
+    def largest(self) -> float:
+        """Its largest absolute value where pieces begin and end."""
+        return max(abs(value) for value in (*(row[0] for row in self.rows), self.ends[1]))
+
+    @property
+    def span(self) -> float:
+        """Length of the range."""
+        return self.end - self.starts[0]
 
 
-def repeated(places: Places, values: Places, how: Interpolation = "monotone") -> Polynomials:
-    """A table of forces that repeats itself, from its first place to its last."""
-    period = float(places[-1] - places[0])
-    starts = tuple(float(place - places[0]) for place in places[:-1])
-    return moved(Polynomials(starts, rows_between(places, values, how, repeated=True), period, order=0), float(places[0]))
+def polynomial_at(row: tuple[float, ...], x: float) -> float:
+    """Value of a polynomial, constant first."""
+    value = 0.0
+    for c in reversed(row):
+        value = value * x + c
+    return value
 
 
-def two_ways(places: Places, out: Places, back: Places, how: Interpolation = "monotone") -> tuple[Polynomials, float]:
-    """A table of forces over a travel with values for the way out and for the way back, and the gap (m) by which the second lies before the first.
+def table(places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False) -> Pieces:
+    """A table's pieces, as :func:`rows_between` has them."""
+    return Pieces(tuple(map(float, places[:-1])), rows_between(places, values, how, repeated=repeated), float(places[-1]))
+
+
+def held(pieces: Pieces) -> Polynomials:
+    """A force that keeps its end values beyond its ends."""
+    first, last = pieces.ends
+    starts, rows = (pieces.starts[0] - pieces.span, *pieces.starts, pieces.end), ((first,), *pieces.rows, (last,))
+    return Polynomials(starts, rows, order=0, edges=(1, *(k + 1 for k in pieces.inner), len(starts) - 1))
+
+
+def repeated(pieces: Pieces) -> Polynomials:
+    """A force that repeats itself, from the first place to the last."""
+    starts = tuple(start - pieces.starts[0] for start in pieces.starts)
+    return moved(Polynomials(starts, pieces.rows, pieces.span, order=0, edges=(0, *pieces.inner)), pieces.starts[0])
+
+
+def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
+    """A force over a travel on the way out and on the way back, and the gap (m) by which the second lies before the first.
 
     Each keeps its end values beyond its ends; between them is a kink, so that a step in which the way changes is taken in parts.
     """
-    first, last = float(places[0]), float(places[-1])
-    gap = APART * (last - first)
-    halves = held([place - gap for place in places], back, how), held(places, out, how)
-    halfway = 0.5 * (last - gap + first)
-    starts = (*halves[0].starts, halfway, *halves[1].starts[1:])
-    rows = (*halves[0].coefficients, *halves[1].coefficients)
-    return Polynomials(starts, rows, order=0, breaks=(len(places) + 1,)), gap
+    gap = APART * out.span
+    before, after = moved(held(back), -gap), held(out)
+    halfway = 0.5 * (back.end - gap + out.starts[0])
+    starts = (*before.starts, halfway, *after.starts[1:])
+    turn = len(before.starts)
+    edges = (*(before.edges or ()), turn, *(turn + k for k in after.edges or ()))
+    return Polynomials(starts, (*before.coefficients, *after.coefficients), order=0, breaks=(turn,), edges=edges), gap
 
 
 def closes(values: Places) -> bool:

@@ -68,7 +68,7 @@ def entry(raw: Raw, section: str, name: str, text: str) -> str:
         known = MATERIALS[name]
         materials = raw.setdefault("material", {})
         if isinstance(materials, dict):
-            materials.setdefault(name, {key: value for key, value in vars(known).items() if key != "name"})
+            materials.setdefault(name, {key: value for key, value in vars(known).items() if key != "name" and value is not None})
     if name in table(raw, section):
         return name
     found = [joint for joint, ends in connected(raw) if name in ends] if section == "joint" else []

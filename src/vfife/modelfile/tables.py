@@ -28,12 +28,15 @@ BODIES: dict[type, str] = {Link: "", RigidBody: "rigid", PointMass: "particle", 
 TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point", "direction")}
 
 
+CSV = "table"  # the key of a CSV file beside the model, whose numbers take its place when it is read
+
+
 @dataclass(frozen=True)
 class Table:
     """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word`` of the kind.
 
     ``optional``: the tag may be left out. ``beside`` are the words of other kinds. ``target`` is what a driver drives. A ``whole`` table gives all
-    its keys, whatever the noun has by default.
+    its keys, whatever the noun has by default, but those that may stay unknown.
     """
 
     noun: Any
@@ -59,7 +62,8 @@ class Table:
     @property
     def keys(self) -> tuple[str, ...]:
         """Every key."""
-        return tuple(dict.fromkeys((*((self.tag,) if self.tag else ()), *self.fields, *getattr(self.noun, "shapes", ()))))
+        beside = (CSV,) if getattr(self.noun, "tabled", False) else ()
+        return tuple(dict.fromkeys((*((self.tag,) if self.tag else ()), *self.fields, *getattr(self.noun, "shapes", ()), *beside)))
 
     @property
     def needed(self) -> tuple[str, ...]:
@@ -67,7 +71,7 @@ class Table:
         if hasattr(self.noun, "shapes"):
             return ()
         tag = (self.tag,) if self.tag and not self.optional else ()
-        return (*tag, *(key for key, field in self.fields.items() if self.whole or required(field)))
+        return (*tag, *(key for key, field in self.fields.items() if (self.whole and field.default is not None) or required(field)))
 
     def value(self, key: str) -> Value:
         """What a key holds."""

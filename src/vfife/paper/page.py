@@ -8,6 +8,7 @@ from pathlib import Path
 from string import Template
 
 from ..report.contents import Chart, Item, Parameter, Table, Verdict
+from ..results.folder import written
 
 PAGE = Template("""<!DOCTYPE html>
 <html lang="en">
@@ -118,6 +119,6 @@ class Folder:
             (self.path / "figures" / f"{chart.name}.png").write_bytes(data)
             self.sources[chart.name] = embedded(data)
         self.items.append(item)
-        self.index.write_text(page(self.items, lambda chart: self.sources[chart.name], self.footer), encoding="utf-8")
+        written(self.index, page(self.items, lambda chart: self.sources[chart.name], self.footer))
         numbers = {one.name: one.data for one in self.items}
-        (self.path / "paper.json").write_text(as_text(numbers) + "\n", encoding="utf-8")
+        written(self.path / "paper.json", as_text(numbers) + "\n")

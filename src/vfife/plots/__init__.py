@@ -4,7 +4,6 @@ window.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +18,7 @@ from ..results.view import standing
 from ..results.whole import whole
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
+from .files import saved
 from .orbits import journals, orbits
 from .style import STYLE
 
@@ -68,13 +68,7 @@ def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
     paths = []
     with matplotlib.rc_context(STYLE):
         for name, figure in figures.items():
-            paths.append(folder / f"{name}.png")
-            part = folder / f"{name}.png.part"
-            try:
-                figure.savefig(part, format="png", metadata={"Software": f"vfife, Matplotlib {matplotlib.__version__}"})
-                os.replace(part, paths[-1])
-            finally:
-                part.unlink(missing_ok=True)
+            paths.append(saved(figure, folder / f"{name}.png"))
     return paths
 
 

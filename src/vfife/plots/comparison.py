@@ -9,6 +9,7 @@ import matplotlib
 import numpy as np
 
 from .curves import _one_turn, abscissa
+from .files import saved
 from .style import BODIES, GREY, INK, STYLE, heading, one_legend, panels, scale_of
 
 if TYPE_CHECKING:
@@ -82,6 +83,5 @@ def drawn(found: Comparison, folder: Path) -> list[Path]:
     paths = []
     with matplotlib.rc_context(STYLE):
         for name, draw in (("forces", forces), ("bars", bars)) if found.rows else ():
-            paths.append(folder / f"{name}.png")
-            draw(found).savefig(paths[-1])
+            paths.append(saved(draw(found), folder / f"{name}.png"))
     return paths

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 
+from .files import saved
 from .style import BLUE, BODIES, GREY, STYLE, VERMILION, heading, length_unit, panels, scale_of
 
 if TYPE_CHECKING:
@@ -68,5 +69,4 @@ def drawn(kind: str, target: Path, **what: Any) -> Path:
     """Draws a contact or a friction law into a file; its ending chooses PNG, PDF or SVG."""
     with matplotlib.rc_context(STYLE):
         figure = (contact_figure if kind == "contact" else friction_figure)(**what)
-        figure.savefig(target)
-    return target
+        return saved(figure, target)

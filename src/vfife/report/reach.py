@@ -11,6 +11,7 @@ from ..kinematics.drives import constraint_drivers, kinematic_drivers
 from ..kinematics.forces import driven_body
 from ..kinematics.initial import Datum, datum_of, ideal_motion
 from ..model.drivers import Driver
+from ..model.functions import motion_function
 from ..model.mechanism import Mechanism
 from ..solvers.record import Record
 
@@ -71,8 +72,8 @@ def _place(mechanism: Mechanism, name: str, driver: Driver, datum: Datum, time: 
     if body:
         start = datum.angle.get(body, mechanism.bodies[body].angle)
         start -= 0.0 if driver.against == "ground" else datum.angle.get(driver.against, mechanism.bodies[driver.against].angle)
-        return f"driver {name} has {body} at {math.degrees(driver.motion(start)(time)[0]):.6g} degrees"
+        return f"driver {name} has {body} at {math.degrees(motion_function(driver, start, mechanism.clock)(time)[0]):.6g} degrees"
     begin = datum.travel.get(name, 0.0)
-    value = driver.motion(begin)(time)[0]
+    value = motion_function(driver, begin, mechanism.clock)(time)[0]
     along = f"joint {driver.slider} at {value:.6g} m along its guide" if driver.slider else f"{driver.point} at {value:.6g} m along its direction"
     return f"driver {name} has {along}, {abs(value - begin):.6g} m from where it began"

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..analysis.energy import own_floor
 from ..analysis.forces import MODES
 from ..analysis.measured import Measured, lips
@@ -15,6 +13,7 @@ from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status
 from .diverged import FLOOR
+from .limits import conformal, out_of_range, quiet
 from .statics import print_static, static_run, static_warnings
 from .trust import trusted, verdict
 from .turns import several, turned
@@ -39,9 +38,10 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
     """All that the summary of a run says: texts, numbers, lists and dictionaries only.
 
     ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns`` (:func:`~vfife.report.turns.turned`),
-    ``measures``, their ``ranges`` (``low`` and ``high`` over the companions, ``lowest`` and ``highest`` turn), names of those that are
-    ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws`` and ``warnings`` are
-    what the tables of :func:`show` are made of. The reference is the result's own unless another one is given.
+    the ``part`` of the run that ``measures`` are of, these, their ``ranges`` (``low`` and ``high`` over the companions, ``lowest`` and ``highest``
+    turn), names of those that are ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``,
+    ``conformal``, ``remarks`` and ``warnings`` are what the tables of :func:`show` are made of. The reference is the result's own unless another
+    one is given.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns = result.record, result.record.assembly.choice, turned(result)
@@ -67,8 +67,11 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "lip": lips(measures),
         "laws": _laws(result),
         "warnings": list(static_warnings(result) if record.static else warnings(result)),
+        "conformal": conformal(result),
+        "remarks": [] if record.static else quiet(result),
         "measures": measures,
         "turns": turns,
+        "part": result.measures.part,
         "ranges": {name: _range(one) for name, one in result.measures.items()} if record.companions or record.estimate or several(turns) else {},
         "not_unique": [name for name, one in result.measures.items() if not one.unique],
         "trust": trusted(result),
@@ -199,22 +202,6 @@ def warnings(result: View) -> Iterable[str]:
     if result.ledger.error > OPEN:
         then = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
         yield f"The energy ledger is open by {open_by(result)} of the largest energy: {then}."
-
-
-def out_of_range(result: View) -> Iterable[str]:
-    """Sentences of the laws on where the run left their ranges, by its deepest penetrations and fastest impacts."""
-    from ..model.surfaces import cautions
-
-    record = result.record
-    if not record.assembly.contacts:
-        return ()
-    depths = record.block("contact_penetration_max").max(axis=0)
-    speeds = record.block("contact_fastest")[-1] if record.keeps("contact_fastest") else np.zeros(len(depths))
-    found: dict[str, tuple[float, float]] = {}
-    for name, depth, speed in zip(record.assembly.contact_joints, depths, speeds, strict=True):
-        before = found.get(name, (0.0, 0.0))
-        found[name] = max(before[0], float(depth)), max(before[1], float(speed))
-    return cautions(record.assembly.mechanism, found)
 
 
 STATUS = {

@@ -14,7 +14,8 @@ from ..analysis.forces import MODES
 from .digits import amount, percent, prefixed, spread_of
 from .trust import lines, verdict
 from .turns import lines as turn_lines
-from .turns import part, several
+from .turns import several
+from .wear import CONFORMAL, machine_lines, wear_table, worn
 
 SHOWN = 1e-4  # of a measure: what turns have to differ by to be shown
 NOISE = 1e-6  # of the largest angular acceleration
@@ -37,13 +38,16 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     turning = any(body["angular_acceleration.max"] for body in model["bodies"].values() if not body["driven"])
     contact = any("impacts" in one for one in told["contacts"].values())
     for title, there, table in (
-        (f"Largest reactions ({part(told)})", bool(told["joints"]), _joint_table),
+        (f"Largest reactions ({told['part']})", bool(told["joints"]), _joint_table),
         ("Contact (whole run)", contact, _contact_table),
-        (f"Largest angular accelerations ({part(told)})", turning, _body_table),
+        (f"Losses and pressures ({told['part']})", bool(worn(told)), wear_table),
+        (f"Largest angular accelerations ({told['part']})", turning, _body_table),
     ):
         if there:
             console.print(Text(title, style="bold"))
             console.print(table(told))
+    if told["conformal"]:
+        console.print(Text(CONFORMAL))
     if told["not_unique"]:
         console.print(Text(SHARED))
     for text in told["warnings"]:
@@ -62,7 +66,8 @@ def _facts(told: dict[str, Any]) -> Table:
         *(("Trust" if k == 0 else "", line) for k, line in enumerate(lines(told))),
         ("Energy", _energy(told)),
         *(("Driver", line) for line in _torques(told)),
-        *(("Laws" if k == 0 else "", line) for k, line in enumerate(_law_lines(told))),
+        *machine_lines(told),
+        *(("Laws" if k == 0 else "", line) for k, line in enumerate((*_law_lines(told), *told["remarks"]))),
     ):
         table.add_row(Text(name, style="cyan"), Text(text))
     return table
@@ -98,7 +103,7 @@ def _energy(told: dict[str, Any]) -> str:
     lost = {kind: end[f"{kind}_loss"] for kind in ("contact", "friction", "damping", "spring")}
     parts = ", ".join(f"{kind} {value:.4g}" for kind, value in lost.items() if value)
     return (
-        f"put in {put_in:.5g} J, lost {sum(lost.values()):.5g} J{f' ({parts})' if parts else ''}, "
+        f"whole run: put in {put_in:.5g} J, lost {sum(lost.values()):.5g} J{f' ({parts})' if parts else ''}, "
         f"largest {largest:.5g} J; ledger closes to {told['energy_error']:.1e} of it"
     )
 
@@ -108,7 +113,7 @@ def _torques(told: dict[str, Any]) -> Iterable[str]:
         if body["torque.max"] is not None:
             ideal = body["ideal_torque.max"]
             largest = amount(body["torque.max"], "N m", spread_of(told, f"{name}.torque.max")) + _star(told, f"{name}.torque.max")
-            yield f"{name}: largest torque {largest}" + (f", ideal {amount(ideal, 'N m')}" if ideal is not None else "") + f" ({part(told)})"
+            yield f"{name}: largest torque {largest}" + (f", ideal {amount(ideal, 'N m')}" if ideal is not None else "") + f" ({told['part']})"
 
 
 def _law_lines(told: dict[str, Any]) -> Iterable[str]:
@@ -146,7 +151,8 @@ def _joint_table(told: dict[str, Any]) -> Table:
         if moments:
             cells.append(amount(joint.get("moment.max"), "N m", spread_of(told, f"{name}.moment.max")) + _star(told, f"{name}.moment.max"))
         if depths:
-            cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
+            spread = spread_of(told, f"{name}.penetration.max")
+            cells.append(prefixed(joint["penetration.max"], "m", spread) if "penetration.max" in joint else "")
         table.add_row(Text(name), *cells)
     return table
 

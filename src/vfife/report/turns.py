@@ -1,4 +1,4 @@
-"""Which turns of a run its numbers are of, and whether they repeat: in numbers, in a few words for headings and in a sentence."""
+"""Whether the turns of a run repeat, in numbers and in sentences."""
 
 from __future__ import annotations
 
@@ -27,29 +27,6 @@ def turned(result: View) -> dict[str, Any]:
 def several(found: dict[str, Any]) -> bool:
     """Whether measures are of more turns than one."""
     return bool(found) and found["last"] > found["first"]
-
-
-def part(told: dict[str, Any]) -> str:
-    """Which part of the run its measures are of, for a heading: ``mean of turns 3 to 8``, ``last turn``, ``whole run``."""
-    found = told["turns"]
-    if several(found):
-        beside = told["trust"].get("companions") if found["motion"] == "not periodic" else 0
-        return f"mean of turns {found['first']} to {found['last']}" + (f", of the run and {beside} companions" if beside else "")
-    if (told["run"]["turns"] or 0.0) < 1.0 - 1e-9:
-        return "whole run"
-    return f"last turn, the {_ordinal(found['last'])}" if found else "last turn"
-
-
-def part_of(result: View) -> str:
-    """The same of a run, in words."""
-    left, turn = result.record.companions, result.record.assembly.choice.turn
-    length = None if turn is None else float(result.time[-1]) / turn
-    return part({"turns": turned(result), "run": {"turns": length}, "trust": {} if left is None else {"companions": len(left.shifts)}})
-
-
-def _ordinal(number: int) -> str:
-    ending = "th" if 10 < number % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
-    return f"{number}{ending}"
 
 
 def lines(told: dict[str, Any]) -> Iterable[str]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import io
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from .folder import written
 from .view import View
 
 
@@ -42,7 +44,8 @@ class Comparison:
     def write_csv(self, path: str | Path) -> None:
         """Writes :meth:`flat` as a table of commas."""
         flat = self.flat()
-        with Path(path).open("w", newline="", encoding="utf-8") as stream:
-            table = csv.DictWriter(stream, list(dict.fromkeys(key for row in flat for key in row)))
-            table.writeheader()
-            table.writerows(flat)
+        stream = io.StringIO(newline="")
+        table = csv.DictWriter(stream, list(dict.fromkeys(key for row in flat for key in row)))
+        table.writeheader()
+        table.writerows(flat)
+        written(Path(path), stream.getvalue(), newline="")

@@ -104,11 +104,14 @@ def empty(stage: Path) -> None:
         stage.rmdir()
 
 
-def written(path: Path, text: str) -> None:
+def written(path: Path, text: str, newline: str | None = None) -> None:
     """Writes a text under another name and renames it: there is the old file or the new one, and never a part of it."""
+    if path.exists() and not path.is_file():  # a pipe, a terminal
+        path.write_text(text, encoding="utf-8", newline=newline)
+        return
     part = path.with_name(f"{path.name}.part")
     try:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(text, encoding="utf-8", newline=newline)
         os.replace(part, path)
     except BaseException:
         with suppress(OSError):

@@ -7,11 +7,25 @@ import json
 import os
 from contextlib import suppress
 from datetime import UTC, datetime
+from importlib import import_module
 from pathlib import Path
-from types import TracebackType
-from typing import IO
+from types import ModuleType, TracebackType
+from typing import IO, Any
 
 from ..errors import HeldError
+
+
+def _module(name: str) -> ModuleType | None:
+    """A module that some systems have."""
+    try:
+        return import_module(name)
+    except ImportError:
+        return None
+
+
+# POSIX has the one, Windows the other; where neither is there nobody is kept out.
+fcntl: Any = _module("fcntl")
+msvcrt: Any = _module("msvcrt") if fcntl is None else None
 
 LOCK = "run.lock"
 NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}  # what a file system says that knows none
@@ -37,11 +51,17 @@ class Lock:
         """Gives the right back; the file goes with it."""
         if self.stream is None:
             return
+        stays = False
         with suppress(OSError):
             if os.path.samestat(os.fstat(self.stream.fileno()), self.path.stat()):
+                stays = True
                 self.path.unlink()
+                stays = False
         self.stream.close()
         self.stream = None
+        if stays:  # Windows removes no open file
+            with suppress(OSError):
+                self.path.unlink()
 
     def __enter__(self) -> Lock:
         return self
@@ -53,9 +73,9 @@ class Lock:
 def _host() -> str:
     if hasattr(os, "uname"):
         return os.uname().nodename
-    import platform  # pragma: no cover
+    import platform
 
-    return platform.node()  # pragma: no cover
+    return platform.node()
 
 
 def holder(folder: Path) -> str | None:
@@ -92,15 +112,11 @@ def _held(path: Path) -> IO[str]:
 def _taken(stream: IO[str]) -> bool:
     """Tries to lock a file; True where another one has it. A file system without locks lets everyone in."""
     try:
-        if os.name == "nt":  # pragma: no cover
-            import msvcrt
-
-            stream.seek(2**20)  # far behind what is written, which others can read then
-            msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
-        else:
-            import fcntl
-
+        if fcntl is not None:
             fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        elif msvcrt is not None:
+            stream.seek(2**20)  # far behind what is written, which others can read then
+            msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)
     except OSError as error:
         return error.errno not in NO_LOCKS
     return False

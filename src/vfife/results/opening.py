@@ -46,7 +46,7 @@ def readable(path: Path) -> sqlite3.Connection:
     except sqlite3.OperationalError as error:
         if "locked" in str(error):
             raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise RunFileError(damaged(path, str(error))) from error
     import tempfile
 
@@ -60,6 +60,6 @@ def readable(path: Path) -> sqlite3.Connection:
             copy = sqlite3.connect(Path(folder) / path.name)
             copy.backup(memory)
             copy.close()
-    except (sqlite3.DatabaseError, OSError) as error:
+    except (sqlite3.DatabaseError, UnicodeDecodeError, OSError) as error:
         raise RunFileError(damaged(path, str(error))) from error
     return memory

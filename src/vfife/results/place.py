@@ -13,6 +13,8 @@ from .folder import FIGURES, MODEL, STAGE, empty, entries, in_the_way, model_of,
 from .header import RUN_FILE
 from .lock import Lock, holder
 
+OPEN_MOVES = os.name != "nt"  # whether a folder can be renamed in which a file is open: its lock
+
 
 @dataclass
 class RunFolder:
@@ -64,17 +66,23 @@ class RunFolder:
         self._rename(self.target.resolve())
 
     def _rename(self, home: Path) -> None:
+        held = self.lock
+        if held is not None and not OPEN_MOVES:
+            held.release()
         try:
             os.rename(self.path, home)
         except OSError:
+            self.lock = Lock(self.path) if held is not None and not OPEN_MOVES else held
             if not home.exists():
                 raise
             if self.chosen:
                 raise HeldError(f"{self.target}: another run has been put here; name another folder") from None
             self._next()
             return
-        if self.lock is not None:
-            self.lock.moved(home)
+        if held is not None and OPEN_MOVES:
+            held.moved(home)
+        elif held is not None:
+            self.lock = Lock(home)
 
     def _move_in(self, home: Path) -> None:
         """File by file into a folder that is there; the run that it replaces has its run file until the new one is there."""

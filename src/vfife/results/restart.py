@@ -84,10 +84,23 @@ def same_layout(assembly: Assembly, record: Record) -> bool:
     return all(getattr(one, name) == getattr(other, name) for name in same) and laws[0] == laws[1]
 
 
+def step_of(record: Record, assembly: Assembly) -> float | None:
+    """The step (s) of a former run of the same cut, which one that goes on from it keeps; None where it takes its own.
+
+    A mechanism of which something is another one now keeps a step that is finer than its own, not a coarser one.
+    """
+    if record.static or not assembly.choice.automatic or not same_layout(assembly, record):
+        return None
+    one, other, step = assembly.mechanism, record.assembly.mechanism, record.assembly.choice.step
+    same = all(getattr(one, name) == getattr(other, name) for name in ("bodies", "joints", "gears", "springs", "drivers", "loads", "gravity"))
+    return step if step <= (assembly.choice.stable if same else assembly.choice.step) else None
+
+
 def restarted(assembly: Assembly, record: Record) -> Assembly:
     """The assembly with the last state of a run of the same cut: positions, velocities, element and contact forces; works and counts begin anew.
 
-    Time begins at zero; prescribed angles and travels go on from where they are. Velocities, kept at half steps, are taken at the step.
+    Steps begin at zero; prescribed angles and travels go on from where they are, by the clock of the mechanism. Velocities, kept at
+    half steps, are taken at the step.
     """
     state, now, before = assembly.state.copy(), assembly.layout, record.assembly.layout
     old = record.assembly.state if record.final is None else record.final

@@ -25,7 +25,7 @@ class Series(Mapping[str, "xarray.DataArray"]):
         self._places: dict[str, tuple[str, str | None, str]] = {}
         for variable, channel in channels.items():
             if channel.entity is None:
-                self._places[_of_the_ground(variable)] = variable, None, ""
+                self._places[of_the_ground(variable)] = variable, None, ""
                 continue
             quantity = variable.removeprefix(PREFIXES.get(channel.entity, ""))
             for name in entities[channel.entity]:
@@ -52,6 +52,6 @@ class Series(Mapping[str, "xarray.DataArray"]):
         return f"<{len(self)} series: {', '.join(list(self)[:6])} ...>"
 
 
-def _of_the_ground(variable: str) -> str:
+def of_the_ground(variable: str) -> str:
     """A variable of the ground with the ground as who has it: ``ground.shaking_force``."""
     return variable.replace("_", ".", 1) if variable.startswith("ground_") else variable

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
@@ -23,10 +24,23 @@ def start_from(source: View | States, mechanism: Mechanism, time: float | None =
 
     A mapping has, for each body, (x, y, angle) of its frame's origin (m, m, rad), or that and its velocity (m/s, m/s, rad/s); bodies that it
     leaves out stand as the model has them. Positions are closed from there on the nearest branch; velocities are the nearest (in kinetic
-    energy) that joints and drivers allow. Joints with play between bodies that are given stay as they are. Driven angles and travels count
-    from here. Raises ValueError where names, numbers or the time do not fit, AssemblyError where the joints cannot close.
+    energy) that joints and drivers allow. Joints with play between bodies that are given stay as they are. Driven angles and travels go on
+    from here, by the clock on which the former run was; free lengths and angles of torques count from where the model has its bodies. Raises
+    ValueError where names, numbers or the time do not fit, AssemblyError where the joints cannot close.
     """
-    return ideal_motion(mechanism, given=initial_state(source, mechanism, time))
+    return ideal_motion(on_clock(mechanism, source, time), given=initial_state(source, mechanism, time))
+
+
+def on_clock(mechanism: Mechanism, source: View | States, time: float | None = None) -> Mechanism:
+    """The mechanism with its clock where that of a former run stands at ``time`` (s; its last output unless given).
+
+    One that says itself where it stands (``start.time``) is left as it is. States by name and load factors have no clock: there it begins at 0.
+    """
+    if isinstance(source, Mapping) or source.record.static or mechanism.start.time is not None:
+        return mechanism
+    passed = source.time[-1 if time is None else int(np.argmin(np.abs(source.time - time)))]
+    clock = source.record.assembly.mechanism.clock + float(passed)
+    return dataclasses.replace(mechanism, start=dataclasses.replace(mechanism.start, time=clock))
 
 
 def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> Given:

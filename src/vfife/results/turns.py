@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.turns import turns
+from ..analysis.turns import part_of
 from ..errors import VfifeError
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
 
@@ -23,7 +23,7 @@ def latest_turns(view: View) -> xarray.Dataset:
     A turn is counted from 1 and ends where the next one begins; its angle (degrees) is that from the last whole turn of the crank before its begin.
     Raises VfifeError where there is no whole turn of a crank at constant speed, or the step does not divide it.
     """
-    said, outputs, angle = turns(view.record), outputs_of_a_turn(view.record.assembly), view.crank_angle
+    said, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
     if said is None or outputs is None or angle is None:
         raise VfifeError(
             f"{view.name}: there are no turns to lay over each other: that takes a crank at constant speed, a run of a turn at the least, and a "
@@ -46,4 +46,4 @@ def latest_turns(view: View) -> xarray.Dataset:
     found = found.assign({
         str(name): ((*dims, *one.dims[1:]), one.values.reshape(len(numbers), outputs, *one.shape[1:]), one.attrs) for name, one in shaped.items()
     })  # fmt: skip
-    return found.assign_attrs(motion=said.motion, measures_of=f"turns {said.first} to {said.last}")
+    return found.assign_attrs(motion=said.motion, measures_of=part_of(view.record, said))

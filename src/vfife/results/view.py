@@ -13,8 +13,9 @@ from ..analysis.around import Around, around
 from ..analysis.guides import PointMotion, point_motion
 from ..analysis.impacts import Impacts, impacts
 from ..analysis.motion import times
+from ..analysis.ranges import counted
 from ..analysis.stress import along
-from ..analysis.turns import Turns, turns
+from ..analysis.turns import Turns
 from ..assembly.assembled import Assembly
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
@@ -154,7 +155,7 @@ class View:
     @cached_property
     def motion(self) -> Turns | None:
         """Whether the turns of the run repeat, from which one on, with which period, and which of them its measures are of; None without turns."""
-        return turns(self.record)
+        return counted(self.record)
 
     @cached_property
     def series(self) -> Series:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
 from .channels import entities
-from .series import PREFIXES
+from .series import PREFIXES, of_the_ground
 
 if TYPE_CHECKING:
     import pandas
@@ -84,7 +84,7 @@ def columns(view: View, names: Collection[str] = (), fine: bool = False) -> Iter
         if one.values.ndim > 2 or (one.entity in FINE and not fine):
             continue
         if one.entity is None:
-            whole.append(Column(variable, "", variable, one.unit, one.meaning, one.values))
+            whole.append(Column(of_the_ground(variable), "", variable, one.unit, one.meaning, one.values))
             continue
         quantity = variable if one.entity in FINE else variable.removeprefix(PREFIXES.get(one.entity, ""))
         for k, noun in enumerate(there[one.entity]):

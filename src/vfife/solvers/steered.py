@@ -89,10 +89,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Input:
-    """What may be set: its name, the index of its function (-1 where it has none), its unit, what it is, whether it is a speed that is gone to."""
+    """What may be set: its name, the indices of its functions (of a constant speed none), its unit, what it is, whether it is a speed gone to."""
 
     name: str
-    function: int
+    functions: tuple[int, ...]
     unit: str
     words: str
     moves: bool = False
@@ -101,17 +101,24 @@ class Input:
 def inputs_of(assembly: Assembly) -> Iterator[Input]:
     """Loads, torques and forces, then motions, of an assembled mechanism, in its order."""
     mechanism, topology = assembly.mechanism, assembly.topology
-    names = [*mechanism.loads, *(name for name, driver in mechanism.drivers.items() if not driver.moves)]
     at = 0
-    for name, action in zip(names, actions(mechanism, Datum()), strict=True):
-        driver = mechanism.drivers.get(name) if name not in mechanism.loads else None
-        unit = "1" if driver is None else "N" if driver.along else "N m"
-        words = "what multiplies the load" if driver is None else f"{'force' if driver.along else 'torque'} of the driver"
-        yield Input(name, topology.load_function[at], unit, words)
-        at += len(action.ends)
+
+    def functions(count: int) -> tuple[int, ...]:
+        """Those of the next so many places at which a load or a torque acts."""
+        nonlocal at
+        at += count
+        return tuple(dict.fromkeys(topology.load_function[at - count : at]))
+
+    for name, load in mechanism.loads.items():
+        yield Input(name, functions(len(load.pushes(mechanism.joints))), *load.measured)
+    for name, driver in mechanism.drivers.items():
+        if not driver.moves:
+            words = f"{'force' if driver.along else 'torque'} of the driver"
+            alone = dataclasses.replace(mechanism, loads={}, drivers={name: driver})
+            yield Input(name, functions(sum(len(action.ends) for action in actions(alone, Datum()))), "N" if driver.along else "N m", words)
     for body, driver in kinematic_drivers(mechanism).items():
         index = topology.driven_function[int(assembly.bodies[body].driven or 0)]
         name = next(name for name, one in mechanism.drivers.items() if one is driver)
-        yield Input(name, index, f"{driver.unit}/s", "speed of the driver", True)
+        yield Input(name, (index,) if index >= 0 else (), f"{driver.unit}/s", "speed of the driver", True)
     for name, driver in constraint_drivers(mechanism).items():
-        yield Input(name, topology.joint_function[assembly.ideals.index(name)], f"{driver.unit}/s", "speed of the driver", True)
+        yield Input(name, (topology.joint_function[assembly.ideals.index(name)],), f"{driver.unit}/s", "speed of the driver", True)

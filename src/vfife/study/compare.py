@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..assembly.possible import outlook
 from ..errors import suggestion
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
-from ..report.turns import part_of
 from ..result import Result
 from ..results.comparison import Comparison
 from ..simulation import Prepared, carry_out, prepare, reference_of
@@ -57,7 +57,7 @@ def compare(
     given.tell()
     names = chosen_joints(mechanism, joints)
     variants = list(varied(mechanism, contact, friction, names))
-    reference = reference_of(mechanism, asked.turns, asked.duration)
+    reference = reference_of(mechanism, asked.turns, asked.duration) if outlook(mechanism, asked.turns, asked.duration).through else None
     ready = prepared(variants, reference, asked)
     found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
     parts = Parts(folder)
@@ -164,7 +164,7 @@ def numbers_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
         "contact": noun.contact.name,
         "friction": noun.friction.name,
         "status": result.record.status,
-        "part": part_of(result),
+        "part": measures.part,
         "force": max(one["force.max"] for one in each.values()),
         "lip_force": max(lips, default=None),
         "lip_acceleration": max(lip, default=None),

@@ -99,7 +99,10 @@ class Simulation:
         self._before = (0, self._first)
         self._seen: tuple[int, View] | None = None
         starts = self.assembly.topology.function_start
-        self._inputs = {one.name: (one, Table(numbers, starts[one.function]) if one.function >= 0 else None) for one in inputs_of(self.assembly)}
+        self._inputs: dict[str, tuple[Input, list[Table]]] = {}
+        for one in inputs_of(self.assembly):  # a driver that has the name of a load is called driver.NAME
+            name = one.name if one.name not in self._inputs else f"driver.{one.name}"
+            self._inputs[name] = one, [Table(numbers, starts[k]) for k in one.functions]
         self._readers: dict[str, Callable[[], float]] = {}
 
     def __repr__(self) -> str:
@@ -226,24 +229,30 @@ class Simulation:
         if found is None:
             remedy = suggestion(str(name), self._inputs, "sim.inputs has their names")
             raise ModelError([Fault("name", "there is no such input", shown(name), "", remedy)], "set()")
-        one, table = found
+        one, tables = found
         if type(value) is not float:
             value = self._number(one, value)
         if not math.isfinite(value):
             raise ModelError([Fault(name, "not a finite number", shown(value), one.unit, "give a number")], "set()")
-        if not one.moves and table is not None:
-            if within is not None:
-                raise ModelError([Fault("within", "only a driver's speed is gone to", shown(within), "", "leave it out")], "set()")
-            table.hold(value)
+        if one.moves:
+            self._go(one, tables, value, within)
             return
+        if within is not None:
+            raise ModelError([Fault("within", "only a driver's speed is gone to", shown(within), "", "leave it out")], "set()")
+        for table in tables:
+            table.hold(value)
+
+    def _go(self, one: Input, tables: list[Table], speed: float, within: float | None) -> None:
+        """Has a driver go to a speed."""
         if within is not None and not within > 0.0:
             raise ModelError([Fault("within", "zero or negative", shown(within), "above 0 s", "leave it out for one step")], "set()")
-        if table is None or not table.moves:
+        if not tables or not all(table.moves for table in tables):
             what, remedy = "the motion of this driver is one piece, which cannot be changed under way", "make it a ramp, or a table of three points"
-            if self.assembly.mechanism.drivers[name].steady_speed is not None:
-                what, remedy = "the speed of this driver is constant", f"name it when the simulation is made: steered=({shown(name)},)"
-            raise ModelError([Fault(name, what, remedy=remedy)], "set()")
-        table.go(self._n * self.step, value, self.step if within is None else within)
+            if self.assembly.mechanism.drivers[one.name].steady_speed is not None:
+                what, remedy = "the speed of this driver is constant", f"name it when the simulation is made: steered=({shown(one.name)},)"
+            raise ModelError([Fault(one.name, what, remedy=remedy)], "set()")
+        for table in tables:
+            table.go(self._n * self.step, speed, self.step if within is None else within)
 
     def _number(self, one: Input, value: Any) -> float:
         try:

@@ -28,10 +28,36 @@ function axisOf(running) {
 
 const largestOf = (lists) => lists.reduce((most, list) => list.reduce((one, value) => Math.max(one, value), most), 0);
 
+// What was found for a turn before: whole turns do not change, and a chart is drawn a few times a second.
+const known = new Map();
+
+function remembered(key, make) {
+  if (!known.has(key)) {
+    if (known.size > 150) known.clear();
+    known.set(key, make());
+  }
+  return known.get(key);
+}
+
+let numbered = 0;
+const names = new WeakMap();
+
+// A key for a turn of a run; of one that is not whole another for each output.
+function keyOf(store, { first, count }, ...more) {
+  if (!names.has(store)) names.set(store, ++numbered);
+  return [names.get(store), first, count, ...more].join(" ");
+}
+
 // Largest forces in each interval of a turn, as an array.
-function forcesOf(reader, store, { first, count }, name) {
+function forcesOf(reader, store, turn, name) {
+  return remembered(keyOf(store, turn, "force", name), () => foundForces(reader, store, turn, name));
+}
+
+function foundForces(reader, store, { first, count }, name) {
   return Float64Array.from({ length: count + 1 }, (_, k) => reader.forceMax(store.data, store.offset(first + Math.max(k, first ? 0 : 1)), name));
 }
+
+const unitOf = (name) => (name.startsWith(TORQUE) ? "N m" : "N");
 
 function drawForces(pen, width, height, running, head, other) {
   const turn = turnAt(running, head);
@@ -43,13 +69,20 @@ function drawForces(pen, width, height, running, head, other) {
   const others = other && turnAt(other, head) ? forcesOf(other.reader, other.store, turnAt(other, head), selected.joint) : null;
   const without = idealForces(running);
   const largest = largestOf([now, ...turns, ...(others ? [others] : []), ...(without ? [without.ys] : [])]);
-  const [factor, unit] = scaleOf(largest, "N");
+  const [factor, unit] = scaleOf(largest, unitOf(selected.joint));
   const scaled = (list) => Array.from(list, (value) => factor * value);
   const legend = [["this setting", ink.accent]];
   if (turns.length > 1) legend.push([`range over ${running.turns.words}`, ink.accent, [], 7]);
   if (without) legend.push(["ideal", ink.ideal, [8, 4]]);
   if (others) legend.push(["kept setting", ink.other, [3, 2]]);
-  const axes = new Axes(pen, width, height, x, { low: 0, high: factor * largest || 1, label: `force (${unit})` }, legend);
+  const axes = new Axes(
+    pen,
+    width,
+    height,
+    x,
+    { low: 0, high: factor * largest || 1, label: `${selected.joint.startsWith(TORQUE) ? "torque" : "force"} (${unit})` },
+    legend,
+  );
   if (turns.length > 1) {
     const lows = xs.map((_, k) => factor * Math.min(...turns.map((one) => one[k])));
     const highs = xs.map((_, k) => factor * Math.max(...turns.map((one) => one[k])));
@@ -63,7 +96,7 @@ function drawForces(pen, width, height, running, head, other) {
 
 // The ideal turn's forces of the joint that is chosen; it turns as the mechanism does, in steps of its own.
 function idealForces({ idealReader, idealStore }) {
-  if (!idealStore || idealStore.end <= ideal.perTurn || !(selected.joint in ideal.joints)) return null;
+  if (!idealStore || idealStore.end <= ideal.perTurn || !(selected.joint in ideal.joints || selected.joint.startsWith(TORQUE))) return null;
   const ys = forcesOf(idealReader, idealStore, { first: 0, count: ideal.perTurn }, selected.joint);
   return { xs: Array.from(ys, (_, k) => (360 * k) / ideal.perTurn), ys };
 }
@@ -73,7 +106,12 @@ function idealForces({ idealReader, idealStore }) {
 // What may be shown in phase: angle of each body, and how its centre moves along x and y.
 const QUANTITIES = { angle: ["rad", "angle"], x: ["m", "x"], y: ["m", "y"] };
 
-function phaseOf({ reader, store }, { first, count }) {
+function phaseOf(running, turn) {
+  const key = keyOf(running.store, turn, "phase", selected.body, selected.quantity);
+  return remembered(key, () => foundPhase(running, turn));
+}
+
+function foundPhase({ reader, store }, { first, count }) {
   const body = given.bodies.find((one) => one.name === selected.body);
   const found = { xs: [], ys: [] };
   let [last, whole] = [null, 0];
@@ -152,7 +190,7 @@ function amplitudes(values, window) {
 
 function seriesOf({ reader, store }, { first, count }) {
   const four = count - (count % 4);
-  return Float64Array.from({ length: four }, (_, k) => Math.hypot(...reader.force(store.data, store.offset(first + 1 + k), selected.joint)));
+  return Float64Array.from({ length: four }, (_, k) => reader.size(store.data, store.offset(first + 1 + k), selected.joint));
 }
 
 const spectra = new Map(); // what was found for a run, until it goes on
@@ -171,6 +209,12 @@ function spectrumOf(running) {
   return spectra.get(running);
 }
 
+// Where a spectrum ends that is worth showing.
+function reached({ xs, ys }, floor) {
+  const last = ys.reduce((most, value, k) => (value > floor ? k : most), 12);
+  return xs[Math.min(Math.ceil(1.1 * last), xs.length - 1)];
+}
+
 function drawSpectrum(pen, width, height, running, _head, other) {
   const own = spectrumOf(running);
   if (!own) return waiting(pen, width, height);
@@ -182,8 +226,8 @@ function drawSpectrum(pen, width, height, running, _head, other) {
     pen,
     width,
     height,
-    { low: 0, high: own.xs.at(-1), label },
-    { low: top * 1e-6, high: top, label: "amplitude (N)", log: true },
+    { low: 0, high: reached(own, top * 1e-6), label },
+    { low: top * 1e-6, high: top, label: `amplitude (${unitOf(selected.joint)})`, log: true },
   );
   if (others) axes.line(others.xs, others.ys, { colour: ink.other, width: 1, dash: [3, 2] });
   axes.line(own.xs, own.ys, { colour: ink.accent, width: 1.2 });
@@ -199,6 +243,10 @@ const LEDGER = [
 ];
 
 function energiesOf(running, turn) {
+  return remembered(keyOf(running.store, turn, "energy"), () => foundEnergies(running, turn));
+}
+
+function foundEnergies(running, turn) {
   const { reader, store } = running;
   const stride = Math.max(1, Math.floor(turn.count / 180));
   const found = [];

@@ -15,9 +15,11 @@ const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"
 function csvOf(running) {
   const { reader, store } = running;
   const joints = Object.keys(own.joints);
+  const driven = Object.keys(own.torques).map((name) => TORQUE + name);
   const head = ["time (s)"];
   if (given.crank) head.push(`angle of ${given.crank} (rad)`);
   for (const name of joints) head.push(`force ${name} x (N)`, `force ${name} y (N)`, `force ${name} largest since the line before (N)`);
+  for (const name of driven) head.push(`${name} (N m)`, `${name} largest since the line before (N m)`);
   for (const { name } of given.contacts) head.push(`eccentricity ${name} x (m)`, `eccentricity ${name} y (m)`, `penetration ${name} (m)`);
   for (const { name } of given.bodies) head.push(`${name} x (m)`, `${name} y (m)`, `${name} angle (rad)`);
   const crank = given.bodies.find((body) => body.name === given.crank);
@@ -27,6 +29,7 @@ function csvOf(running) {
     const cells = [k * reader.interval];
     if (crank) cells.push(store.data[at + reader.of("particle_theta")[crank.particles[0]]]);
     for (const name of joints) cells.push(...reader.force(store.data, at, name), reader.forceMax(store.data, at, name));
+    for (const name of driven) cells.push(reader.size(store.data, at, name), reader.forceMax(store.data, at, name));
     given.contacts.forEach((_, c) => {
       cells.push(...reader.eccentricity(store.data, at, c), store.data[at + reader.of("contact_penetration")[c]]);
     });

@@ -24,7 +24,9 @@ function changed(setting) {
   else clock.head = Math.min(clock.head, wholeRun);
   clock.wanted = clock.head;
   told("");
-  running.begin(setting, Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns)));
+  const until = Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns));
+  running.begin(setting, until);
+  other?.begin(other.setting, until); // the outputs of this moment may be kept no longer
   dirty(true);
 }
 
@@ -40,7 +42,7 @@ const cards = [
 if (!perTurn && cards[0]?.id === "forces") cards[0].title = "Joint forces over time";
 
 const OPTIONS = {
-  joint: () => Object.keys(own.joints),
+  joint: () => [...Object.keys(own.joints), ...Object.keys(own.torques).map((name) => TORQUE + name)],
   body: () => given.bodies.map((body) => body.name),
   quantity: () => Object.keys(QUANTITIES),
 };
@@ -93,21 +95,34 @@ for (const card of cards) {
 // Charts are drawn one a frame, so that the mechanism never waits for them.
 let stale = [];
 let staleAt = 0;
+let spentOnCharts = 0; // ms
 
 function dirty(now = false) {
   if (now) staleAt = 0;
 }
 
 function drawStale(time) {
-  if (!stale.length && time - staleAt > (clock.playing ? 220 : 120) && (clock.playing || staleAt === 0 || running.store.end < running.until)) {
+  // Not more often than takes a sixth of the time, however slow the machine is.
+  if (
+    !stale.length &&
+    time - staleAt > Math.max(clock.playing ? 220 : 120, 6 * spentOnCharts) &&
+    (clock.playing || staleAt === 0 || running.store.end < running.until)
+  ) {
     stale = [...cards, { id: "peaks" }];
     staleAt = time;
+    spentOnCharts = 0;
   }
   const card = stale.shift();
   if (!card) return;
+  const entered = performance.now();
+  drawCard(card);
+  spentOnCharts += performance.now() - entered;
+}
+
+function drawCard(card, unseen = false) {
   if (card.id === "peaks") return writePeaks($("peak-table"), running, other);
   const box = card.canvas.getBoundingClientRect();
-  if (box.bottom < 0 || box.top > window.innerHeight) return;
+  if (!unseen && (box.bottom < 0 || box.top > window.innerHeight)) return;
   const made = canvasFor(card.canvas);
   if (!made || !running.store.end) return;
   card.draw(made.pen, made.width, made.height, running, clock.head, other?.store.end ? other : null);
@@ -116,9 +131,10 @@ function drawStale(time) {
 
 // ------------------------------------------------------------------------------------------------------------------ clock
 
-const frames = { times: [], count: 0 };
+const frames = { times: [], spent: [], count: 0 };
 
 function frame(time) {
+  const entered = performance.now();
   const passed = Math.min(time - (clock.last || time), 100) / 1000;
   clock.last = time;
   const { store, reader } = running;
@@ -142,6 +158,8 @@ function frame(time) {
   frames.count += 1;
   frames.times.push(time);
   if (frames.times.length > 60) frames.times.shift();
+  frames.spent.push(performance.now() - entered); // ms of drawing
+  if (frames.spent.length > 240) frames.spent.shift();
   requestAnimationFrame(frame);
 }
 
@@ -264,6 +282,22 @@ $("scene").onclick = (event) => {
   else if (found) scene.traces.splice(found.trace, 1);
 };
 
+// Pinching, or the wheel with ctrl, looks closer at what is under the pointer; then it can be dragged. A double click shows all again.
+$("scene").addEventListener(
+  "wheel",
+  (event) => {
+    if (!event.ctrlKey && !event.metaKey) return;
+    event.preventDefault();
+    const box = $("scene").getBoundingClientRect();
+    scene.zoomed(2 ** (-event.deltaY / 200), event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2);
+  },
+  { passive: false },
+);
+$("scene").onpointermove = (event) => {
+  if (event.buttons === 1 && scene.zoom > 1) scene.moved(event.movementX, event.movementY);
+};
+$("scene").ondblclick = () => scene.zoomed(0);
+
 const KEYS = {
   " ": () => play(),
   ArrowLeft: (event) => step(event.shiftKey ? -Math.round(wholeTurns / 36) : -1),
@@ -274,6 +308,8 @@ const KEYS = {
   "]": () => setSpeed(Math.min(Number($("speed").value) + 0.25, 0)),
   "-": () => setMagnify(Math.max(Number($("magnify").value) - 0.1, 0)),
   "+": () => setMagnify(Math.min(Number($("magnify").value) + 0.1, 3)),
+  z: () => scene.zoomed(1.5),
+  Z: () => scene.zoomed(1 / 1.5),
   j: () => select("joint", OPTIONS.joint()[(OPTIONS.joint().indexOf(selected.joint) + 1) % OPTIONS.joint().length]),
   k: () => (other ? drop() : keep()),
   r: () => sliders.take(new Setting()),
@@ -295,6 +331,9 @@ document.addEventListener("keydown", (event) => {
 });
 
 window.addEventListener("resize", () => dirty(true));
+window.addEventListener("beforeprint", () => {
+  for (const card of cards) drawCard(card, true);
+});
 window.addEventListener("scroll", () => dirty(true), { passive: true });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => {
   setTheme(event.matches ? "dark" : "light");

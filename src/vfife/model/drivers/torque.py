@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 from ...fields import Choice, Many, Measure, described
 from ..polynomials import Polynomials, constant
 from ..renamed import renamed
-from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, held
+from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, held, table
 from .driver import Driver
 
 
@@ -53,7 +53,7 @@ class Torque(Driver):
         if isinstance(self.value, int | float):
             return constant(float(self.value))
         over = self.speeds or self.angles or self.times
-        return constant(float(self.value[0])) if over is None else held(over, self.value, self.interpolation)
+        return constant(float(self.value[0])) if over is None else held(table(over, self.value, self.interpolation))
 
     @property
     def over(self) -> Literal["time", "speed", "angle"]:

@@ -19,9 +19,9 @@ from .tabular import Tabular, Values
 class GuideForce(Tabular):
     """Force along the guide of the joint ``slider`` on its journal, and its opposite on the bearing: that of a piston, a spindle, a spring's table.
 
-    It is ``force`` (N), or ``pressure`` (Pa) above ``ambient`` on the area of a ``bore`` (m), pi bore^2/4. Where positive it pushes the journal
-    along the guide's direction, or against it where it is to be ``reverse``. ``force_back`` or ``pressure_back`` holds while the journal goes
-    against the guide's direction: with two ways a table encloses the work of a turn.
+    It is ``force`` (N), or ``pressure`` (Pa) above ``ambient`` on the area of a ``bore`` (m), pi bore^2/4; an ``expression`` is a pressure where
+    there is a bore. Where positive it pushes the journal along the guide's direction, or against it where it is to be ``reverse``. ``force_back``,
+    ``pressure_back`` or ``expression_back`` holds while the journal goes against the guide's direction: two ways enclose the work of a turn.
     """
 
     kind: ClassVar[str] = "guide"
@@ -50,11 +50,11 @@ class GuideForce(Tabular):
         """A force, or a pressure on a bore."""
         if self.force is not None and self.pressure is not None:
             yield Conflict("pressure", "a force and a pressure exclude each other", "keep one of them")
-        elif self.force is None and self.pressure is None:
+        elif self.force is None and self.pressure is None and not self.expression:
             yield Conflict("", "nothing says how large the load is", "give it a force, or a pressure and a bore")
         elif self.pressure is not None and self.bore is None:
             yield Conflict("bore", "a pressure acts on a bore, which is missing", 'add it, as in bore = "50 mm"')
-        for key in ("bore", "ambient", "pressure_back"):
+        for key in ("bore", "ambient", "pressure_back"):  # what an expression is, the bore says
             if self.force is not None and self.pressure is None and getattr(self, key):
                 yield Conflict(key, f"{key} goes with a pressure, not with a force", "remove it")
         if self.pressure is not None and self.force_back is not None:
@@ -66,9 +66,19 @@ class GuideForce(Tabular):
         return ("force", "force_back") if self.pressure is None else ("pressure", "pressure_back")
 
     @property
+    def pressed(self) -> bool:
+        """Whether its size is a pressure; an expression is one where there is a bore."""
+        return self.pressure is not None or bool(self.expression and self.bore)
+
+    @property
+    def below(self) -> float:
+        """The ambient pressure, which is taken off that of an expression."""
+        return self.ambient if self.pressed else 0.0
+
+    @property
     def unit(self) -> float:
         """Force (N) along the guide's direction for a force of 1 N or a pressure of 1 Pa."""
-        area = 1.0 if self.pressure is None else 0.25 * math.pi * (self.bore or 0.0) ** 2
+        area = 0.25 * math.pi * (self.bore or 0.0) ** 2 if self.pressed else 1.0
         return -area if self.reverse else area
 
     @property
@@ -89,10 +99,15 @@ class GuideForce(Tabular):
     @property
     def words(self) -> str:
         """What it is, in a few words."""
-        values = self.values
-        largest = abs(self.unit) * max(map(abs, values), default=0.0) if isinstance(values, Sequence) else abs(self.unit * (values or 0.0))
-        what = "force" if self.pressure is None else f"pressure on a bore of {self.bore:.6g} m,"
+        out, back = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
+        largest = abs(self.unit) * max((way.largest for way in (out, back) if way is not None), default=abs(self.constant))
+        what = f"pressure on a bore of {self.bore:.6g} m," if self.pressed else "force"
         return f"{what} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
+
+    @property
+    def measured(self) -> tuple[str, str]:
+        """The unit of its function, and what that is."""
+        return ("Pa", "pressure of the load above ambient") if self.pressed else ("N", "force of the load along its guide")
 
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """The force on the journal, and its opposite on the bearing, which is the guide's own."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from ...fields import Choice, Many, Measure, Switch, described, quantity
+from ...fields import Choice, Many, Measure, Switch, Text, described, quantity
+from ..expression import VARIABLES, ExpressionError, parse
 from ..polynomials import Polynomials, constant, moved
-from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, closes, held, repeated, two_ways, whole_turns
+from ..sampled import sampled
+from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, Pieces, closes, held, repeated, table, two_ways, whole_turns
 from .load import OVER, Load, Over
 
 OPEN = 1e-3  # of the largest value: by how much two ways may differ where they meet
@@ -16,7 +19,7 @@ Values = float | Sequence[float] | None
 
 @dataclass(frozen=True, kw_only=True)
 class Tabular(Load):
-    """A load whose size is one number, or a table over ``times``, ``angles``, ``travels`` or ``speeds``.
+    """A load whose size is one number, a table over ``times``, ``angles``, ``travels`` or ``speeds``, or an ``expression``.
 
     ``angles`` are those of the body ``crank``, as it lies in space, less ``zero_angle``; ``travels`` and ``speeds`` are those of a guide's
     journal from its bearing, less ``zero_travel``. Beyond its ends a table keeps its end values, unless it is to ``repeat``, as one over whole
@@ -35,6 +38,10 @@ class Tabular(Load):
         Switch(), "true: a table over times or angles repeats itself; false: it keeps its end values; left out: one over whole turns repeats", None
     )
     interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")
+    expression: str = described(
+        Text(), "the load as an expression of t, angle, x or v, from the first of the times, angles, travels or speeds to the last", ""
+    )
+    expression_back: str = described(Text(), "the same on the way back, where that differs", "")
 
     @property
     def keys(self) -> tuple[str, str]:
@@ -43,8 +50,22 @@ class Tabular(Load):
 
     @property
     def axis(self) -> str:
-        """The key of the table's places; nothing where there is no table."""
-        return next((key for key in OVER if getattr(self, key) is not None), "")
+        """The key of the places of its table or its expression; nothing where it has neither."""
+        return (VARIABLES.get(self.variable, "") if self.expression else "") or next((key for key in OVER if getattr(self, key) is not None), "")
+
+    @property
+    def variable(self) -> str:
+        """The variable of its expression; nothing where it has none, or one that cannot be read."""
+        try:
+            return parse(self.expression).variable
+        except ExpressionError:
+            return ""
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """The places of its table, or the range of its expression: a turn, if nothing is said of an angle's."""
+        found: tuple[float, ...] | None = getattr(self, self.axis) if self.axis else None
+        return found or ((0.0, 2.0 * math.pi) if self.axis == "angles" and self.expression else ())
 
     @property
     def over(self) -> Over:
@@ -58,11 +79,30 @@ class Tabular(Load):
 
     @property
     def repeats(self) -> bool:
-        """Whether its table repeats itself."""
-        if self.repeat is None:
-            values, angles = self.values, self.angles if self.axis == "angles" else None
-            return angles is not None and isinstance(values, Sequence) and whole_turns(angles) and closes(values)
-        return bool(self.repeat) and self.axis in ("times", "angles")
+        """Whether its table or expression repeats itself."""
+        if self.repeat is not None:
+            return self.repeat and self.axis in ("times", "angles")
+        return self.axis == "angles" and len(self.places) > 1 and whole_turns(self.places) and closes(self.ends)
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """The first and the last value of its table or expression; nothing where it has none."""
+        way = self.way(self.values, self.expression)
+        return () if way is None else way.ends
+
+    def way(self, values: Values, expression: str, *, repeated: bool = False) -> Pieces | None:
+        """The pieces of a table's values, or of an expression, where there is one."""
+        if expression and len(self.places) > 1:
+            found = sampled(expression, self.places[0], self.places[-1])
+            return replace(found, rows=tuple((row[0] - self.below, *row[1:]) for row in found.rows))
+        if self.axis and isinstance(values, Sequence):
+            return table(self.places, values, self.interpolation, repeated=repeated)
+        return None
+
+    @property
+    def below(self) -> float:
+        """What is taken off an expression."""
+        return 0.0
 
     @property
     def values(self) -> Values:
@@ -76,31 +116,40 @@ class Tabular(Load):
 
     @property
     def by(self) -> str:
-        """By what its table goes, in words; nothing where it has none."""
-        ways = "" if self.values_back is None else ", with a way back"
+        """By what its table or expression goes, in words; nothing where it has none."""
+        ways = ", with a way back" if self.values_back is not None or self.expression_back else ""
         return f", by {self.over}{ways}{', repeated' if self.repeats else ''}" if self.axis else ""
 
     def cautions(self) -> tuple[str, ...]:
         """Sentences on two ways whose values do not meet where the way turns."""
-        out, back, places = self.values, self.values_back, self.travels
-        if not isinstance(out, Sequence) or not isinstance(back, Sequence) or places is None:
+        out, back = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
+        if out is None or back is None:
             return ()
-        largest = max(max(map(abs, out)), max(map(abs, back)))
-        open_ends = [k for k in (0, -1) if abs(out[k] - back[k]) > OPEN * largest]
+        largest = max(out.largest, back.largest)
+        pairs = zip((self.places[0], self.places[-1]), out.ends, back.ends, strict=True)
         return tuple(
-            f"The load {self.name} leaps where the way turns: at {places[k]:g} m its table has {out[k]:g} for the way out and {back[k]:g} for the "
-            "way back. A gas has one pressure there: give both the same value, unless a leap is meant."
-            for k in open_ends
+            f"The load {self.name} leaps where the way turns: at {place:g} m it has {one:g} for the way out and {other:g} for the way back. "
+            "A gas has one pressure there: give both the same value, unless a leap is meant."
+            for place, one, other in pairs
+            if abs(one - other) > OPEN * largest
         )
 
     def course(self) -> tuple[Polynomials, float]:
-        """The function that its table is, or a constant, and the gap (m) of a table with two ways."""
-        values, back, gap = self.values, self.values_back, 0.0
-        if not self.axis or not isinstance(values, Sequence):
-            return constant(float(values if isinstance(values, int | float) else 1.0)), gap
-        places, zero = getattr(self, self.axis), {"angles": self.zero_angle, "travels": self.zero_travel}.get(self.axis, 0.0)
-        if isinstance(back, Sequence):
-            function, gap = two_ways(places, values, back, self.interpolation)
+        """The function that its table or expression is, or a constant, and the gap (m) of one with two ways."""
+        out, gap = self.way(self.values, self.expression, repeated=self.repeats), 0.0
+        if out is None:
+            return constant(self.constant), gap
+        zero = {"angles": self.zero_angle, "travels": self.zero_travel}.get(self.axis, 0.0)
+        back = self.way(self.values_back, self.expression_back)
+        if back is not None:
+            function, gap = two_ways(out, back)
         else:
-            function = (repeated if self.repeats else held)(places, values, self.interpolation)
+            function = (repeated if self.repeats else held)(out)
         return moved(function, zero), gap
+
+    @property
+    def constant(self) -> float:
+        """Its value where it depends on nothing."""
+        if self.expression:
+            return parse(self.expression).constant - self.below
+        return float(self.values) if isinstance(self.values, int | float) else 1.0

@@ -6,10 +6,12 @@ from typing import Any
 
 from ...errors import Path
 from ..bodies import PointMass
+from ..expression import VARIABLES, ExpressionError, parse
 from ..functions import turning_speed
 from ..loads.load import OVER
 from ..loads.tabular import Tabular
 from ..rows import Across, place_row, turn_row
+from ..sampled import SamplingError, sampled
 from ..tabulated import closes
 from .checks import Checks, known, rows_of, shown_name
 
@@ -38,8 +40,63 @@ def check_alone(checks: Checks, path: Path, load: Any) -> None:
     if not checks.told(path):
         for one in load.conflicts():
             checks.add((*path, one.key), one.what, one.remedy, one.limit)
-    if isinstance(load, Tabular):
+    if isinstance(load, Tabular) and load.expression:
+        check_expression(checks, path, load)
+    elif isinstance(load, Tabular):
         check_table(checks, path, load)
+
+
+def check_expression(checks: Checks, path: Path, load: Any) -> None:
+    """It can be read, goes over a range that is given, and can be followed there; nothing else says how large the load is."""
+    value, back = load.keys
+    for key in (value, back):
+        if getattr(load, key) is not None:
+            checks.add((*path, key), f"an expression and {key} exclude each other", "keep one of them")
+            return
+    for key in ("expression", "expression_back"):
+        text = getattr(load, key)
+        if not text or checks.told((*path, key)):
+            continue
+        try:
+            variable = parse(text).variable
+        except ExpressionError as error:
+            checks.add((*path, key), f"column {error.column}: {error.what}", error.remedy)
+            return
+        if key == "expression_back" and (variable not in ("", "x") or load.axis != "travels"):
+            checks.add((*path, key), "only an expression of x has a way back", "remove it, or make both expressions of the travel x")
+        elif ranged(checks, path, load, variable or load.variable):
+            follow(checks, path, load, key)
+
+
+def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
+    """Whether the range of an expression is given, as two places, in what it depends on."""
+    wanted = VARIABLES.get(variable, "")
+    others = [key for key in OVER if getattr(load, key) is not None and key != wanted]
+    if others:
+        what = f"an expression of {variable} goes over {wanted}" if wanted else "a constant expression goes over nothing"
+        checks.add((*path, others[0]), f"{what}, not over {others[0]}", f"give {wanted} = [first, last]" if wanted else "remove it")
+    elif wanted and not load.places:
+        what = f"an expression of {variable} needs the range over which it is meant"
+        checks.add((*path, wanted), what, f"give {wanted} = [first, last]; beyond them it keeps its end values")
+    elif wanted and (len(load.places) != 2 or load.places[1] <= load.places[0]):
+        checks.add((*path, wanted), "the range of an expression is its first and its last place", f"give {wanted} = [first, last]")
+    else:
+        return bool(wanted) and not any(checks.told((*path, key)) for key in OVER)
+    return False
+
+
+def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
+    """Polynomials can follow an expression over its range."""
+    try:
+        ends = sampled(getattr(load, key), load.places[0], load.places[1]).ends
+    except SamplingError as error:
+        checks.add((*path, key), str(error), "narrow the range, or keep it from that place, with min or max")
+        return
+    if load.repeat is True and load.axis not in REPEATS:
+        checks.add((*path, "repeat"), "only what goes over times or angles repeats itself", "remove it")
+    elif load.repeat is True and not closes(ends):
+        what = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
+        checks.add((*path, key), what, "let its range be a whole number of its periods, or remove repeat")
 
 
 def check_table(checks: Checks, path: Path, load: Any) -> None:
@@ -51,6 +108,8 @@ def check_table(checks: Checks, path: Path, load: Any) -> None:
         return
     if any(checks.told((*path, key)) for key in (*OVER, value, back)):
         return
+    if load.expression_back:
+        checks.add((*path, "expression_back"), "a way back as an expression goes with an expression", "give both, or neither")
     axis = axes[0] if axes else "times"
     given = getattr(load, value)
     if axes or isinstance(given, tuple | list):

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ...errors import Path, shown
 from .checks import NAME_LIMIT, Checks, given, known
 
+TITLE_LIMIT = 300  # signs of a mechanism's name
 SECTIONS = {"body": "bodies", "joint": "joints", "gear": "gears", "spring": "springs", "load": "loads"}
 
 
@@ -16,6 +17,12 @@ def check_names(checks: Checks) -> None:
         checks.add(("body",), "the model has no body", "add a table such as [body.crank]")
     if "ground" in checks.bodies:
         checks.add(("body", "ground"), '"ground" is what does not move', "call the body otherwise")
+    for key, allowed in (("name", ""), ("note", "\n\t")):
+        text = getattr(checks.mechanism, key)
+        if isinstance(text, str) and not all(sign.isprintable() or sign in allowed for sign in text):
+            checks.add((key,), "it has signs that cannot be printed", "leave them out")
+    if len(str(checks.mechanism.name)) > TITLE_LIMIT:
+        checks.add(("name",), f"it has {len(checks.mechanism.name):,} signs", f"{TITLE_LIMIT} are the most; a note may be longer")
     for path in named_things(checks):
         check_name(checks, path)
     for section, field in SECTIONS.items():

@@ -1,0 +1,150 @@
+"""Whether the ideal mechanism can do what its drivers ask for, in words: refused where it cannot, a caution where it may be bridged or splits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..errors import AssemblyError
+from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
+from ..kinematics.forces import driven_body
+from ..kinematics.initial import Motion, ideal_motion
+from ..kinematics.nearest import unclosed
+from ..kinematics.passage import Jam, Singular, passage
+from ..model.bodies import Frame, Link
+from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
+from ..model.suspects import suspects
+from .timestep import length_of
+
+STRETCH = 0.01  # of the length of the two-particle links of a loop: more is beyond any metal
+FAR = math.radians(50.0)  # from an approximate angle, to close
+MOST_LENGTHS = 3
+MOST_PLACES = 4
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it gets ``through``, so that a reference can be run."""
+
+    notes: tuple[str, ...] = ()
+    through: bool = True
+
+
+def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Outlook:
+    """Follows the ideal mechanism through a run. AssemblyError where it jams and neither play nor elastic links can bridge what opens.
+
+    Nothing is said of mechanisms that their drivers do not determine, nor of a static analysis.
+    """
+    doubts = suspects(mechanism)
+    if mechanism.settings.analysis == "static" or not any(driver.moves for driver in mechanism.drivers.values()):
+        return Outlook(doubts)
+    length = length_of(mechanism, turns, duration, turn_of(mechanism))
+    try:
+        motion = ideal_motion(mechanism)
+    except ValueError as error:
+        if isinstance(error, AssemblyError) and error.gaps:
+            lengths = _lengths(unclosed(mechanism, error, length))
+            least = f". One length that would do: {lengths}" if lengths else ""
+            as_it_is = "As it is, " if doubts else ""
+            raise AssemblyError(" ".join((*doubts, f"{as_it_is}{error}{least}")), error.joints, error.gaps) from None
+        return Outlook(doubts)  # told where the run is assembled
+    jam, passed = passage(mechanism, max(length, turn_of(mechanism) or 0.0), motion)  # the reference takes a whole turn
+    notes = (*doubts, *turned(mechanism, motion), *singular(mechanism, tuple(one for one in passed if one.time <= length)))
+    if jam is None or jam.time > length:
+        return Outlook(notes, jam is None)
+    bridge = bridged(mechanism, jam)
+    if bridge is None:
+        raise AssemblyError(" ".join((*doubts, refused(mechanism, jam))), jam.joints)
+    return Outlook((*notes, f"{jammed(mechanism, jam)}. {bridge} There is no ideal motion to compare with."), through=False)
+
+
+def refused(mechanism: Mechanism, jam: Jam) -> str:
+    """A jam as a fault."""
+    sentence = jammed(mechanism, jam)
+    lengths = _lengths(jam.lengths)
+    drivers = ", ".join(_drivers(mechanism))
+    least = (
+        f"One length that would do: {lengths}" if lengths else "No length of a single link was found that would do: check all of them, and guides"
+    )
+    return f"{sentence}. {least}; or let the driver ({drivers}) stay clear of there"
+
+
+def jammed(mechanism: Mechanism, jam: Jam) -> str:
+    """Where a mechanism ends, and what opens."""
+    where = f"{_place(mechanism, jam.aims)}, {jam.time:.3g} s after the start"
+    first = f"the mechanism cannot do the motion asked for: with ideal joints it jams at {where}"
+    if math.isnan(jam.gap):
+        return f"{first}, where joints {jam.joint} hold it"
+    where = "" if jam.gap == 0.0 else f"; further on {jam.joint} would be open by {1e3 * jam.gap:.4g} mm (at {_place(mechanism, jam.widest)})"
+    return f"{first}, where joint {jam.joint} opens{where}"
+
+
+def bridged(mechanism: Mechanism, jam: Jam) -> str | None:
+    """What may bridge the gap of a jam: play, or links that give way; None where nothing does."""
+    loose = [joint for name in jam.joints if (joint := mechanism.contacts.get(name)) is not None]
+    play = sum(float(getattr(joint, "clearance", 0.0)) for joint in loose)
+    if loose and jam.gap <= play:
+        listed = ", ".join(joint.name for joint in loose)
+        return f"The play of {listed}, {1e3 * play:.4g} mm together, may bridge that."
+    soft = [
+        name for name in jam.bodies if isinstance(body := mechanism.bodies[name], Frame) or (isinstance(body, Link) and body.model == "elastic")
+    ]
+    if soft:
+        return f"Only {', '.join(soft)}, which {'is' if len(soft) == 1 else 'are'} elastic, can give way to it."
+    bars = [body for name in jam.bodies if isinstance(body := mechanism.bodies[name], Link) and body.model == "two-particle"]
+    if bars and jam.gap - play <= STRETCH * sum(body.length for body in bars):
+        return f"Only a stretch of {', '.join(body.name for body in bars)} can bridge that."
+    return None
+
+
+def singular(mechanism: Mechanism, passed: tuple[Singular, ...]) -> tuple[str, ...]:
+    """Singular positions passed, as one caution."""
+    if not passed:
+        return ()
+    places = ", ".join(_place(mechanism, one.aims) for one in passed[:MOST_PLACES]) + (", ..." if len(passed) > MOST_PLACES else "")
+    joints = ", ".join(dict.fromkeys(name for one in passed for name in one.joints))
+    return (
+        f"The ideal mechanism passes a singular position (a change point) at {places}, with joints {joints}: it can go on in two ways there, and "
+        "which one it takes is not determined. A length that differs a little, or a second linkage out of step, determines it.",
+    )
+
+
+def turned(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
+    """Bodies that had to turn far from their approximate angles to close the mechanism, which may be the mirror image of what is meant."""
+    found = []
+    points = spinless(mechanism)
+    for name, body in mechanism.bodies.items():
+        off = math.remainder(motion.of(name)[0][2] - body.angle, 2.0 * math.pi)
+        if body.angle and abs(off) > FAR and name not in points:
+            start = math.remainder(body.angle, 2.0 * math.pi)
+            found.append(f"{name} from {math.degrees(start):.4g}° to {math.degrees(start + off):.4g}°")
+    if not found:
+        return ()
+    return (f"To close the mechanism, {' and '.join(found)} had to be turned: is this its mirror image? Approximate angles choose the branch.",)
+
+
+def _drivers(mechanism: Mechanism) -> list[str]:
+    return [*kinematic_drivers(mechanism), *constraint_drivers(mechanism)]
+
+
+def _place(mechanism: Mechanism, aims: tuple[float, ...]) -> str:
+    """Values of the drivers, as in "crank angle 112°"."""
+    drivers, found = mechanism.drivers, []
+    by_body = {driven_body(name, driver) or name: driver for name, driver in drivers.items()}
+    for name, value in zip(_drivers(mechanism), aims, strict=True):
+        driver = by_body.get(name) or drivers[name]
+        if driver.along:
+            found.append(f"{driver.slider or driver.point} at {1e3 * value:.4g} mm")
+        else:
+            degrees = round(math.degrees(value), 1)
+            found.append(f"{driven_body(name, driver)} angle {degrees % 360.0:.5g}°")
+    return " and ".join(found)
+
+
+def _lengths(lengths: tuple[tuple[str, float, float], ...]) -> str:
+    return " or ".join(_length(*one) for one in lengths[:MOST_LENGTHS])
+
+
+def _length(name: str, now: float, then: float) -> str:
+    return f"{name} {'at least' if then > now else 'at most'} {1e3 * then:.5g} mm (now {1e3 * now:.5g} mm)"

@@ -1,0 +1,194 @@
+"""The ideal mechanism followed through a driven motion: how far it goes, and which singular positions it passes.
+
+Positions are predicted along velocity and curvature and closed by Newton's method; the sign of the determinant of all rows tells when a singular
+position lies between two of them (Gosselin and Angeles, IEEE Transactions on Robotics and Automation 6 (1990) 281-290, singularities of the second
+kind: drivers held, something still moves). Where the mechanism closes beyond it, two branches cross there; where it does not, the motion ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .gathered import Gathered
+from .linalg import DENSE, dependent_rows
+from .system import RigidSystem
+
+Array = NDArray[np.float64]
+Aims = Callable[[float], Array]
+
+PACE = math.radians(10.0)  # largest part of a way in one stride
+FINE = 1e-5  # rad, or of a body's reach: to this a motion that ends is followed
+SINGULAR = 1e-4  # to this a change of sign is closed in on
+HOP = 4e-3  # over so much a singular position is passed; a mechanism that closes on both sides of less is as good as one that closes between
+CLOSED = 1e-9  # open distance over the extent of the bodies
+QUICK = 1e-5  # open distance that one step more squares
+NEAR = 1e-4  # of the extent, if that step is no longer
+ASTRAY = 0.3  # of a stride: a position further from where it was predicted is on another branch
+NEWTON = 6
+MOST_TOLD = 12  # singular positions
+MOST_STRIDES = 3000
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """How far a way was followed (``reached`` of it), the positions [n, 3] there, and the singular positions passed: places on the way.
+
+    ``jammed`` where it goes no further; ``stressed`` [rows] is the self-stress there, and ``singular`` holds a place and its self-stress each.
+    """
+
+    reached: float
+    position: Array
+    jammed: bool
+    stressed: Array | None
+    singular: tuple[tuple[float, Array], ...]
+
+
+@dataclass(eq=False)
+class Follower:
+    """A determined system on its way: rows and columns that count, and what they were at the last position."""
+
+    gathered: Gathered
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    extent: float
+    picked: Any  # of the matrix of all rows and columns
+
+    @classmethod
+    def of(cls, system: RigidSystem, position: Array) -> Follower | None:
+        """None where drives and joints do not determine every motion that a joint feels, or hold one twice with the drives."""
+        gathered = Gathered(system)
+        if not system.drives or not gathered.rows or gathered.columns > DENSE:
+            return None
+        kept = gathered.aimed(np.array([drive.aim for drive in system.drives]))
+        aside = position + 0.1 * np.cos(np.arange(position.size)).reshape(position.shape) * np.array([1.0, 1.0, 1.0])
+        felt = np.flatnonzero(np.abs(gathered.at(aside, kept)[1]).max(axis=0) > 0.0)
+        jacobian = gathered.at(position, kept)[1][:, felt]
+        rows = np.arange(gathered.rows)
+        if len(rows) > len(felt):
+            twice = dependent_rows(jacobian)
+            if any(row >= system.held for row in twice):
+                return None
+            rows = np.setdiff1d(rows, twice)
+        if len(rows) != len(felt) or np.linalg.svd(jacobian[rows], compute_uv=False)[-1] < 1e-6:
+            return None
+        whole = len(rows) == gathered.rows and len(felt) == gathered.columns - 3
+        picked = (slice(None), slice(None)) if whole else np.ix_(rows, felt)
+        return cls(gathered, rows, felt, max(float(system.reach[1:].max()), float(np.abs(position[:, :2]).max())), picked)
+
+    def closed(self, guess: Array, aims: Array, quick: bool = False) -> tuple[Array, Array] | None:
+        """The position near a guess, and its square matrix, which ``quick`` is that of a position next to it; None where Newton's method does not
+        close it."""
+        position, kept, best = guess, self.gathered.aimed(aims), math.inf
+        for _ in range(NEWTON):
+            phi, jacobian = self.gathered.at(position, kept)
+            size, square = float(np.abs(phi[self.rows]).max()), jacobian[self.picked]
+            if size <= CLOSED * self.extent:
+                return (position, square) if np.abs(phi).max() <= 1e3 * CLOSED * self.extent else None
+            if size > 4.0 * best:
+                return None
+            best = min(best, size)
+            step = self.solved(square, phi[self.rows])
+            if step is None:
+                return None
+            position = position - step
+            if quick and size <= QUICK * self.extent and len(self.rows) == self.gathered.rows and self.moved(step) <= NEAR * self.extent:
+                return position, square  # squared by this step; the matrix is as near as the position was
+        return None
+
+    def solved(self, square: Array, right: Array) -> Array | None:
+        """J^-1 right as a change of position [n, 3]."""
+        try:
+            answer = np.linalg.solve(square, right)
+        except np.linalg.LinAlgError:
+            return None
+        step = np.zeros(self.gathered.columns)
+        step[3 + self.columns] = answer
+        step /= self.gathered.reach
+        return step.reshape(-1, 3) if np.isfinite(step).all() and np.abs(step[2::3]).max() < math.pi else None
+
+    def moved(self, step: Array) -> float:
+        """Size of a step: the largest coordinate in (x, y, l theta)."""
+        return float(np.abs(step.ravel() * self.gathered.reach).max())
+
+    def velocity(self, square: Array, rate: Array) -> Array | None:
+        """dq/ds for drives that move at ``rate`` [d]."""
+        right = np.zeros(self.gathered.rows)
+        right[self.gathered.driven] = self.gathered.scale * rate
+        return self.solved_freely(square, right[self.rows])
+
+    def solved_freely(self, square: Array, right: Array) -> Array | None:
+        """The same as :meth:`solved`, however far it leads."""
+        try:
+            answer = np.linalg.solve(square, right)
+        except np.linalg.LinAlgError:
+            return None
+        step = np.zeros(self.gathered.columns)
+        step[3 + self.columns] = answer
+        return (step / self.gathered.reach).reshape(-1, 3)
+
+    def stress(self, square: Array) -> Array:
+        """The multipliers [rows] that come nearest to loading nothing, the largest 1."""
+        left = np.linalg.svd(square)[0][:, -1]
+        stress = np.zeros(self.gathered.rows)
+        stress[self.rows] = np.abs(left) / np.abs(left).max()
+        return stress
+
+
+def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length: float, pace: float = PACE) -> Passage:
+    """Follows a way of ``length`` from a closed position [n, 3]: the drives' ``aims`` [d] and ``rates`` [d] by place on the way."""
+    start = follower.closed(position, aims(0.0))
+    if start is None:
+        return Passage(0.0, position, False, None, ())
+    (here, square), at = start, 0.0
+    found: list[tuple[float, Array]] = []
+    sign = np.sign(np.linalg.slogdet(square)[0])
+    going, bend, stride = follower.velocity(square, rates(0.0)), np.zeros_like(position), 0.382 * pace  # a change point lies at a round angle
+    for _ in range(MOST_STRIDES):
+        if at >= length * (1.0 - 1e-12):
+            break
+        if going is None:
+            return Passage(at, here, True, follower.stress(square), tuple(found))
+        stride = min(stride, length - at)
+        guess = here + stride * going + 0.5 * stride**2 * bend
+        tried = follower.closed(guess, aims(at + stride), quick=stride > 0.2 * pace)  # in small steps lies what is singular
+        if tried is not None and follower.moved(tried[0] - guess) > ASTRAY * follower.moved(tried[0] - here) + 1e-9 * follower.extent:
+            tried = None
+        turned = tried is not None and np.sign(np.linalg.slogdet(tried[1])[0]) != sign
+        if tried is not None and not turned:
+            before = going
+            here, square = tried
+            at += stride
+            going = follower.velocity(square, rates(at))
+            bend = (going - before) / stride if going is not None else bend
+            stride = min(2.0 * stride, pace, max(length - at, 1e-12))
+        elif stride > (SINGULAR if turned else FINE):
+            stride *= 0.5
+        else:
+            beyond = _hopped(follower, here, going, bend, at, aims, length)
+            if beyond is None or len(found) == MOST_TOLD:
+                return Passage(at, here, beyond is None, follower.stress(square), tuple(found))
+            found.append((at, follower.stress(square)))
+            (here, square), at = beyond
+            sign, going = np.sign(np.linalg.slogdet(square)[0]), follower.velocity(square, rates(at))
+            bend, stride = np.zeros_like(here), 0.382 * pace
+    return Passage(at, here, False, None, tuple(found))
+
+
+def _hopped(
+    follower: Follower, here: Array, going: Array, bend: Array, at: float, aims: Aims, length: float
+) -> tuple[tuple[Array, Array], float] | None:
+    """The mechanism beyond a singular position, straight on; None where it does not close there."""
+    if follower.moved(going) > 0.1 / HOP * follower.extent:  # so fast it only goes where it comes to its end
+        return None
+    hop = min(HOP, length - at)
+    guess = here + hop * going + 0.5 * hop**2 * bend
+    tried = follower.closed(guess, aims(at + hop))
+    if tried is None or follower.moved(tried[0] - guess) > ASTRAY * follower.moved(hop * going) + 1e-6 * follower.extent:
+        return None
+    return tried, at + hop

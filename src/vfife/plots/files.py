@@ -1,0 +1,27 @@
+"""Figures as files: whole or not there."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def saved(figure: Figure, path: Path) -> Path:
+    """Writes a figure under another name and renames it; the ending of ``path`` chooses PNG, PDF or SVG."""
+    part, kind = path.with_name(f"{path.name}.part"), path.suffix.lower().removeprefix(".")
+    by = f"vfife, Matplotlib {matplotlib.__version__}"
+    try:
+        figure.savefig(part, format=kind, metadata={"png": {"Software": by}, "pdf": {"Creator": by}}.get(kind))
+        os.replace(part, path)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+    return path

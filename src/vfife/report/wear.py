@@ -1,0 +1,67 @@
+"""What joints with play lose and bear, and what the machine does as a whole: a table and lines for the summary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
+
+from .digits import decimals, fixed, measured, prefixed, spread_of
+
+MANY = 10.0  # times the mean: a torque that swings by more is told by its swing
+CONFORMAL = "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
+HEADINGS = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
+
+
+def wear_table(told: dict[str, Any]) -> Table:
+    """Mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure times speed, joint by joint."""
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for k, heading in enumerate(HEADINGS):
+        table.add_column(heading, justify="right" if k else "left")
+    for name in worn(told):
+        powers = (measured(told, f"{name}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
+        slid, pressed = prefixed(*_most(told, name, "sliding_velocity.max", "m/s")), mega(*_most(told, name, "contact_pressure.max", "Pa"))
+        wide = prefixed(*_most(told, name, "contact_half_width.max", "m")) + (" *" if name in told["conformal"] else "")
+        product = mega(*_most(told, name, "pressure_velocity.mean", "Pa m/s"))
+        table.add_row(Text(name), *powers, slid, pressed, wide, product)
+    return table
+
+
+def worn(told: dict[str, Any]) -> list[str]:
+    """Joints of which losses are known."""
+    ending = ".friction_power.mean"
+    return [name.removesuffix(ending) for name in told["measures"] if name.endswith(ending)]
+
+
+def _most(told: dict[str, Any], joint: str, kind: str, unit: str) -> tuple[float, str, float]:
+    """The largest of a measure over the contacts of a joint, its unit and what is not known of it; a block in a guide has four contacts."""
+    names = [f"{joint}.{kind}", *(f"{joint}.{number}.{kind}" for number in range(1, 5))]
+    known = [(told["measures"][name], unit, spread_of(told, name)) for name in names if name in told["measures"]]
+    return max(known, default=(0.0, unit, 0.0))
+
+
+def machine_lines(told: dict[str, Any]) -> Iterable[tuple[str, str]]:
+    """Heading and line: mean torque and power of the drivers, efficiency, what shakes the ground."""
+    found = told["measures"]
+    for name in told["model"]["bodies"]:
+        if f"{name}.torque.mean" in found:
+            mean, ripple = found[f"{name}.torque.mean"], found.get(f"{name}.torque.ripple", 0.0)
+            width = prefixed(ripple * abs(mean), "N m", spread_of(told, f"{name}.torque.max"))
+            swing = f", ripple {100.0 * ripple:,.4g} %" if ripple < MANY else f", swinging by {width}"
+            torque, power = measured(told, f"{name}.torque.mean", "N m"), measured(told, f"{name}.power.mean", "W")
+            yield "", f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power} ({told['part']})"
+    if "mechanism.efficiency" in found:
+        yield "", f"efficiency {100.0 * found['mechanism.efficiency']:.4g} % (given off over given off and lost)"
+    if found.get("ground.shaking_force.max"):
+        force, moment = measured(told, "ground.shaking_force.max", "N"), measured(told, "ground.shaking_moment.max", "N m")
+        yield "Ground", f"shaken by up to {force} and {moment} about its origin ({told['part']})"
+
+
+def mega(value: float, unit: str, spread: float = 0.0) -> str:
+    """A pressure with its prefix."""
+    factor, prefix = (1e9, "G") if value >= 1e9 else (1e6, "M")
+    shown = fixed(value / factor, decimals(value / factor, spread / factor)) if spread > 0.0 else f"{value / factor:.4g}"
+    return f"{shown} {prefix}{unit}"

@@ -1,0 +1,24 @@
+"""``vfife impacts``."""
+
+import json
+
+from typer.testing import CliRunner
+
+import vfife
+from support import journal_in_bearing
+from vfife.cli.app import app
+from vfife.laws import Frictionless
+
+
+def test_the_impacts_of_a_run(tmp_path) -> None:
+    result = vfife.simulate(journal_in_bearing(0.5, friction=Frictionless()), duration=5e-3, step="1 us", outputs=500, companions=0)
+    result.save(tmp_path / "run.sqlite")
+    said = CliRunner().invoke(app, ["impacts", str(tmp_path)])
+    assert said.exit_code == 0 and f"{result.impacts.count} contacts began" in said.stdout and "speed, m/s" in said.stdout
+    told = json.loads(CliRunner().invoke(app, ["impacts", str(tmp_path), "--json"]).stdout)
+    assert told["count"] == result.impacts.count == len(told["impacts"]) and abs(told["impacts"][0]["speed"] - 0.5) < 1e-3
+
+
+def test_no_run_is_told_in_words(tmp_path) -> None:
+    said = CliRunner().invoke(app, ["impacts", str(tmp_path)])
+    assert said.exit_code == 2 and "Traceback" not in said.output
