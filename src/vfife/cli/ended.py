@@ -111,8 +111,10 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
     if part := (found["summary"] or {}).get("part"):
         yield "Measures", f"{part}; counts, shares and energies are those of the whole run"
-    for name, value in ((found["summary"] or {}).get("measures") or {}).items():
-        yield "Measure", f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
+    from ..report.digits import plain
+
+    for name in (found["summary"] or {}).get("measures") or {}:
+        yield "Measure", f"{name} = {plain(found['summary'], name)}"
 
 
 def in_words(step: int | None) -> str:
