@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-NEGLIGIBLE = 1e-9  # an ideal maximum this small beside the largest of its kind is round-off, and no share of it says anything
+NEGLIGIBLE = 1e-6  # an ideal maximum this small beside the largest of its kind is round-off or nothing, and no share of it says anything
 
 
 def lip(largest: float, ideal: float) -> float:
