@@ -25,8 +25,10 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test oldest coverage lint docs package release bench verify soak mutations clean help
 
-demo: $(VENV)/.runtime  ## run the four-bar with three clearance joints, with figures, into runs/four_bar
-	@$(VENV)/bin/vfife run examples/four_bar.toml -o runs/four_bar --figures --force
+demo: $(VENV)/.runtime  ## what play costs an air compressor in force, noise and energy, with figures in runs/demo
+	@$(PYTHON) examples/compressor.py runs/demo
+	@echo "Next: $(VENV)/bin/vfife run examples/compressor.toml --set joint.small-end.clearance=\"50 um\" -o runs/mine --figures"
+	@echo "      $(VENV)/bin/vfife new compressor -o mine.toml    $(VENV)/bin/vfife run examples/four_bar.toml (the paper's four-bar)"
 
 test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
 	@command -v chromium >/dev/null || echo "No chromium here: tests of pages in a browser are skipped (on Debian: apt-get install chromium)."

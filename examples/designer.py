@@ -14,7 +14,6 @@ import math
 import numpy as np
 
 import vfife
-from vfife.analysis.modes import modes
 
 SPEED = 100.0  # rad/s
 
@@ -85,6 +84,6 @@ assert abs(stroke - 0.1) < 1e-4
 
 print(f"rod: tension {1e-6 * told['rod.tension.max']:.1f} MPa, compression {1e-6 * told['rod.compression.max']:.1f} MPa, "
       f"largest at {1e3 * told['rod.stress.place']:.0f} mm, bent by {1e6 * told['rod.deflection.max']:.1f} µm")  # fmt: skip
-lowest = modes(machine, 3).frequencies
+lowest = vfife.modes(machine, 3).frequencies
 print("vibrates at", ", ".join(f"{one:.0f} Hz ({one / (SPEED / (2 * math.pi)):.0f} x)" for one in lowest))
 assert lowest[0] > 10 * SPEED / (2 * math.pi)

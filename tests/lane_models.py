@@ -86,3 +86,22 @@ def machinery(lane: int) -> Mechanism:
     m.clearance("dry", "shaft.eye", "ring.eye", clearance=1e-4, bearing_radius=0.01, **dry)
     m.loads["follow"] = PointForce(name="follow", at="ring.eye", force=(3.0, 1.0), moment=0.1, follow=True)
     return with_settings(m, damping=0.5)
+
+
+def cylinder(lane: int) -> Mechanism:
+    """A slider-crank under loads over a travel with two ways, its speed and its crank's angle, its piston pinned with play."""
+    f = 1.0 + 0.1 * lane
+    m = Mechanism("cylinder")
+    m.point("O", 0.01, 0.02)
+    m.link("crank", length=0.05, mass=0.5, angle=0.2)
+    m.link("rod", length=0.2, mass=0.4, angle=0.2)
+    m.rigid_body("piston", mass=0.6, inertia=1e-3, pins={"eye": (0.01, 0.0)}, position=(0.24, 0.05), angle=0.2)
+    m.revolute("A", "ground.O", "crank.start")
+    m.revolute("B", "crank.end", "rod.start")
+    m.clearance("C", "rod.end", "piston.eye", clearance=1e-4, bearing_radius=0.01)
+    m.slider("guide", "ground.O", "piston.eye", direction=(0.98, 0.2))
+    m.drive("crank", speed=200.0 * f)
+    m.guide_force("gas", "guide", bore=0.05, travels=(0.15, 0.2, 0.25), pressure=(1e5, 3e5 * f, 1e6), pressure_back=(1e5, 2e5, 1e6), reverse=True)
+    m.guide_force("drag", "guide", expression="-3*v*abs(v)", speeds=(-20.0, 20.0))
+    m.force("tooth", "rod.end", force=(2.0, 5.0 * f), expression="max(0, sin(angle))", angles=(0.0, 2.0 * math.pi), zero_angle=0.7)
+    return m

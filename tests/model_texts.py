@@ -197,3 +197,37 @@ def played(*changes: tuple[str, str]) -> str:
         assert old in text, old
         text = text.replace(old, new, 1)
     return text
+
+
+# A slider-crank without loads, and the head of one along its guide.
+COMPRESSOR = """
+[ground]
+O = [0, 0]
+[body.crank]
+length = 0.05
+mass = 0.5
+[body.rod]
+length = 0.2
+mass = 0.4
+[body.piston]
+mass = 0.6
+inertia = 1e-3
+pins = { origin = [0, 0] }
+position = [0.25, 0]
+[joint.A]
+bearing = "ground.O"
+journal = "crank.start"
+[joint.B]
+bearing = "crank.end"
+journal = "rod.start"
+[joint.C]
+bearing = "rod.end"
+journal = "piston.origin"
+[joint.guide]
+kind = "slider"
+bearing = "ground.O"
+journal = "piston.origin"
+[driver.crank]
+speed = "600 rpm"
+"""
+GAS = '[load.gas]\nkind = "guide"\nslider = "guide"\n'

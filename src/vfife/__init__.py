@@ -14,6 +14,7 @@ from .model import above as _above
 
 if TYPE_CHECKING:
     from . import errors, gallery
+    from .analysis.modes import modes
     from .errors import VfifeError
     from .laws import MATERIALS, ContactLaw, FrictionLaw, Law, Material, Pair, quantity
     from .laws import contact as _contact
@@ -56,6 +57,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load_laws": "laws.user",
     "load_model": "modelfile.files",
     "load_result": "result",
+    "modes": "analysis.modes",
     "resume": "simulation",
     "save_model": "modelfile.files",
     "simulate": "simulation",
@@ -164,6 +166,7 @@ __all__ = [
     "load_laws",
     "load_model",
     "load_result",
+    "modes",
     "quantity",
     "resume",
     "save_model",

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError
 from .results.companions import beside, kept_companions, restored_companions
 from .results.header import is_run_file
-from .results.provenance import final_state, keep_reference, provenance, restored
+from .results.provenance import final_state, keep_reference, provenance, restored, versions
 from .results.runfile import RunFile
 from .results.view import View
-from .solvers.record import Estimate, Record, lasting_rows
+from .solvers.record import Estimate, Record, Rows, lasting_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,7 +80,7 @@ class Result(View):
     def finish(self, file: RunFile) -> None:
         """Ends a run file: what it does not have yet of the model, outputs, last state and reference, how the run ended, and its summary."""
         record = self.record
-        missing = slice(len(file.steps), None)
+        missing = slice(file.outputs_so_far, None)
         if missing.start < len(record.steps):
             file.append(record.steps[missing], record.rows[missing], beside(record) if missing.start == 0 else None)
         if record.final is not None and (file.last_checkpoint() or (None,))[0] != record.steps[-1]:
@@ -110,8 +110,13 @@ class Result(View):
     def of(cls, file: RunFile) -> Result:
         """The result that an open run file holds."""
         where, meta, last = str(file.path), file.meta, file.last_checkpoint()
-        result = cls(restored(meta, *file.outputs(), where))
+        alone = file.steps_alone()
+        result = cls(restored(meta, *file.outputs(), where) if alone is None else restored(meta, alone, file.later(), where))
         record = result.record
+        if alone is not None:
+            record.source = partial(_read, record, file.path.absolute())
+            if meta.get("summary") and meta["versions"] == versions(record.loop):
+                result.__dict__["summary"] = meta["summary"]  # what it was told at its end; to tell it again, every output would be read
         record.estimate = Estimate(**meta["estimate"]) if "estimate" in meta else None
         record.companions = restored_companions(file, record)
         record.reached = int(record.steps[-1]) if last is None else max(last[0], int(record.steps[-1]))
@@ -140,6 +145,16 @@ class Result(View):
         from .plots import figures
 
         return figures(self, self.reference, names)
+
+
+def _read(record: Record, path: Path) -> Rows:
+    """The outputs of a large file, where they are asked for; those that are damaged are left out, and told from then on."""
+    with RunFile.open(path) as file:
+        record.steps, rows = file.outputs()
+        record.lost = file.lost
+    if rows.shape[1] != len(record.kept):
+        raise RunFileError(f"{path}: {rows.shape[1]} rows were recorded and {len(record.kept)} are named; run the model again")
+    return rows
 
 
 def load_result(path: str | Path) -> Result:

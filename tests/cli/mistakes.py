@@ -27,7 +27,7 @@ def without(text: str, table: str) -> str:
     return head + (rest[after + 1 :] if after >= 0 else "")
 
 
-PUSH = '[load.gas]\nat = "piston.pin"\nforce = ["-1 kN", 0]\ntimes = ["0 s", "20 ms", "10 ms"]\nfactors = [0, 1, 0]\n'
+PUSH = '[load.gas]\nat = "block.center"\nforce = ["-1 kN", 0]\ntimes = ["0 s", "20 ms", "10 ms"]\nfactors = [0, 1, 0]\n'
 
 MISTAKES: dict[str, tuple[str, list[str], bool]] = {
     # Typos of keys, tables and names.

@@ -2,9 +2,11 @@
 
 import json
 import math
+import os
 import re
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +14,9 @@ from pathlib import Path
 import pytest
 
 import vfife
+from cli.conftest import ENVIRONMENT
 from cli.models import CASE_C
+from vfife.codegen import native
 from vfife.codegen.runner import Runner
 from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
@@ -247,3 +251,36 @@ def test_companions_are_asked_for_and_turned_off(command: Callable) -> None:
     assert "companions = 0" in Path("out/model.toml").read_text()
     wrong = command("run", CASE_C, "--companions", "12")
     assert wrong.exit_code == 2 and "from 0 to 7, or auto" in wrong.stderr
+
+
+@pytest.mark.parametrize("way", ["python -m", "a script that is not on the path", "a script on the path"])
+def test_what_comes_next_works_as_printed(tmp_path: Path, pendulum: Path, way: str) -> None:
+    """The first of the commands that a run ends with, typed into a shell of the same environment."""
+    environment = dict(ENVIRONMENT)
+    if way == "python -m":
+        line = [sys.executable, "-m", "vfife"]
+    else:
+        script = tmp_path / "my environment" / "bin" / "vfife"
+        script.parent.mkdir(parents=True)
+        script.write_text(f"#!{sys.executable}\nfrom vfife.__main__ import main\nmain()\n")
+        script.chmod(0o700)
+        if way == "a script on the path":
+            environment["PATH"] = os.pathsep.join((str(script.parent), environment["PATH"]))
+        line = ["vfife" if way == "a script on the path" else str(script.relative_to(tmp_path))]
+    told = {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True}
+    done = subprocess.run([*line, "run", str(pendulum), "--loop", "interpreted", "--duration", "1e-3"], **told)
+    (following,) = (one.removeprefix("Next: ") for one in done.stdout.splitlines() if one.startswith("Next: "))
+    info = following.split("; ")[1]
+    assert info.startswith("vfife ") == (way == "a script on the path")
+    again = subprocess.run(info, shell=True, **told)
+    assert again.returncode == 0 and "pendulum" in again.stdout, again.stderr
+
+
+def test_a_first_run_of_its_kind_says_that_it_compiles(command: Callable, pendulum: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VFIFE_CACHE", str(tmp_path / "cache"))
+    native.straight_line.cache_clear()
+    first = command("run", pendulum, "--duration", "1e-3")
+    native.straight_line.cache_clear()
+    second = command("run", pendulum, "--duration", "1e-3", "-o", "again")
+    assert first.exit_code == second.exit_code == 0
+    assert "note: compiling the step" in first.stderr and "compiling" not in second.stderr

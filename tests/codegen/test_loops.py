@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mechanisms
-from lane_models import LANES, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars
+from lane_models import LANES, cylinder, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars
 from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
 from vfife.codegen import javascript
@@ -28,6 +28,7 @@ RUNS = {
     swing: (4e-6, 50, 60, 20),
     journals: (1e-6, 100, 60, 10),
     machinery: (4e-6, 50, 60, 20),
+    cylinder: (4e-6, 50, 80, 12),
 }
 
 

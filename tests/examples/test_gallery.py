@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 import vfife
 from independent import chain_of_springs, circles, contact, double_pendulum, integrate_impacts, jansen_foot
 from vfife import gallery
+from vfife.cli.new import templates
 from vfife.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -66,6 +68,18 @@ def test_there_is_a_file_for_every_function_and_a_function_for_every_file():
 @pytest.mark.parametrize("name", gallery.__all__)
 def test_function_and_file_are_equal(name: str):
     assert differences(plain(getattr(gallery, name)()), plain(vfife.load_model(EXAMPLES / f"{name}.toml"))) == []
+
+
+def test_the_slider_crank_to_start_from_is_that_of_the_gallery():
+    template = vfife.load_model(templates()["slider-crank"])
+    assert differences(plain(gallery.slider_crank_loose_pin(clearance=5e-5, friction=0.05, turns=3.0)), plain(template)) == []
+    for name in ("slider_crank", "slider_crank_loose_guide"):
+        other = getattr(gallery, name)()
+        assert [differences(plain(template.bodies[body]), plain(other.bodies[body])) for body in ("crank", "rod")] == [[], []]
+
+
+def test_the_compressor_to_start_from_is_that_of_the_examples():
+    assert templates()["compressor"].read_text() == (EXAMPLES / "compressor.toml").read_text()
 
 
 def test_a_difference_is_seen():
@@ -176,6 +190,15 @@ def six_bar_press() -> tuple[float, float, float]:
     return float(np.ptp(ram)), float(np.ptp(exact)), 1e-4
 
 
+def compressed() -> tuple[float, float, float]:
+    """Power of the ideal compressor: the area of its indicator diagram, once a turn."""
+    result = vfife.simulate(gallery.compressor(wear=0.0, turns=1.0))
+    table = gallery.compressor().loads["gas"]
+    up, down = (PchipInterpolator(table.travels, values) for values in (table.pressure, table.pressure_back))
+    work = 0.25 * math.pi * 0.065**2 * (up.integrate(-0.046, 0.0) - down.integrate(-0.046, 0.0))
+    return result.measures["crank.power.mean"], float(work) * 1450.0 / 60.0, 1e-4
+
+
 def slider_crank() -> tuple[float, float, float]:
     """At the dead centre r w^2 (1 + r/l)."""
     return run("slider_crank").data["particle_ax"].sel(particle="block").values[0], -0.05 * 100.0**2 * (1.0 + 0.05 / 0.12), 1e-5
@@ -277,6 +300,7 @@ def williams_toggle() -> tuple[float, float, float]:
 
 NUMBERS: dict[str, Callable[[], tuple[float, float, float]]] = {
     "block_on_incline": block_on_incline,
+    "compressor": compressed,
     "double_pendulum": swinging_twice,
     "elastic_pendulum": soft_rubber,
     "elastica_circle": elastica_circle,

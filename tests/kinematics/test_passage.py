@@ -235,3 +235,11 @@ def test_a_closed_position_is_closed_to_round_off():
     follower = Follower.of(motion.system, motion.position * (1.0, motion.hand, motion.hand))
     position, _ = follower.closed(motion.position + 1e-3, np.array([motion.system.drives[0].aim]))
     assert np.abs(follower.gathered.at(position, follower.gathered.aimed(np.array([motion.system.drives[0].aim])))[0]).max() < 1e-9
+
+
+def test_a_massless_link_has_a_nearest_length_too():
+    m = four_bar(0.3, 0.1, 0.13, 0.22, 0.4)
+    del m.bodies["coupler"], m.joints["B"], m.joints["C"]
+    m.distance("bar", "crank.end", "rocker.end", length=0.13)
+    jam, _ = passage(m, TURN)
+    assert {name: then for name, _, then in jam.lengths}["bar"] == pytest.approx(0.18, rel=1e-9)

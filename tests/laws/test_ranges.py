@@ -8,6 +8,7 @@ from support import CONTACT_LAWS, contact_law, four_bar, go, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.laws import Flores, Frictionless, Goldsmith, Hertz, Johnson, LankaraniNikravesh, LeeWang, Liu, Material, Pair, Pereira
 from vfife.laws.contact.damping import DAMPING, delivered
+from vfife.model.surfaces import remarks
 from vfife.result import Result
 
 PAIR = Pair(0.01, 5e-4, 0.02, effective_mass=1.0)
@@ -93,16 +94,22 @@ def test_johnson_says_where_its_relation_ends():
     assert "280 µm" in said and "0.5413 dR = 270.7 µm" in said and "tangent" in said
 
 
-def test_hertz_says_in_a_line_where_impacts_are_fast_and_warns_where_they_are_far_too_fast():
+def test_hertz_has_a_range_where_a_line_will_do_and_warns_beyond():
     """1e-5 sqrt(E/rho) and 1e-3 sqrt(E/rho), of the slower material: steel 0.0515 and 5.15 m/s."""
     law = LankaraniNikravesh()
-    assert law.remarks(PAIR, 1e-5, 0.051) == () and law.cautions(PAIR, 1e-5, 5.1) == ()
-    (line,) = law.remarks(PAIR, 1e-5, 0.3)
-    assert "0.3 m/s" in line and "0.0515 m/s" in line and "usual" in line
+    assert law.usual(PAIR) == (pytest.approx(0.05151, rel=1e-3), pytest.approx(5.151, rel=1e-3))
+    assert law.cautions(PAIR, 1e-5, 5.1) == () and Flores().usual(PAIR) == law.usual(PAIR) and Johnson().usual(PAIR) is None
     (said,) = law.cautions(PAIR, 1e-5, 5.2)
-    assert "5.2 m/s" in said and "5.15 m/s" in said and law.remarks(PAIR, 1e-5, 5.2) == ()
+    assert "5.2 m/s" in said and "5.15 m/s" in said
     lead = Material("lead", 16e9, 0.44, 11340.0)
-    assert "0.0119 m/s" in law.remarks(Pair(0.01, 5e-4, 0.02, bearing=lead), 1e-5, 0.05)[0]
+    assert law.usual(Pair(0.01, 5e-4, 0.02, bearing=lead))[0] == pytest.approx(0.01188, rel=1e-3)
+
+
+def test_joints_that_are_as_fast_as_usual_share_a_line():
+    m = four_bar("BCD")
+    (line,) = remarks(m, {"B": (0.0, 0.3), "C": (0.0, 0.04), "D": (0.0, 0.5)})
+    assert line.startswith("B, C, D: impacts of up to 0.5 m/s") and "up to 0.0515 m/s" in line
+    assert remarks(m, dict.fromkeys("BCD", (0.0, 0.04))) == () == remarks(m, dict.fromkeys("BCD", (0.0, 6.0)))
 
 
 def test_a_damping_factor_says_what_it_delivers():

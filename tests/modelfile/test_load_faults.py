@@ -2,40 +2,12 @@
 
 import pytest
 
+from model_texts import COMPRESSOR as MODEL
+from model_texts import GAS
 from vfife.errors import ModelError
 from vfife.model.loads import GuideForce, PointForce
 from vfife.modelfile import dump, loads
 
-MODEL = """
-[ground]
-O = [0, 0]
-[body.crank]
-length = 0.05
-mass = 0.5
-[body.rod]
-length = 0.2
-mass = 0.4
-[body.piston]
-mass = 0.6
-inertia = 1e-3
-position = [0.25, 0]
-[joint.A]
-bearing = "ground.O"
-journal = "crank.start"
-[joint.B]
-bearing = "crank.end"
-journal = "rod.start"
-[joint.C]
-bearing = "rod.end"
-journal = "piston.origin"
-[joint.guide]
-kind = "slider"
-bearing = "ground.O"
-journal = "piston.origin"
-[driver.crank]
-speed = "600 rpm"
-""".replace("inertia = 1e-3", "inertia = 1e-3\npins = { origin = [0, 0] }")
-GAS = '[load.gas]\nkind = "guide"\nslider = "guide"\n'
 TABLE = 'travels = ["150 mm", "0.25 m"]\n'
 FAULTS = {
     "no size": (GAS, "[load.gas]", "nothing says how large"),

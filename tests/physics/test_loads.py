@@ -8,10 +8,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
-from support import SHARE, bits, go, lanes, particle, times
+import vfife
+from support import go, particle, times
 from vfife.analysis.ground import ground_load
 from vfife.assembly.assemble import assemble
-from vfife.codegen.python import straight_line
 from vfife.kernels.arrays import FUNCTION, PARTICLE
 from vfife.kernels.step import travel
 from vfife.model.loads import GuideForce, PointForce
@@ -77,23 +77,6 @@ def test_adiabatic_compression_takes_its_work(expressed):
     record = go(m, 5e-6, duration=0.05, outputs=10)
     closed = area * (1e5 * (0.1 + dead) - pressure[-1] * dead) / (gamma - 1.0)
     assert work(record)[-1] == pytest.approx(closed, rel=2e-7 if expressed else 1e-4)
-
-
-def test_every_loop_takes_the_same_bits():
-    """Interpreted, generated and straight-line Python, over both ways, a crank's angle and a speed."""
-    m = cylinder(pressure_back=BACK, tilt=0.3)
-    m.loads["drag"] = GuideForce(name="drag", slider="guide", speeds=(-4.0, 0.0, 4.0), force=(3.0, 0.0, -5.0))
-    angles = tuple(np.linspace(0.0, 2.0 * math.pi, 9))
-    factors = tuple(np.sin(angles[:-1])) + (0.0,)
-    m.loads["tooth"] = PointForce(name="tooth", at="rod.end", force=(2.0, 5.0), angles=angles, factors=factors, zero_angle=0.7)
-    assembly = assemble(m, 2e-4, duration=0.1, outputs=10, force_step=True)
-    found = []
-    for loop in ("interpreted", "generated", "python", *(("data-driven",) if SHARE == 1.0 else ())):
-        runner = lanes([assembly], "interpreted" if loop == "python" else loop)
-        runner.take = straight_line(runner.topology)(runner.memory) if loop == "python" else runner.take
-        found.append(bits(np.concatenate([runner.advance(1, 1), runner.advance(25, 10)])))
-    assert all((one == found[0]).all() for one in found[1:])
-    assert len(np.unique(found[0])) > 400
 
 
 def flywheel(**load) -> Mechanism:
@@ -225,3 +208,17 @@ def test_expressions_over_time_angle_and_speed():
     m.guide_force("drag", "guide", expression="-1.5*v*abs(v)", speeds=(-5.0, 5.0))
     record = go(m, 1e-4, duration=1.0, outputs=20)
     assert particle(record, "block")["x"] == pytest.approx(2.0 / 1.5 * np.log(1.0 + 1.5 * 3.0 * times(record) / 2.0), abs=1e-6)
+
+
+def test_a_gas_is_set_from_outside():
+    """By its pressure, in place of its table, beside a load that goes by the crank's angle."""
+    m = cylinder(pressure_back=BACK)
+    m.force("tooth", "rod.end", force=(1.0, 2.0), expression="sin(angle)")
+    sim = vfife.Simulation(m, step=2e-5, force_step=True)
+    assert sim.inputs == {
+        "gas": "pressure of the load above ambient (Pa)", "tooth": "what multiplies the load (1)", "crank": "speed of the driver (rad/s)"
+    }  # fmt: skip
+    sim.set("gas", "3 bar")
+    sim.set("tooth", 0.0)
+    sim.advance(0.05)
+    assert sim.read("external_work") == pytest.approx(3e5 * 0.25 * math.pi * 0.05**2 * 0.1, rel=1e-3), "half a turn: p A s"

@@ -17,7 +17,7 @@ from vfife.analysis.measured import Measured
 from vfife.analysis.measures import measures
 from vfife.analysis.ranges import over_turns
 from vfife.errors import ModelError, VfifeError
-from vfife.report.digits import amount, decimals, percent
+from vfife.report.digits import amount, decimals, measured, percent, plain, prefixed
 from vfife.report.summary import show
 from vfife.report.trust import verdict
 from vfife.result import Result
@@ -192,7 +192,7 @@ def test_turns_lie_over_each_other() -> None:
     assert np.array_equal(turns["joint_force"].sel(joint="C").values, force[1:])
     assert turns["joint_force"].dims == ("turn", "crank_angle", "joint") and turns["joint_force"].units == "N"
     assert float(turns.time.sel(turn=9)[-1]) == pytest.approx(9 * TURN)
-    assert turns.attrs["measures_of"] == f"turns {result.motion.first} to 9"  # type: ignore[union-attr]
+    assert turns.attrs["measures_of"] == result.measures.part
 
 
 def test_turns_that_there_are_not_are_told() -> None:
@@ -263,6 +263,8 @@ def test_every_table_says_which_part_of_the_run_it_is_of() -> None:
     assert "Largest reactions (last turn, the 2nd)" in text_of(short)
     half = vfife.simulate(four_bar("C"), turns=0.5, step="10 us", companions=0, reference=False)
     assert "Largest reactions (whole run)" in text_of(half)
+    odd = vfife.simulate(four_bar("C"), turns=2.3, step="10 us", companions=0, reference=False)  # the last 360 degrees are of two turns
+    assert odd.measures.part == "last turn" and odd.motion is not None and odd.motion.count == 2
     assert "of turns 7 to 12, of the run and 3 companions)" in text_of(astray()) and "lowest to highest turn" in text_of(astray())
 
 
@@ -272,5 +274,9 @@ def test_digits_are_no_finer_than_what_is_known() -> None:
     assert percent(156.39, 40.0) == "160 %" and percent(28.2406, 0.04) == "28.24 %" and percent(28.2406) == "28.24 %" and percent(None) == ""
     for value in (3.0, 47.11, 815.0, 14500.0):
         for spread in (0.004, 0.07, 3.0, 55.0):
-            assert 10.0 ** -decimals(value, spread) <= max(spread, 0.1) * (1.0 + 1e-12)
-            assert decimals(value, spread) <= -math.floor(math.log10(spread))
+            places = decimals(value, spread)
+            assert places <= -math.floor(math.log10(spread)) or 10.0**-places > 0.1 * value  # none finer, but one at the least
+            assert abs(round(value, places) - value) <= 0.5 * max(10.0**-places, 1e-9)
+    told = {"measures": {"a": 14512.3, "b": 4.2e-5, "c": 7.0}, "ranges": {"a": {"low": 14400.0, "high": 14700.0}}, "turns": {}}
+    assert [plain(told, name) for name in told["measures"]] == ["14500", "4.2e-05", "7"]
+    assert measured(told, "a", "N") == "14.5 kN" and prefixed(3.756e-3, "N m", 0.9) == "4 mN m" and prefixed(142.5e-6, "m", 3e-6) == "142 µm"

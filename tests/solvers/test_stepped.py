@@ -146,7 +146,7 @@ def test_a_load_of_any_kind_ends_where_it_is_set_to_nothing(kind: str) -> None:
     after = simulation.read("kinetic_energy")
     simulation.advance(50 * STEP)
     assert 0.0 < before < after == pytest.approx(simulation.read("kinetic_energy"), rel=1e-12)
-    assert simulation.inputs["push"] == "what multiplies the load (1)"
+    assert simulation.inputs["push"] == ("force of the load along its guide (N)" if noun.along else "what multiplies the load (1)")
 
 
 def test_a_load_and_a_driver_of_one_name_are_told_apart() -> None:

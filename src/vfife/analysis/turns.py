@@ -17,7 +17,7 @@ from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn,
 Array = NDArray[np.float64]
 Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
 
-FEW = 5  # turns of a run below which its measures are those of its last period, and no mean
+FEW = 4  # turns of a run below which its measures are those of its last period, and no mean
 MANY = 10  # turns after which one that neither repeats nor is about to is called not periodic
 MOST = 100  # turns that a mean is taken over
 TREND = 24  # turns back from the end by which it is told whether a motion is settling
@@ -73,7 +73,8 @@ def part_of(record: Record, said: Turns | None) -> str:
         return f"mean of turns {said.first} to {said.last}{beside}"
     if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
         return "whole run"
-    return "last turn" if said is None else f"last turn, the {ordinal(said.last)}"
+    whole = said is not None and len(record.steps) - 1 == said.count * (outputs_of_a_turn(record.assembly) or 0)
+    return f"last turn, the {ordinal(said.last)}" if said is not None and whole else "last turn"
 
 
 def ordinal(number: int) -> str:

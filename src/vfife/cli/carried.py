@@ -10,7 +10,7 @@ import typer
 
 from ..solvers.status import Status
 from .signals import NOW
-from .terminal import BAD_INPUT, DIVERGED, ENERGY, STORAGE, fail, json_text, output, print_json, tell, writing
+from .terminal import BAD_INPUT, DIVERGED, ENERGY, STORAGE, command, fail, json_text, output, print_json, tell, writing
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -73,7 +73,7 @@ def kept_in(place: RunFolder) -> str:
     """What is kept of a run that was broken off, in a sentence."""
     if not place.settled:
         return NOTHING
-    return f"What was computed until then is kept in {place.path}; go on with: vfife resume {shlex.quote(str(place.path))}"
+    return f"What was computed until then is kept in {place.path}; go on with: {command()} resume {shlex.quote(str(place.path))}"
 
 
 def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, quiet: bool) -> None:
@@ -125,14 +125,14 @@ def show(result: Result, place: RunFolder, figures: bool) -> None:
     console.print()
     kept = ", ".join(sorted(entry.name + "/" * entry.is_dir() for entry in place.path.iterdir() if entry.name != "run.lock"))
     console.print(Text.assemble(("Run folder: ", "bold"), f"{place.path} ({kept})"))
-    then = f"figures are in {place.path / 'figures'}" if figures else f"vfife plot {quoted}"
-    console.print(Text.assemble(("Next: ", "bold"), f"{then}; vfife info {quoted}; vfife export {quoted} out.nc"))
+    then = f"figures are in {place.path / 'figures'}" if figures else f"{command()} plot {quoted}"
+    console.print(Text.assemble(("Next: ", "bold"), f"{then}; {command()} info {quoted}; {command()} export {quoted} out.nc"), soft_wrap=True)
 
 
 def ending(result: Result, place: RunFolder) -> tuple[str, str, int]:
     """How a run ended that did not come to its end: in a word, in a sentence, and as an exit code."""
     record = result.record
-    status, choice, go_on = record.status, record.assembly.choice, f"vfife resume {shlex.quote(str(place.path))}"
+    status, choice, go_on = record.status, record.assembly.choice, f"{command()} resume {shlex.quote(str(place.path))}"
     if record.message:
         done = max(len(record.steps) - 1, 0)
         kept = f"The {done} load factors before are kept in {place.path}" if done else f"The start is kept in {place.path}"

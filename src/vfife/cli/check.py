@@ -67,6 +67,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "steps_between_outputs": choice.outputs_every,
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
+        "settle": mechanism.settings.settle,
         "estimate": cost | {"asks_for_yes": too_much(cost, Path())},
         "defaults": filled_in(model, overrides(texts)),
         "notes": [*assembly.notes, *seen.notes],
@@ -189,6 +190,7 @@ def steps(found: Mapping[str, Any], long: bool = False) -> list[str]:
         else f"as given; the stable one is set by {step['set_by']}"
     )
     turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
+    until = f", or less: until turns repeat within {100.0 * found['settle']:.3g} %" if found["settle"] else ""
     limits = sorted(step["limits"].items(), key=lambda item: float(item[1]))
     told = limits if long or len(limits) <= LIMITS + 1 else limits[:LIMITS]
     more = [f"  and {len(limits) - len(told)} larger ones (--long)"] if len(told) < len(limits) else []
@@ -199,7 +201,7 @@ def steps(found: Mapping[str, Any], long: bool = False) -> list[str]:
         else f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in told),
         *more,
-        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}; an output every {found['steps_between_outputs']:,} steps.",
+        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}{until}; an output every {found['steps_between_outputs']:,} steps.",
     ]
 
 

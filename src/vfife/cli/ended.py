@@ -19,10 +19,13 @@ if TYPE_CHECKING:
     from ..result import Result
 
 
-def info(run: RunArgument, as_json: JsonOption = False) -> None:
+CheckOption = Annotated[bool, typer.Option("--check", help="Read every output of a large file as well, and tell what is damaged.")]
+
+
+def info(run: RunArgument, check: CheckOption = False, as_json: JsonOption = False) -> None:
     """What a run file holds, also that of a run that was interrupted or killed."""
     with sentences(str(run)):
-        found = contents(find_run(run))
+        found = contents(find_run(run), check)
     if as_json:
         print_json(found)
         return
@@ -35,12 +38,13 @@ def info(run: RunArgument, as_json: JsonOption = False) -> None:
     output().print(table)
 
 
-def contents(path: Path) -> dict[str, Any]:
-    """What is known of a run without assembling its model."""
+def contents(path: Path, check: bool = True) -> dict[str, Any]:
+    """What is known of a run without assembling its model. The outputs of a large file are read where they are to be checked."""
     from ..results.runfile import RunFile
 
     with RunFile.open(path) as file:
-        meta, steps, events, last = file.meta, file.steps, file.events, file.last_checkpoint()
+        alone = None if check else file.steps_alone()
+        meta, steps, events, last = file.meta, file.steps if alone is None else alone, file.events, file.last_checkpoint()
         reference, lost = file.has_reference, file.lost
     choice, model = meta.get("choice", {}), tomllib.loads(meta.get("model", ""))
     status = meta.get("status", "unknown")
@@ -62,6 +66,7 @@ def contents(path: Path) -> dict[str, Any]:
         "outputs": len(steps),
         "written_by": holder(path.parent),
         "damage": list(lost),
+        "checked": alone is None,
         "channels": sorted({name for name, _ in meta.get("kept", ())}),
         "laws": meta.get("laws", {}),
         "own_laws": [{key: law[key] for key in ("name", "kind", "file", "text")} for law in meta.get("own_laws", ())],
@@ -100,12 +105,16 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "Own law", f"{law['name']} ({law['kind']}), from {law['file']}: {text}; reading this run does not run it"
     if found["damage"]:
         yield "Damage", f"{', '.join(found['damage'])} cannot be read"
+    if not found["checked"]:
+        yield "Outputs", "are not looked at for damage in so large a file; --check does, and so does whatever reads them"
     for event in found["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
     if part := (found["summary"] or {}).get("part"):
         yield "Measures", f"{part}; counts, shares and energies are those of the whole run"
-    for name, value in ((found["summary"] or {}).get("measures") or {}).items():
-        yield "Measure", f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
+    from ..report.digits import plain
+
+    for name in (found["summary"] or {}).get("measures") or {}:
+        yield "Measure", f"{name} = {plain(found['summary'], name)}"
 
 
 def in_words(step: int | None) -> str:

@@ -17,12 +17,14 @@ def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken instead."""
     from ..fields import Chosen
     from ..model.mechanism import Mechanism
+    from ..modelfile.csvtables import expand
     from ..modelfile.override import override
     from ..modelfile.reader import Written
     from ..modelfile.tables import Table
 
     raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     _, given = override(raw, items)
+    expand(raw, str(path))
     reading = Written(raw, given)
     reading.mechanism()
     found = list(left_out("", Table(Mechanism), raw))

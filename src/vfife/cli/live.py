@@ -29,6 +29,7 @@ def live(
         from ..live import asked_slides, default_slides, model_of
         from ..live.page import LARGEST, written
         from ..live.patches import patched
+        from ..results.folder import written as kept
 
         take_laws(laws)
         mechanism, step = model_of(source, overrides(set_))
@@ -42,5 +43,5 @@ def live(
     for note in found.notes:
         tell("note", f"{note}.")
     with writing(str(place)):
-        place.write_bytes(page)
+        kept(place, page.decode("utf-8"))
     typer.echo(f"{place}: {amount_of_bytes(len(page))}, sliders: {', '.join(one.name for one in found.slides) or 'none'}; open it in a browser.")

@@ -8,6 +8,7 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+from ..codegen import cache
 from .terminal import errors, span
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
 START = "preparing the loop"
+COMPILING = "compiling the step for this kind of mechanism and these laws; it is kept, and later runs of the kind begin at once"
 
 
 class ProgressLine:
@@ -31,16 +33,25 @@ class ProgressLine:
         self.step_count, self.told, self.last = 0, time.monotonic(), ""
 
     def __enter__(self) -> ProgressLine:
+        cache.MISSED.append(self.compiling)
         if self.live:
             self.bars.start()
             self.bars.refresh()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        cache.MISSED.remove(self.compiling)
         if self.live:  # elsewhere the oldest rich would print an empty line
             self.bars.stop()
         if not self.live and not self.quiet and self.last and kind is None:
             print(self.last, file=sys.stderr)
+
+    def compiling(self) -> None:
+        """Says that a compiler is at work."""
+        if self.live:
+            self.bars.update(self.task, description=COMPILING, refresh=True)
+        elif not self.quiet:
+            print(f"note: {COMPILING}.", file=sys.stderr)
 
     def __call__(self, progress: Progress) -> None:
         """Shows where the run stands; called after each chunk of steps."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import math
+import shlex
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -33,6 +34,22 @@ STATUS = {
 }
 STORAGE_ERRORS = {getattr(errno, name) for name in ("ENOSPC", "EIO", "EDQUOT", "EROFS", "EFBIG", "EMFILE", "ENFILE") if hasattr(errno, name)}
 PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
+
+
+def command() -> str:
+    """How this program was called, so that what is to be typed next works as printed."""
+    import os
+    import shutil
+
+    called = sys.argv[0]
+    if os.path.basename(called).partition(".")[0] == "vfife":
+        found = shutil.which("vfife")
+        return "vfife" if found and os.path.exists(called) and os.path.samefile(found, called) else shlex.quote(called)
+    if os.path.basename(called) == "__main__.py":
+        python = shutil.which("python")
+        same = python and os.path.abspath(python) == os.path.abspath(sys.executable)
+        return f"{'python' if same else shlex.quote(sys.executable)} -m vfife"
+    return "vfife"
 
 
 def output() -> Console:

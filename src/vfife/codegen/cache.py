@@ -13,7 +13,7 @@ import os
 import re
 import stat
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 
@@ -22,6 +22,7 @@ MOST_BYTES = 500_000_000
 ROOMY = 0.8  # of that is what is left when it was too much
 KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py)$|new-")  # names of files that are ours
 _TROUBLE: list[str] = []
+MISSED: list[Callable[[], None]] = []  # called where something has to be compiled, before it is
 
 
 def cache_folder() -> Path:
@@ -86,6 +87,12 @@ def read(name: str) -> bytes | None:
     with contextlib.suppress(OSError):
         os.utime(folder / name, ns=(time.time_ns(), (folder / name).stat().st_mtime_ns))  # what is used stays when the cache is pruned
     return content
+
+
+def missed() -> None:
+    """Tells who wants to know that something is compiled now, which takes its time."""
+    for told in MISSED:
+        told()
 
 
 def keep(name: str, content: bytes) -> None:

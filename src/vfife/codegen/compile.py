@@ -47,6 +47,7 @@ def compiled(body: str, name: str, arguments: str) -> Callable[..., Any]:
     with WRITING:
         code = cache.read(file)
         if code is None:
+            cache.missed()
             code = object_code(_machine_text(body, name, kinds), EFFORT)
             cache.keep(file, code)
         return _Called(code, kinds)

@@ -159,6 +159,7 @@ def straight_line(topology: Topology, width: int) -> Callable[[Memory], Take]:
             return Loaded(code, width)
         from .llvm import written
 
+        cache.missed()
         code = object_code(written(topology, width))
         cache.keep(name, code)
         return Loaded(code, width)

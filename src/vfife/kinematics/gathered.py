@@ -14,6 +14,7 @@ from .constraints import KERNEL, Constraint
 from .system import RigidSystem
 
 Array = NDArray[np.float64]
+AXES = ((1.0, 0.0), (0.0, 1.0))
 KINDS = {Across: ACROSS, Along: ALONG, Apart: APART}
 
 
@@ -46,7 +47,21 @@ class Gathered:
                 self.fixed[last] = one.place.length
         self.driven = np.arange(system.held, self.rows)
         self.scale = np.array([system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))])
+        self.pinned, self.levers = self._pins()
         self.reach = np.where(np.arange(self.columns) % 3 == 2, np.repeat(system.reach, 3), 1.0)
+
+    def _pins(self) -> tuple[Array, NDArray[np.intp]]:
+        """G of pins without its levers, and where in it those are: of bodies a for both directions, then of bodies b."""
+        G = np.zeros((self.rows, self.columns))
+        group = dict(self.places).get(-1)
+        if group is None:
+            return G, np.zeros(0, dtype=int)
+        at = []
+        for body, sign in ((group.a, -1.0), (group.b, 1.0)):
+            for k in (0, 1):
+                G[group.row + k, 3 * body + k] = sign
+                at.append((group.row + k) * self.columns + 3 * body + 2)
+        return G, np.concatenate(at)
 
     def aimed(self, aims: Array) -> Array:
         """What the rows keep with the drives at ``aims`` [d] (rad, m)."""
@@ -56,7 +71,7 @@ class Gathered:
 
     def at(self, position: Array, kept: Array) -> tuple[Array, Array]:
         """phi and G at a position [n, 3]."""
-        phi, G = np.zeros(self.rows), np.zeros((self.rows, self.columns))
+        phi, G = np.zeros(self.rows), self.pinned.copy()
         x, y, angle = position.T
         c, s = np.cos(angle), np.sin(angle)
         for kind, group in self.places:
@@ -66,10 +81,9 @@ class Gathered:
             foot_x, foot_y = bx + x[b] - x[a], by + y[b] - y[a]
             ex, ey = foot_x - ax, foot_y - ay
             if kind == -1:
-                for at, measured, nx, ny in ((row, ex, 1.0, 0.0), (row + 1, ey, 0.0, 1.0)):
-                    phi[at] = measured
-                    _put(G, at, a, -nx, -ny, -KERNEL.lever(ax, ay, nx, ny))
-                    _put(G, at, b, nx, ny, KERNEL.lever(bx, by, nx, ny))
+                phi[row], phi[row + 1] = ex, ey
+                levers = [sign * KERNEL.lever(*arm, *n) for arm, sign in (((ax, ay), -1.0), ((bx, by), 1.0)) for n in AXES]
+                G.ravel()[self.levers] = np.concatenate(levers)
             else:
                 phi[row], nx, ny = KERNEL.placed((), kind, 0, 0, c[a], s[a], *group.direction, ex, ey)
                 _put(G, row, a, -nx, -ny, -KERNEL.lever(foot_x, foot_y, nx, ny))

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..model.bodies import Link
-from ..model.joints import Distance
 from ..model.mechanism import Mechanism
+from ..model.rows import Apart, place_row
 from .drives import rigid_system
 from .forces import Datum
 from .gathered import Gathered
@@ -104,7 +104,9 @@ def sensitive(
 ) -> Iterator[tuple[str, float, float]]:
     """Links and massless links that take part, their lengths (m), and by how much the widest gap changes with each."""
     lengths = {name: body.length for name in bodies if isinstance(body := mechanism.bodies[name], Link)}
-    lengths |= {name: one.length for name in joints if isinstance(one := mechanism.joints.get(name), Distance)}
+    for name in joints:
+        place = place_row(mechanism.joints[name].rows()) if name in mechanism.joints else None
+        lengths |= {name: place.length} if isinstance(place, Apart) else {}
     for name, length in lengths.items():
         systems = [rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)]
         before, after = (Gathered(mirrored(system) if hand < 0.0 else system) for system in systems)

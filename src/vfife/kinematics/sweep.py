@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,7 @@ class Follower:
     rows: NDArray[np.intp]
     columns: NDArray[np.intp]
     extent: float
+    picked: Any  # of the matrix of all rows and columns
 
     @classmethod
     def of(cls, system: RigidSystem, position: Array) -> Follower | None:
@@ -75,7 +77,9 @@ class Follower:
             rows = np.setdiff1d(rows, twice)
         if len(rows) != len(felt) or np.linalg.svd(jacobian[rows], compute_uv=False)[-1] < 1e-6:
             return None
-        return cls(gathered, rows, felt, max(float(system.reach[1:].max()), float(np.abs(position[:, :2]).max())))
+        whole = len(rows) == gathered.rows and len(felt) == gathered.columns - 3
+        picked = (slice(None), slice(None)) if whole else np.ix_(rows, felt)
+        return cls(gathered, rows, felt, max(float(system.reach[1:].max()), float(np.abs(position[:, :2]).max())), picked)
 
     def closed(self, guess: Array, aims: Array, quick: bool = False) -> tuple[Array, Array] | None:
         """The position near a guess, and its square matrix, which ``quick`` is that of a position next to it; None where Newton's method does not
@@ -83,7 +87,7 @@ class Follower:
         position, kept, best = guess, self.gathered.aimed(aims), math.inf
         for _ in range(NEWTON):
             phi, jacobian = self.gathered.at(position, kept)
-            size, square = float(np.abs(phi[self.rows]).max()), jacobian[np.ix_(self.rows, self.columns)]
+            size, square = float(np.abs(phi[self.rows]).max()), jacobian[self.picked]
             if size <= CLOSED * self.extent:
                 return (position, square) if np.abs(phi).max() <= 1e3 * CLOSED * self.extent else None
             if size > 4.0 * best:

@@ -161,9 +161,11 @@ class Law:
         """
         return ()
 
-    def remarks(self, pair: Pair, penetration: float, impact_speed: float) -> tuple[str, ...]:
-        """Sentences, without a full stop, on what goes beyond the theory of the law as nearly all machines do: told in a line and no warning."""
-        return ()
+    def usual(self, pair: Pair) -> tuple[float, float] | None:
+        """Impact speeds (m/s) between which a run is beyond the quasi-static theory of the law, as nearly all machines are: a line says so, and no
+        warning does. None where there are none.
+        """
+        return None
 
     def derived(self, pair: Pair) -> dict[str, str]:
         """Numbers worth printing, by slot name."""

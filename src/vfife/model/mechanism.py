@@ -166,8 +166,8 @@ class Mechanism(Builders):
 
     @property
     def clock(self) -> float:
-        """Where the clock (s) of drivers and loads stands when a run begins."""
-        return self.start.time or 0.0
+        """Where the clock (s) of drivers and loads stands when a run begins; load factors have none."""
+        return 0.0 if self.settings.analysis == "static" else self.start.time or 0.0
 
     def ideal(self) -> Mechanism:
         """The reference that clearance runs are compared with: every joint ideal, every link rigid with its lumped masses."""

@@ -35,12 +35,14 @@ def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | No
 
 
 def remarks(mechanism: Mechanism, found: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-    """Lines on what goes beyond the theory of the laws as nearly all machines do; ``found`` as in :func:`cautions`."""
-    return tuple(
-        f"{', '.join(names)}: {sentence}"
-        for (law, pair), names in _alike(mechanism).items()
-        for sentence in law.remarks(pair, *_worst(found, names))
-    )
+    """A line on impacts beyond the theory of the laws, as nearly all machines have them, its joints together; ``found`` as in :func:`cautions`."""
+    beyond: dict[float, list[str]] = {}
+    for (law, pair), names in _alike(mechanism).items():
+        usual = law.usual(pair)
+        if usual is not None and usual[0] < _worst(found, names)[1] <= usual[1]:
+            beyond.setdefault(usual[0], []).extend(names)
+    said = "{}: impacts of up to {:.3g} m/s, the law being quasi-static up to {:.3g} m/s, as usual in machines"
+    return tuple(said.format(", ".join(names), _worst(found, names)[1], limit) for limit, names in beyond.items())
 
 
 def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:

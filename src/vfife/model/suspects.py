@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from statistics import median
 
 from .bodies import Link, PointMass
-from .drivers import Harmonic
 from .mechanism import Mechanism
 
 OUT_OF_SCALE = 100.0  # of the median of the others: metres for millimetres are a thousand
@@ -45,8 +44,8 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
     """Angles of more than a turn, which may be degrees."""
     values = {f"body.{name}.angle": body.angle for name, body in mechanism.bodies.items()}
     for name, driver in mechanism.drivers.items():
-        if isinstance(driver, Harmonic) and not driver.along:
-            values[f"driver.{name}.amplitude"] = driver.amplitude
+        if not driver.along and (amplitude := getattr(driver, "amplitude", None)) is not None:
+            values[f"driver.{name}.amplitude"] = amplitude
     for where, value in values.items():
         if abs(value) > WHOLE_TURN * (1.0 + 1e-9):
             turns = f"{abs(value) / WHOLE_TURN:.3g} turns"

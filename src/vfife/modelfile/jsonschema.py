@@ -14,13 +14,14 @@ from ..laws.law import built_in
 from ..model.lawtables import DEFAULTS, LAWS
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from .drivers import merged
-from .tables import TARGETS, Table, tables
+from .tables import CSV, TARGETS, Table, tables
 
 Json = dict[str, Any]
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
 IDENTITY = "urn:vfife:model"
 TITLE = "Model file of vfife"
+BESIDE: Json = {"type": "string", "description": "a CSV file beside the model with the columns of a table, as in: angle (deg), force (kN)"}
 DRIVERS = "a speed, a travel, an amplitude, a table of values, a torque or a force"
 
 
@@ -94,6 +95,8 @@ def noun_table(what: Table, header: str, definitions: Json) -> Json:
                 definitions[f"{inner.__name__}Table"] = noun_table(Table(inner), "In a line", definitions)
     for key, (held, meaning) in getattr(what.noun, "shapes", {}).items():
         properties[key] = {**held.json(), "description": described(meaning, held)}
+    if getattr(what.noun, "tabled", False):
+        properties[CSV] = BESIDE
     return closed(f"{header}: {summary(what.noun)}", properties, what.needed)
 
 
@@ -105,6 +108,7 @@ def driver_table(target: str) -> Json:
         properties[key] = entry(what.fields[key], what.value(key), what.along)
         if not must and key not in TARGETS[target]:
             properties[key].pop("default", None)
+    properties[CSV] = BESIDE
     needed = tuple(key for key, (_, must) in keys.items() if must)
     return closed(f"[driver.NAME] of a {target}: {DRIVERS}", properties, needed)
 

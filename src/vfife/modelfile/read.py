@@ -13,6 +13,7 @@ from ..errors import Fault, ModelError, Path, place, shown
 from ..model.mechanism import Mechanism
 from ..model.validate import Checks, across, check_laws
 from ..model.validate.names import check_name
+from .csvtables import expand
 from .override import override
 from .reader import Written
 from .tables import Raw, table
@@ -47,10 +48,15 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
     except (ValueError, RecursionError) as error:
         raise ModelError([syntax_fault(text, error)], known_as) from None
     faults, given = override(raw, set)
+    broken = expand(raw, file)
     reading = Written(raw, given)
     mechanism = reading.mechanism()
     faults += reading.faults
     faults += whole(mechanism, reading)
+    if broken:  # what else is said of their tables comes of the numbers that are missing
+        tables = tuple(place((*path[:2], "")) for path, _ in broken)
+        faults = [fault for fault in faults if not fault.where.startswith(tables)]
+        faults += [Fault(place(path, given), one.what, one.value, one.limit, one.remedy) for path, one in broken]
     faults = faults or check_laws(mechanism)
     if faults:
         raise ModelError(faults, known_as)

@@ -28,6 +28,9 @@ BODIES: dict[type, str] = {Link: "", RigidBody: "rigid", PointMass: "particle", 
 TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point", "direction")}
 
 
+CSV = "table"  # the key of a CSV file beside the model, whose numbers take its place when it is read
+
+
 @dataclass(frozen=True)
 class Table:
     """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word`` of the kind.
@@ -59,7 +62,8 @@ class Table:
     @property
     def keys(self) -> tuple[str, ...]:
         """Every key."""
-        return tuple(dict.fromkeys((*((self.tag,) if self.tag else ()), *self.fields, *getattr(self.noun, "shapes", ()))))
+        beside = (CSV,) if getattr(self.noun, "tabled", False) else ()
+        return tuple(dict.fromkeys((*((self.tag,) if self.tag else ()), *self.fields, *getattr(self.noun, "shapes", ()), *beside)))
 
     @property
     def needed(self) -> tuple[str, ...]:

@@ -14,18 +14,36 @@ def spread_of(told: dict[str, Any], name: str) -> float:
     one = told["ranges"].get(name)
     if one is None:
         return 0.0
-    unknown, varies = float(one["high"] - one["low"]), float(one["highest"] - one["lowest"])
+    unknown, varies = float(one["high"] - one["low"]), float(one.get("highest", 0.0) - one.get("lowest", 0.0))  # a former summary has no turns
     return unknown if unknown > 0.0 and told["turns"].get("motion") == "not periodic" else max(unknown, varies)
 
 
+def plain(told: dict[str, Any], name: str) -> str:
+    """A measure of a summary as a bare number of six digits at the most, no finer than what is known of it."""
+    value = told["measures"][name]
+    spread = spread_of({"ranges": told.get("ranges") or {}, "turns": told.get("turns") or {}}, name)
+    if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
+        told_of = spread > 0.0 and value and math.isfinite(value / spread)
+        known = math.floor(math.log10(abs(value))) - math.floor(math.log10(spread)) + 1 if told_of else 6
+        return f"{value:.{max(1, min(6, known))}g}"
+    places = decimals(value, spread, significant=6, most=5 - math.floor(math.log10(abs(value))))
+    return f"{value:.6g}" if spread <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
+
+
+def measured(told: dict[str, Any], name: str, unit: str) -> str:
+    """A measure of a summary with a prefix, in the digits that are known of it."""
+    return prefixed(told["measures"][name], unit, spread_of(told, name))
+
+
 def decimals(value: float, spread: float, significant: int = 4, most: int = 1) -> int:
-    """Digits after the point: so many ``significant`` ones, or of 100 and more ``most``, and none below the first digit of a ``spread``; less
-    than 0 means tens, hundreds ...
+    """Digits after the point: so many ``significant`` ones, or of 100 and more ``most``, and none below the first digit of a ``spread``, but one
+    of the value at least; less than 0 means tens, hundreds ...
     """
-    usual = most if abs(value) >= 100.0 else significant - 1 - (math.floor(math.log10(abs(value))) if value else 0)
+    first = -math.floor(math.log10(abs(value))) if value else 0
+    usual = most if abs(value) >= 100.0 else significant - 1 + first
     if not (spread > 0.0 and math.isfinite(spread)):
         return usual
-    return min(usual, -math.floor(math.log10(spread)))
+    return min(usual, max(-math.floor(math.log10(spread)), first))
 
 
 def amount(value: float | None, unit: str, spread: float = 0.0) -> str:
@@ -41,7 +59,7 @@ def percent(value: float | None, spread: float = 0.0) -> str:
     """Per cent, with two decimals at the most."""
     if value is None:
         return ""
-    return f"{fixed(value, min(2, -math.floor(math.log10(spread)) if spread > 0.0 and math.isfinite(spread) else 2))} %"
+    return f"{fixed(value, min(2, decimals(value, spread, significant=99, most=2)))} %"
 
 
 def fixed(value: float, places: int) -> str:
@@ -49,10 +67,11 @@ def fixed(value: float, places: int) -> str:
     return f"{round(value, places):,.{max(places, 0)}f}"
 
 
-def prefixed(value: float, unit: str) -> str:
-    """A quantity with a prefix that leaves one to three digits before the point."""
+def prefixed(value: float, unit: str, spread: float = 0.0) -> str:
+    """A quantity with a prefix that leaves one to three digits before the point; of a ``spread`` (in the unit) no finer digit than its first."""
     size = abs(value)
     for factor, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
         if size >= factor and not (prefix == "k" and unit in ("s", "m")):
-            return f"{value / factor:.4g} {prefix}{unit}"
+            shown = fixed(value / factor, decimals(value / factor, spread / factor)) if spread > 0.0 else f"{value / factor:.4g}"
+            return f"{shown} {prefix}{unit}"
     return f"{value:.4g} {unit}"

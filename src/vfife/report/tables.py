@@ -151,7 +151,8 @@ def _joint_table(told: dict[str, Any]) -> Table:
         if moments:
             cells.append(amount(joint.get("moment.max"), "N m", spread_of(told, f"{name}.moment.max")) + _star(told, f"{name}.moment.max"))
         if depths:
-            cells.append(prefixed(joint["penetration.max"], "m") if "penetration.max" in joint else "")
+            spread = spread_of(told, f"{name}.penetration.max")
+            cells.append(prefixed(joint["penetration.max"], "m", spread) if "penetration.max" in joint else "")
         table.add_row(Text(name), *cells)
     return table
 

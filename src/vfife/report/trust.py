@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..analysis.trust import HALVINGS, trust
 from ..solvers.companions import SENSITIVE
-from .digits import prefixed
+from .digits import amount, prefixed
 from .turns import stray
 
 if TYPE_CHECKING:
@@ -55,11 +55,13 @@ def verdict(told: dict[str, Any]) -> str:
     low, high = (100.0 * (found[key] / value - 1.0) for key in ("low", "high"))
     unit = next(unit for kind, unit in UNITS.items() if name.endswith(kind))
     where = f" They part at {found['time']:.6g} s in joint {found['joint']}." if found["time"] is not None else ""
+    width = found["high"] - found["low"]
+    bounds = f"{amount(found['low'], '', width).rstrip()} and {amount(found['high'], unit, width)}"
     searched = ""
     if sum(one["apart"] is not None for one in found["tried"]) == HALVINGS:
         searched = f" Halving the step {HALVINGS} times did not bring them together: tell the range, not the number."
     return (
-        f"This run is sensitive: {name} lies between {found['low']:,.6g} and {found['high']:,.6g} {unit} ({low:+.2g} to {high:+.2g} % of this run) "
+        f"This run is sensitive: {name} lies between {bounds} ({low:+.2g} to {high:+.2g} % of this run) "
         f"with the steps of {found['companions']} companions.{where}{searched}"
     )
 

@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from .digits import prefixed
+from .digits import decimals, fixed, measured, prefixed, spread_of
 
 MANY = 10.0  # times the mean: a torque that swings by more is told by its swing
 CONFORMAL = "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
@@ -22,11 +22,11 @@ def wear_table(told: dict[str, Any]) -> Table:
     for k, heading in enumerate(HEADINGS):
         table.add_column(heading, justify="right" if k else "left")
     for name in worn(told):
-        powers = (prefixed(told["measures"][f"{name}.{kind}_power.mean"], "W") for kind in ("friction", "impact"))
-        slid, pressed = prefixed(_most(told, name, "sliding_velocity.max"), "m/s"), mega(_most(told, name, "contact_pressure.max"), "Pa")
-        wide = prefixed(_most(told, name, "contact_half_width.max"), "m") + (" *" if name in told["conformal"] else "")
-        product = 1e-6 * _most(told, name, "pressure_velocity.mean")
-        table.add_row(Text(name), *powers, slid, pressed, wide, f"{product:.4g} MPa m/s")
+        powers = (measured(told, f"{name}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
+        slid, pressed = prefixed(*_most(told, name, "sliding_velocity.max", "m/s")), mega(*_most(told, name, "contact_pressure.max", "Pa"))
+        wide = prefixed(*_most(told, name, "contact_half_width.max", "m")) + (" *" if name in told["conformal"] else "")
+        product = mega(*_most(told, name, "pressure_velocity.mean", "Pa m/s"))
+        table.add_row(Text(name), *powers, slid, pressed, wide, product)
     return table
 
 
@@ -36,10 +36,11 @@ def worn(told: dict[str, Any]) -> list[str]:
     return [name.removesuffix(ending) for name in told["measures"] if name.endswith(ending)]
 
 
-def _most(told: dict[str, Any], joint: str, kind: str) -> float:
-    """The largest of a measure over the contacts of a joint; a block in a guide has four."""
+def _most(told: dict[str, Any], joint: str, kind: str, unit: str) -> tuple[float, str, float]:
+    """The largest of a measure over the contacts of a joint, its unit and what is not known of it; a block in a guide has four contacts."""
     names = [f"{joint}.{kind}", *(f"{joint}.{number}.{kind}" for number in range(1, 5))]
-    return max((told["measures"][name] for name in names if name in told["measures"]), default=0.0)
+    known = [(told["measures"][name], unit, spread_of(told, name)) for name in names if name in told["measures"]]
+    return max(known, default=(0.0, unit, 0.0))
 
 
 def machine_lines(told: dict[str, Any]) -> Iterable[tuple[str, str]]:
@@ -48,16 +49,19 @@ def machine_lines(told: dict[str, Any]) -> Iterable[tuple[str, str]]:
     for name in told["model"]["bodies"]:
         if f"{name}.torque.mean" in found:
             mean, ripple = found[f"{name}.torque.mean"], found.get(f"{name}.torque.ripple", 0.0)
-            swing = f", ripple {100.0 * ripple:,.4g} %" if ripple < MANY else f", swinging by {prefixed(ripple * abs(mean), 'N m')}"
-            power = prefixed(found[f"{name}.power.mean"], "W")
-            yield "", f"{name}: mean torque {prefixed(mean, 'N m')}{swing if ripple else ''}, mean power {power}"
+            width = prefixed(ripple * abs(mean), "N m", spread_of(told, f"{name}.torque.max"))
+            swing = f", ripple {100.0 * ripple:,.4g} %" if ripple < MANY else f", swinging by {width}"
+            torque, power = measured(told, f"{name}.torque.mean", "N m"), measured(told, f"{name}.power.mean", "W")
+            yield "", f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power} ({told['part']})"
     if "mechanism.efficiency" in found:
         yield "", f"efficiency {100.0 * found['mechanism.efficiency']:.4g} % (given off over given off and lost)"
     if found.get("ground.shaking_force.max"):
-        force, moment = found["ground.shaking_force.max"], found["ground.shaking_moment.max"]
-        yield "Ground", f"shaken by up to {prefixed(force, 'N')} and {prefixed(moment, 'N m')} about its origin"
+        force, moment = measured(told, "ground.shaking_force.max", "N"), measured(told, "ground.shaking_moment.max", "N m")
+        yield "Ground", f"shaken by up to {force} and {moment} about its origin ({told['part']})"
 
 
-def mega(value: float, unit: str) -> str:
+def mega(value: float, unit: str, spread: float = 0.0) -> str:
     """A pressure with its prefix."""
-    return f"{1e-9 * value:.4g} G{unit}" if value >= 1e9 else f"{1e-6 * value:.4g} M{unit}"
+    factor, prefix = (1e9, "G") if value >= 1e9 else (1e6, "M")
+    shown = fixed(value / factor, decimals(value / factor, spread / factor)) if spread > 0.0 else f"{value / factor:.4g}"
+    return f"{shown} {prefix}{unit}"

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import tables
-from .packing import packed, unpacked
+from .packing import packed, seal, unpacked
 
+ARRAY = "array."  # of the meta, among the parts of a reference
+PART_BYTES = 2**26  # of the reference's rows in one block
 KEYS = "*"  # the entry that names all others
 FIRST = "first output"  # its copy
 COUNTED = "counted"  # what a run that ended left: where all of a table is damaged, nothing else tells of it
@@ -55,6 +57,7 @@ def read(connection: sqlite3.Connection, lose: Callable[[str], None]) -> dict[st
         lose("the list of what it says")
     for name in sorted((lost | set(names or ())) - set(found) - {KEYS}):
         lose(f"its {name}")
+    found.pop(COUNTED, None)
     return found
 
 
@@ -63,7 +66,28 @@ def count(connection: sqlite3.Connection, history: tuple[int, int]) -> dict[str,
     rows = {
         table: connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in ("checkpoints", "companions", "reference", "events")
     }
-    return {COUNTED: {"history": history, **rows}}
+    return {COUNTED: {"history": history, **rows, "steps": seal_of_steps(blobs_of_steps(connection))}}
+
+
+def blobs_of_steps(connection: sqlite3.Connection) -> list[bytes]:
+    """Step numbers of all chunks, as they are stored; what stands behind them in their rows is not read."""
+    return [bytes(data) for (data,) in connection.execute("SELECT steps FROM history ORDER BY chunk")]
+
+
+def seal_of_steps(blobs: list[bytes]) -> str:
+    """The seal of all step numbers together."""
+    return seal("steps", *blobs).hex()
+
+
+def steps_alone(connection: sqlite3.Connection) -> NDArray[np.int64] | None:
+    """Step numbers of the outputs of a run that ended, (outputs,), without the outputs; None where they are not known to be whole."""
+    try:
+        blobs = blobs_of_steps(connection)
+    except (sqlite3.DatabaseError, UnicodeDecodeError, TypeError):
+        return None
+    if not blobs or seal_of_steps(blobs) != counted(connection, "steps"):
+        return None
+    return np.concatenate([unpacked(data) for data in blobs]).astype(np.int64)
 
 
 def counted(connection: sqlite3.Connection, table: str) -> Any:
@@ -77,6 +101,27 @@ def first_output(connection: sqlite3.Connection) -> NDArray[np.float64] | None:
     """The copy of the first output, shape (1, kept); None where there is none, or it is damaged."""
     row = tables.sound(connection, "copies", FIRST)
     return None if row is None else unpacked(row[1])
+
+
+def reference_parts(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64]) -> dict[str, bytes]:
+    """The record of the ideal mechanism as rows of its table."""
+    entries, arrays = parted(meta)
+    some = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
+    parts = {"steps": packed(steps.astype(float))}
+    parts |= {f"rows.{k}": packed(rows[first : first + some]) for k, first in enumerate(range(0, max(len(rows), 1), some))}
+    parts |= {f"{ARRAY}{key}": data for key, data in packed_all(arrays).items()}
+    return parts | {"meta": json.dumps({**entries, KEYS: sorted(parts)}).encode()}
+
+
+def reference_of(parts: Mapping[str, bytes]) -> tuple[dict[str, Any], NDArray[np.int64], NDArray[np.float64]] | None:
+    """Meta, steps and rows from such rows; None where some of them are missing."""
+    blocks = sorted((key for key in parts if key == "rows" or key.startswith("rows.")), key=lambda key: int(key.partition(".")[2] or 0))
+    meta = json.loads(parts.get("meta", b"{}"))
+    if not blocks or not {"meta", "steps", *meta.pop(KEYS, ())} <= set(parts):
+        return None
+    meta |= {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
+    steps, rows = unpacked(parts["steps"]).astype(np.int64), np.concatenate([unpacked(parts[key]) for key in blocks])
+    return (meta, steps, rows) if len(steps) == len(rows) else None
 
 
 def parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:

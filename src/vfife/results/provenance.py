@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -77,8 +77,8 @@ def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, 
     return [(names[b[at]], (int(e[at]), int(count))) for at, count in zip(starts, counts, strict=True)]
 
 
-def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, where: str) -> Record:
-    """The record of which a file kept the meta, the steps and the rows; ``where`` names the file in messages.
+def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows | Callable[[], Rows], where: str) -> Record:
+    """The record of which a file kept the meta, the steps and the rows, or what reads them; ``where`` names the file in messages.
 
     The model is read and not assembled, unless the file is one of version 0.1 and before. Raises RunFileError where the model cannot be read by
     this version, or was recorded with quantities it does not know.
@@ -86,20 +86,28 @@ def restored(meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows, wher
     wanted = ("model", "choice", "kept", *(("start", "tables") if "assembly" in meta else ()))
     if missing := [key for key in wanted if key not in meta]:
         raise RunFileError(f"{where}: the run ended before it said what it runs, or that is damaged ({', '.join(missing)}); run the model again")
-    if rows.size and steps[0] != 0:
+    if len(steps) and steps[0] != 0:
         raise RunFileError(f"{where}: this run file is damaged (its first output is lost, from which energies count); run the model again")
-    if not rows.size:
+    if not len(steps):
         raise RunFileError(f"{where}: the run ended before its first output; run the model again")
     pairs = {name: tuple((first, second) for first, second in meta["choice"].get(name, ())) for name in ("limits", "tried")}
     choice = StepChoice(**{**meta["choice"], **pairs})
     mechanism = _mechanism(meta, where)
     assembly = assembly_of(meta, mechanism, choice, where) if "assembly" in meta else _assembled(meta, mechanism, choice, where)
     kept = rows_named(assembly, meta["kept"], where)
+    if not isinstance(rows, np.ndarray):
+        return _record(meta, assembly, steps, rows, kept, where)
     if rows.shape[1] != len(kept) or len(rows) != len(steps):
         raise RunFileError(f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again")
     counted = np.repeat([name in COUNTED for name, _ in meta["kept"]], [count for _, (_, count) in meta["kept"]])
     if counted.any():
         rows = np.where(counted, rows * choice.step, rows)
+    return _record(meta, assembly, steps, rows, kept, where)
+
+
+def _record(
+    meta: Mapping[str, Any], assembly: Assembly, steps: NDArray[np.int64], rows: Rows | Callable[[], Rows], kept: NDArray[np.uint32], where: str
+) -> Record:
     wall, loop, message = float(meta.get("wall", 0.0)), str(meta.get("loop", "")), str(meta.get("message", ""))
     return Record(assembly, steps, rows, kept, wall, loop, status_of(meta, where), message=message)
 

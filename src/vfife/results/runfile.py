@@ -14,7 +14,6 @@ import sqlite3
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,9 +34,8 @@ from .tables import damaged, told, unwritten
 if TYPE_CHECKING:
     from ..solvers.companions import Beside
 
-ARRAY = "array."  # of the meta, among the parts of a reference
 CHECKPOINTS = 2  # the latest ones are kept
-PART_BYTES = 2**26  # of the reference's rows in one block
+LARGE = 10**8  # bytes of a file whose outputs are read when they are asked for
 
 
 class RunFile:
@@ -78,7 +76,7 @@ class RunFile:
             with file._transaction():
                 for statement in tables.SCHEMA:
                     connection.execute(statement)
-                file._put({"status": "running", "created": now(), **(meta or {})})
+                file._put({"status": "running", "created": tables.now(), **(meta or {})})
         except sqlite3.Error as error:
             raise StorageError(f"{unwritten(str(path), f'no run file can be made here ({error})')} Name a folder you can write to") from error
         return file
@@ -204,17 +202,12 @@ class RunFile:
         """Notes that something happened after ``step``."""
         with self._transaction():
             number = self._connection.execute("SELECT coalesce(max(number) + 1, 1) FROM events").fetchone()[0]
-            self._insert("events", int(number), int(step), now(), text)
+            self._insert("events", int(number), int(step), tables.now(), text)
 
     @told
     def keep_reference(self, meta: Mapping[str, Any], steps: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Keeps the record of the ideal mechanism beside the run."""
-        entries, arrays = known.parted(meta)
-        parts = {"steps": packed(steps.astype(float))}
-        some = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
-        parts |= {f"rows.{k}": packed(rows[first : first + some]) for k, first in enumerate(range(0, max(len(rows), 1), some))}
-        parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
-        parts["meta"] = json.dumps({**entries, known.KEYS: sorted(parts)}).encode()
+        parts = known.reference_parts(meta, steps, rows)
         with self._transaction(math.inf):
             for part, data in parts.items():
                 self._insert("reference", part, data)
@@ -224,7 +217,13 @@ class RunFile:
         """Says how the run ended ("complete", "interrupted", "diverged"), with its summary and what else is known."""
         with self._transaction():
             self._put(
-                {"status": status, "finished": now(), "summary": dict(summary or {}), **meta, **known.count(self._connection, self._counts())}
+                {
+                    "status": status,
+                    "finished": tables.now(),
+                    "summary": dict(summary or {}),
+                    **meta,
+                    **known.count(self._connection, self._counts()),
+                }
             )
 
     @contextmanager
@@ -310,6 +309,18 @@ class RunFile:
         """Step numbers of the outputs, shape (outputs,)."""
         return self.outputs(only_steps=True)[0]
 
+    @told
+    def steps_alone(self) -> NDArray[np.int64] | None:
+        """The same of a large file of a run that ended, soon, for no output is read, nor its damage seen; None of any other."""
+        large = self.sealed and self.path.stat().st_size > LARGE
+        return known.steps_alone(self._connection) if large else None
+
+    @property
+    @told
+    def outputs_so_far(self) -> int:
+        """How many outputs were written."""
+        return self._counts()[1]
+
     @property
     def rows(self) -> NDArray[np.float64]:
         """Recorded rows, shape (outputs, kept)."""
@@ -325,18 +336,18 @@ class RunFile:
         steps, rows, filled, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
         for first, own, values in self._chunks(chunks, only_steps):
             if first > at:
-                self._lose(_missing(at, first))
+                self._lose(tables.missing(at, first))
             if not only_steps and rows.size == 0:
                 rows = space(total, values.shape[1])
             if len(own) > total - filled or not (only_steps or values.shape == (len(own), rows.shape[1])):
-                self._lose(_missing(first, first + len(own)))
+                self._lose(tables.missing(first, first + len(own)))
                 continue
             steps[filled : filled + len(own)] = own
             if not only_steps:
                 rows[filled : filled + len(own)] = values
             filled, at = filled + len(own), first + len(own)
         if at < total:
-            self._lose(_missing(at, total))
+            self._lose(tables.missing(at, total))
         return steps[:filled], rows[:filled]
 
     def _planned(self) -> tuple[int, int]:
@@ -466,17 +477,10 @@ class RunFile:
             parts = formerfile.reference(self._connection)
         if not parts:
             return None
-        blocks = sorted((key for key in parts if key == "rows" or key.startswith("rows.")), key=lambda key: int(key.partition(".")[2] or 0))
-        meta = json.loads(parts.get("meta", b"{}"))
-        if not blocks or not {"meta", "steps", *meta.pop(known.KEYS, ())} <= set(parts):
+        found_again = known.reference_of(parts)
+        if found_again is None:
             self._lose("the ideal reference")
-            return None
-        meta |= {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
-        steps, rows = unpacked(parts["steps"]).astype(np.int64), np.concatenate([unpacked(parts[key]) for key in blocks])
-        if len(steps) != len(rows):
-            self._lose("the ideal reference")
-            return None
-        return meta, steps, rows
+        return found_again
 
 
 def rows_of(path: Path) -> NDArray[np.float64]:
@@ -486,12 +490,3 @@ def rows_of(path: Path) -> NDArray[np.float64]:
         if file.lost:
             raise RunFileError(damaged(path, ", ".join(file.lost)))
         return rows
-
-
-def _missing(first: int, end: int) -> str:
-    return f"output {first:,}" if end == first + 1 else f"outputs {first:,} to {end - 1:,}"
-
-
-def now() -> str:
-    """The present time (UTC)."""
-    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -8,6 +8,7 @@ import sqlite3
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from datetime import UTC, datetime
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -127,3 +128,13 @@ def free_bytes(path: Path) -> int | None:
         with suppress(OSError):
             return shutil.disk_usage(place).free
     return None
+
+
+def missing(first: int, end: int) -> str:
+    """Outputs that are lost, in words."""
+    return f"output {first:,}" if end == first + 1 else f"outputs {first:,} to {end - 1:,}"
+
+
+def now() -> str:
+    """The present time (UTC)."""
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..analysis.turns import part_of
 from ..errors import VfifeError
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
 
@@ -45,4 +46,4 @@ def latest_turns(view: View) -> xarray.Dataset:
     found = found.assign({
         str(name): ((*dims, *one.dims[1:]), one.values.reshape(len(numbers), outputs, *one.shape[1:]), one.attrs) for name, one in shaped.items()
     })  # fmt: skip
-    return found.assign_attrs(motion=said.motion, measures_of=f"turns {said.first} to {said.last}")
+    return found.assign_attrs(motion=said.motion, measures_of=part_of(view.record, said))

@@ -103,20 +103,19 @@ def inputs_of(assembly: Assembly) -> Iterator[Input]:
     mechanism, topology = assembly.mechanism, assembly.topology
     at = 0
 
-    def functions(**one: Any) -> tuple[int, ...]:
-        """Those of a load or a torque alone: of what comes next among all."""
+    def functions(count: int) -> tuple[int, ...]:
+        """Those of the next so many places at which a load or a torque acts."""
         nonlocal at
-        begin = at
-        alone = dataclasses.replace(mechanism, **({"loads": {}, "drivers": {}} | one))
-        at += sum(len(action.ends) for action in actions(alone, Datum()))
-        return tuple(dict.fromkeys(topology.load_function[begin:at]))
+        at += count
+        return tuple(dict.fromkeys(topology.load_function[at - count : at]))
 
     for name, load in mechanism.loads.items():
-        yield Input(name, functions(loads={name: load}), "1", "what multiplies the load")
+        yield Input(name, functions(len(load.pushes(mechanism.joints))), *load.measured)
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             words = f"{'force' if driver.along else 'torque'} of the driver"
-            yield Input(name, functions(drivers={name: driver}), "N" if driver.along else "N m", words)
+            alone = dataclasses.replace(mechanism, loads={}, drivers={name: driver})
+            yield Input(name, functions(sum(len(action.ends) for action in actions(alone, Datum()))), "N" if driver.along else "N m", words)
     for body, driver in kinematic_drivers(mechanism).items():
         index = topology.driven_function[int(assembly.bodies[body].driven or 0)]
         name = next(name for name, one in mechanism.drivers.items() if one is driver)

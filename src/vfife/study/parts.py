@@ -21,16 +21,15 @@ class Parts:
     def __init__(self, folder: str | Path | None) -> None:
         self.folder = None if folder is None else Path(folder)
 
-    def path(self, one: Prepared) -> Path:
+    def path(self, folder: Path, one: Prepared) -> Path:
         """Where a run is kept."""
         meta = one.kept
         told = [meta["model"], sorted(meta["asked"].items()), meta["versions"], one.companions]
-        assert self.folder is not None
-        return self.folder / NAME.format(hashlib.blake2b(repr(told).encode(), digest_size=10).hexdigest())
+        return folder / NAME.format(hashlib.blake2b(repr(told).encode(), digest_size=10).hexdigest())
 
     def found(self, one: Prepared) -> Result | None:
         """A run that was made before; None where there is none, or it is damaged."""
-        if self.folder is None or not (path := self.path(one)).is_file():
+        if self.folder is None or not (path := self.path(self.folder, one)).is_file():
             return None
         with suppress(RunFileError):
             result = Result.load(path)
@@ -42,7 +41,7 @@ class Parts:
     def keep(self, one: Prepared, result: Result) -> None:
         """Keeps a run. Raises StorageError where it cannot be written."""
         if self.folder is not None:
-            Result(result.record).save(self.path(one))
+            Result(result.record).save(self.path(self.folder, one))
 
     def remove(self) -> None:
         """Takes away what was kept, for all of it is told."""

@@ -30,6 +30,7 @@ class Driver(Kind):
     lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
     moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
     drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
+    tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
     revolves: ClassVar[bool] = False  # may turn a body round and round
     registry: ClassVar[dict[str, type[Driver]]] = {}
 

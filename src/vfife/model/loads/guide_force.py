@@ -104,6 +104,11 @@ class GuideForce(Tabular):
         what = f"pressure on a bore of {self.bore:.6g} m," if self.pressed else "force"
         return f"{what} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
 
+    @property
+    def measured(self) -> tuple[str, str]:
+        """The unit of its function, and what that is."""
+        return ("Pa", "pressure of the load above ambient") if self.pressed else ("N", "force of the load along its guide")
+
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """The force on the journal, and its opposite on the bearing, which is the guide's own."""
         joint = joints[self.slider]

@@ -52,10 +52,16 @@ class Load(Kind):
         """Where it acts: a pin, "body.pin", or the joint along whose guide it does."""
         return self.slider
 
+    @property
+    def measured(self) -> tuple[str, str]:
+        """The unit of its function, and what that is."""
+        return "1", "what multiplies the load"
+
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """On which bodies it acts, and how, where its function is 1."""
         raise NotImplementedError
 
+    tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
     along: ClassVar[bool] = False  # whether it acts along the guide of a joint; else at a pin
 
     @property

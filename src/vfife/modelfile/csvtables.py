@@ -1,0 +1,159 @@
+"""Tables of loads and drivers that stand in CSV files beside a model: their numbers become lists of the model, as if they stood in it.
+
+So a mechanism, and a run's copy of its model, holds the numbers themselves and needs the file no more.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path as FilePath
+from typing import Any
+
+from ..errors import Path, QuantityError, kind_of, shown, suggestion
+from ..fields import Refused
+from ..units import number
+from .tables import CSV, Raw, entries, target_of
+
+LARGEST, MOST_ROWS = 8_000_000, 100_000  # bytes; rows
+AXES = {"times": "s", "angles": "rad", "travels": "m", "speeds": "m/s"}
+VALUES = {"factors": "1", "force": "N", "pressure": "Pa"}
+COLUMNS: dict[str, dict[str, str]] = {  # keys of a section, with their units
+    "load": {**AXES, **VALUES, **{f"{key}_back": unit for key, unit in VALUES.items()}},
+    "driver": {**AXES, "torque": "N m", "force": "N"},
+}
+HEAD = re.compile(r"\s*([A-Za-z_ ]+?)\s*(?:[(\[]\s*([^()\[\]]+?)\s*[)\]])?\s*")
+Broken = tuple[Path, Refused]
+
+
+def expand(raw: Raw, file: str | None) -> list[Broken]:
+    """Puts the numbers of all CSV files in the place of their names; what cannot be read is told, and its table of the model left as it was."""
+    broken = []
+    for section, columns in COLUMNS.items():
+        for name, holder in entries(raw, section):
+            if CSV not in holder:
+                continue
+            path: Path = (section, name, CSV)
+            told = holder.pop(CSV)
+            try:
+                held = units_of(columns, holder, section)
+                found = read(told, file, held)
+                for key in found:
+                    if key in holder:
+                        raise Refused(f"{told} has a column for {key}, which the model has too", "", "", "remove one of the two")
+            except Refused as refused:
+                refused.value = refused.value or shown(told)
+                broken.append((path, refused))
+            else:
+                holder.update(found)
+    return broken
+
+
+def units_of(columns: Mapping[str, str], holder: Raw, section: str) -> dict[str, str]:
+    """Keys with their units, of what is driven: a body turns, a slider and a point go along a line."""
+    if section == "driver" and target_of(holder) == "body":
+        return {key: unit for key, unit in columns.items() if key not in ("travels", "force")} | {"speeds": "rad/s"}
+    return {key: unit for key, unit in columns.items() if section == "load" or key not in ("angles", "torque")}
+
+
+def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, list[float]]:
+    """Lists of numbers in SI units by key. Raises Refused."""
+    text = contents(told, file)
+    lines = [line for line in text.splitlines() if line.strip()]
+    first = next((line for line in lines if not line.lstrip().startswith("#")), "")
+    delimiter = max(",;\t", key=first.count)
+    rows = rows_of(text, delimiter)
+    _, heads = next(rows, (0, []))
+    keys = [head(one, k, columns) for k, one in enumerate(heads, 1)]
+    if len(keys) < 2 or len({key for key, _ in keys}) < len(keys):
+        what = "its first line names a column twice" if len(keys) > 1 else "its first line does not name two columns"
+        raise Refused(what, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
+    found: dict[str, list[float]] = {key: [] for key, _ in keys}
+    for line, row in rows:
+        if len(row) != len(keys):
+            raise Refused(f"line {line} has {len(row)} values", shown(delimiter.join(row)), f"{len(keys)} values", "give each column one")
+        if len(found[keys[0][0]]) >= MOST_ROWS:
+            raise Refused(f"line {line} is too many", "", f"at most {MOST_ROWS} rows", "thin the table out")
+        for column, ((key, unit), cell) in enumerate(zip(keys, row, strict=True), 1):
+            found[key].append(cell_of(cell, unit, columns[key], f"line {line}, column {column} ({heads[column - 1].strip()})"))
+            if key in AXES and len(found[key]) > 1 and not found[key][-1] > found[key][-2]:
+                where = f"line {line}, column {column} ({heads[column - 1].strip()})"
+                raise Refused(
+                    f"{where}: this is not above the value before it", shown(cell.strip()), "", "sort the rows, and keep one for each place"
+                )
+    if len(found[keys[0][0]]) < 2:
+        raise Refused(f"{told} has {len(found[keys[0][0]])} rows of numbers", "", "two or more", "add more")
+    return found
+
+
+def contents(told: Any, file: str | None) -> str:
+    """The text of a file beside the model. Raises Refused."""
+    if not isinstance(told, str):
+        raise Refused(f"this is {kind_of(told)}", shown(told), "the name of a CSV file", "put it in quotes")
+    if file is None:
+        raise Refused("the model was given as a text, and has no folder to look in", "", "", "read it from its file, or write the lists into it")
+    folder, path = FilePath(file).resolve().parent, FilePath(told)
+    try:
+        found = (folder / path).resolve()
+        there = found.is_file()
+    except (OSError, RuntimeError, ValueError):  # too long, a link to itself, a character that no name has
+        raise Refused("this is no name of a file", "", "a file beside the model", "correct the name") from None
+    if path.is_absolute() or path.drive or not found.is_relative_to(folder):
+        raise Refused("this leads out of the folder of the model", "", "a file beside the model, or in a folder there", "copy it there")
+    if not there:
+        near = [one.name for one in found.parent.glob("*.csv")] if found.parent.is_dir() else []
+        raise Refused("there is no such file beside the model", "", "", suggestion(told, near, f"put it into {folder}"))
+    try:
+        with found.open("rb") as stream:
+            data = stream.read(LARGEST + 1)
+    except OSError as error:
+        raise Refused(f"it cannot be read ({error.strerror})", "", "", "name a file that can be read") from None
+    if len(data) > LARGEST:
+        raise Refused("the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise Refused(f"line {line} is not UTF-8", "", "", "save the file in this encoding") from None
+
+
+def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
+    """Rows with the numbers of their lines; empty ones and comments are left out. Raises Refused."""
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True)
+    try:
+        for row in reader:
+            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
+                yield reader.line_num, row
+    except csv.Error as error:
+        raise Refused(f"line {reader.line_num} is no CSV ({error})", "", "", "close every quote") from None
+
+
+def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
+    """The key and the unit that a column's head names. Raises Refused."""
+    where = f"line 1, column {column}"
+    match = HEAD.fullmatch(text)
+    if match is None:
+        raise Refused(f"{where}: this names no column", shown(text), "", 'write it as in "force (kN)"')
+    name = match[1].strip().lower().replace(" ", "_")
+    key = next((one for one in columns if name in (one, one.removesuffix("s"), one.replace("s_back", "_back"))), "")
+    if not key:
+        singular = [one.removesuffix("s").replace("s_back", "_back") for one in columns]
+        remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
+        raise Refused(f"{where}: there is no column {shown(name)} here", shown(text), "", remedy)
+    try:
+        number(f"1 {match[2] or columns[key]}", columns[key])
+    except QuantityError as error:
+        raise Refused(f"{where}: its unit is that of {error.what}", shown(text), error.limit, f"for example ({columns[key]})") from None
+    return key, match[2] or columns[key]
+
+
+def cell_of(text: str, unit: str, dimension: str, where: str) -> float:
+    """The number of a cell, in SI units. Raises Refused."""
+    try:
+        return number(f"{text.strip()} {unit}" if unit != "1" else text.strip(), dimension)
+    except QuantityError as error:
+        raise Refused(
+            f"{where}: this is {error.what}", shown(text.strip()), "a number", "write a bare number; its unit stands in the first line"
+        ) from None
