@@ -155,3 +155,15 @@ def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
         assert (bits_of(numbers, 1)[:, 0] == found.laid(positions).view(np.uint64)).all()
         assert after == [0, *(slide.here for slide in found.slides[1:])]
         assert model == found.written(positions)
+
+
+def test_names_of_javascript_are_names_like_others(tmp_path):
+    mechanism = gallery.four_bar_case_b()
+    strange = ("constructor", "__proto__", "toString", "7")
+    mechanism.joints = {new: dataclasses.replace(joint, name=new) for new, joint in zip(strange, mechanism.joints.values(), strict=True)}
+    result = simulate(mechanism, turns=0.1, companions=0, reference=False)
+    page = page_of(mechanism, step=result.record.assembly.choice.step)
+    found = run_by_node(
+        page, TURNS.replace("shown, start", "shown.map((one) => Object.entries(one.force)), start") % len(result.record.steps), tmp_path
+    )
+    assert dict(found["turns"][0]) == {name: result.measures[f"{name}.force.max"] for name in strange}

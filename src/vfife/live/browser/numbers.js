@@ -1,5 +1,8 @@
 // What rows of the state say: motion, forces and energies of one output, by the same formulas as Python's analysis.
 
+// A map from names, whatever these are: "constructor" is a name like others.
+const blank = () => Object.create(null);
+
 const TORQUE = "torque of "; // before the name of a driven body, where a chart shows that in place of a joint's force
 
 class Reader {
@@ -19,8 +22,8 @@ class Reader {
     this.plays = setting.part("plays");
     this.energies = setting.part("energies");
     this.free = new Set(sim.free);
-    this.found = {};
-    this.squares = {}; // columns of the largest squared force, by joint
+    this.found = blank();
+    this.squares = blank(); // columns of the largest squared force, by joint
     this.first = null; // the rows of output 0
   }
 

@@ -7,7 +7,7 @@ const loose = Object.values(Object.groupBy ? Object.groupBy(given.contacts, ({ j
 }));
 
 function grouped(contacts) {
-  const found = {};
+  const found = blank();
   for (const contact of contacts) {
     found[contact.joint] ??= [];
     found[contact.joint].push(contact);
