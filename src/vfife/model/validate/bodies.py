@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from ...errors import Path, article
@@ -170,7 +171,8 @@ def check_all(checks: Checks) -> None:
 def elements_of(body: Any) -> int:
     """Elements of a body that may be known in part only."""
     if isinstance(body, Frame):
-        return sum(member.elements or 0 for member in body.members or () if member is not None)
+        members: Sequence[Any] = body.members or ()
+        return sum(int(member.elements or 0) for member in members if member is not None)
     return int(body.elements or 0) if isinstance(body, Link) and body.model == "elastic" else 0
 
 
