@@ -56,7 +56,7 @@ def look_inside(sdist: Path, wheel: Path, folder: Path) -> None:
     assert not [name for name in names if name.startswith("tests")]
     with tarfile.open(sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
-        archive.extractall(folder / "sdist", filter="data")
+        archive.extractall(folder / "sdist", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     assert set(IN_SDIST) <= inside, f"the sdist lacks {sorted(set(IN_SDIST) - inside)}"
     (unpacked,) = (folder / "sdist").iterdir()
     run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder / "again")], unpacked)

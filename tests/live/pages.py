@@ -1,9 +1,11 @@
 """Pages of a test, and their scripts run by node, with the little of a browser that numbers need."""
 
+import base64
 import json
 import shutil
 import subprocess
 
+import numpy as np
 import pytest
 
 from vfife.live.page import BROWSER, written
@@ -24,6 +26,11 @@ def page_of(mechanism, slides=(), step=None) -> str:
     return written(patched(mechanism, list(slides), step))
 
 
+def bits_of(text: str, width: int) -> np.ndarray:
+    """Rows of numbers that came as base64, as their bits."""
+    return np.frombuffer(base64.b64decode(text), dtype=np.uint64).reshape(-1, width)
+
+
 def run_by_node(page: str, body: str, tmp_path, worker=lambda text: text):
     """What ``body`` returns where the page's numbers are at hand: ``step(setting, outputs)`` gives the rows of both simulations."""
     given = scripts_of(page)
@@ -42,10 +49,15 @@ const step = (setting, outputs) => {
   self.onmessage({ data: { kind: "given", given } });
   self.onmessage({ data: { kind: "begin", id: 1, vector: setting.vector, until: outputs } });
   while (late.length) late.shift()();
-  const rows = (which) => posts.filter((one) => one.which === which).map((one) => Array.from(one.rows)).flat();
+  const rows = (which) => {
+    const parts = posts.filter((one) => one.which === which).map((one) => one.rows);
+    const found = new Float64Array(parts.reduce((sum, part) => sum + part.length, 0));
+    parts.reduce((at, part) => (found.set(part, at), at + part.length), 0);
+    return found;
+  };
   return [rows(0), rows(1), posts];
 };
-const bits = (values) => Array.from(new BigUint64Array(Float64Array.from(values).buffer), String);
+const bits = (values) => Buffer.from(Float64Array.from(values).buffer).toString("base64");
 """,
         f"console.log(JSON.stringify((() => {{ {body} }})()));",
     ]

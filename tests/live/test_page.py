@@ -1,5 +1,6 @@
 """The page as a file: it asks for nothing from elsewhere, names in it are text, strokes follow their pins."""
 
+import json
 import math
 import re
 
@@ -7,8 +8,10 @@ import numpy as np
 import pytest
 
 from live.pages import page_of, scripts_of
+from model.test_kinds import CASES
 from vfife import gallery
 from vfife.live import strokes
+from vfife.live.given import given
 from vfife.live.outlines import pin_of, place
 from vfife.live.page import BROWSER, LARGEST
 from vfife.live.together import together
@@ -82,3 +85,14 @@ def test_a_spring_is_drawn_between_its_pins():
     ends = (0.3, 0.1), (0.9, 1.4)
     here = [placed(point, ends, (0.0, 0.0), 2.0, (0.0, 0.0)) for point in found[0]["points"]]
     assert np.allclose(here, zigzag(np.array(ends[0]), np.array(ends[1]), 0.018 * 2.0), atol=1e-9)
+
+
+@pytest.mark.parametrize(("make", "kind"), CASES)
+def test_every_kind_goes_into_a_page(make, kind):
+    """Joints, springs, drivers and loads of all kinds: named, drawn where there is something to draw, and told in JSON."""
+    told = json.loads(json.dumps(given(together(make(kind), 1e-5, force=True)), allow_nan=False))
+    if make.__name__ in ("with_joint", "with_spring"):
+        (noun,) = (one for one in [*told["joints"], *told["springs"]] if one["name"] in ("joint", "spring"))
+        assert noun["strokes"] and all(len(point) == 10 for stroke in noun["strokes"] for point in stroke["points"])
+    if make.__name__ == "with_load":
+        assert [load["name"] for load in told["loads"]] == ["load"] and any(told["loads"][0]["acts"])

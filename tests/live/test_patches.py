@@ -14,9 +14,9 @@ from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump
 
 
-def few(slide: Slide, count: int = 3) -> Slide:
-    """A slider with few positions, its ends among them."""
-    places = sorted({0, slide.here, len(slide.values) - 1})[:count]
+def few(slide: Slide) -> Slide:
+    """A slider with two positions: the model's own and an end."""
+    places = sorted({slide.here, len(slide.values) - 1 if slide.here == 0 else 0})
     return dataclasses.replace(slide, values=tuple(slide.values[k] for k in places), here=places.index(slide.here))
 
 
@@ -57,6 +57,24 @@ def test_patches_that_do_not_combine_are_grouped():
         assert same(numbers, wanted)
     apart = [numbers for numbers, *_ in every_setting(found, mechanism)]
     assert len({numbers.tobytes() for numbers in apart}) == len(apart)
+
+
+def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
+    """Five sliders of a seated start keep all their positions; two of them moved at once is no setting."""
+    mechanism = gallery.four_bar_case_c()
+    mechanism.start = StartSettings(journals="seated")
+    slides = [few(slide) for slide in default_slides(mechanism)[:5]]
+    found = patched(mechanism, slides)
+    (group,) = (group for group in found.groups if group.singly)
+    assert group.sliders == (0, 1, 2, 3) and len(group.values) == 5
+    assert "one at a time" in found.notes[-1]
+    settings = Settings(mechanism, found.slides, found.base.own.choice.step)
+    here = [slide.here for slide in found.slides]
+    for s, slide in enumerate(found.slides):
+        positions = tuple(1 - slide.here if k == s else one for k, one in enumerate(here))
+        assert same(found.laid(positions), settings.at(positions).vector)
+    with pytest.raises(ValueError):
+        found.laid([1 - one for one in here])
 
 
 def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():

@@ -153,13 +153,17 @@ def springs(assembly: Assembly) -> list[Json]:
 
 
 def loads(assembly: Assembly) -> list[Json]:
-    """Forces and moments that are given: where they act."""
-    return [
-        {"name": load.name, "at": outlines.pin_of(assembly, f"{push.body}.{push.pin}"), "acts": list(push.acts), "follow": push.follow}
-        for load in assembly.mechanism.loads.values()
-        for push in load.pushes(assembly.mechanism.joints)
-        if push.body != "ground"
-    ]
+    """Forces and moments that are given: where they act on a body that can move, and which particle turns their direction (the ground: none)."""
+    found = []
+    for load in assembly.mechanism.loads.values():
+        for push in load.pushes(assembly.mechanism.joints):
+            if push.body == "ground":
+                continue
+            at = outlines.pin_of(assembly, f"{push.body}.{push.pin}") if push.pin else outlines.centre_of(assembly, push.body)
+            turner = push.aligned or (push.body if push.follow else "ground")
+            particle = 0 if turner == "ground" else assembly.bodies[turner].particles[0]
+            found.append({"name": load.name, "at": at, "acts": list(push.acts), "turner": particle})
+    return found
 
 
 def points(assembly: Assembly) -> list[list[float]]:
@@ -174,5 +178,9 @@ def _angle(assembly: Assembly, pin: outlines.Pin) -> float:
 def extent(assembly: Assembly) -> float:
     """About the size of a drawing (m): the largest side of what the mechanism spans at its start."""
     at = [outlines.place(assembly, pin) for body in assembly.bodies.values() for piece in outlines.drawn(assembly, body)["pieces"] for pin in piece]
+    for joint in assembly.mechanism.joints.values():
+        for end, reach in zip((joint.bearing, joint.journal), joint.drawn[1:], strict=True):
+            x, y = outlines.place(assembly, outlines.pin_of(assembly, end))
+            at += [(x - reach, y - reach), (x + reach, y + reach)] if reach else []
     spread = np.ptp(np.array([*at, *assembly.mechanism.points.values()], dtype=float).reshape(-1, 2), axis=0)
     return float(spread.max(initial=0.0)) or 1.0

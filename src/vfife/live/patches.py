@@ -33,6 +33,7 @@ from .together import Together, refuse_unfit, together, turned
 Array = NDArray[np.float64]
 Bits = NDArray[np.int64]
 GROUP_COMBINATIONS = 400  # of the positions of sliders that have to be assembled together
+FEWEST = 7  # positions of such a slider; where there would be fewer, one slider of the group moves at a time
 CHECKED = 12  # positions of all sliders at once that are assembled to be compared
 
 
@@ -40,10 +41,12 @@ CHECKED = 12  # positions of all sliders at once that are assembled to be compar
 class Group:
     """Sliders (their numbers), the rows that they change, and the values there for each combination, the last slider counting fastest.
 
-    ``lines`` are those of the model file that a combination changes, by their numbers.
+    ``lines`` are those of the model file that a combination changes, by their numbers. Where one slider moves ``singly``, the combinations are the
+    model's own setting, and the other positions of each slider in turn.
     """
 
     sliders: tuple[int, ...]
+    singly: bool
     rows: NDArray[np.intp]
     values: Array
     lines: tuple[dict[int, str | None], ...]
@@ -75,7 +78,9 @@ class Patched:
         return "\n".join(line for line in lines if line is not None) + "\n"
 
     def place(self, group: Group, positions: Sequence[int]) -> int:
-        """The combination of a group that a setting is."""
+        """The combination of a group that a setting is. Raises ValueError where several sliders are moved of which one may be."""
+        if group.singly:
+            return combinations(self.slides, group.sliders, True).index(tuple(positions[s] for s in group.sliders))
         at = 0
         for s in group.sliders:
             at = at * len(self.slides[s].values) + positions[s]
@@ -87,6 +92,7 @@ class Patched:
         groups = [
             {
                 "sliders": list(g.sliders),
+                "singly": g.singly,
                 "rows": g.rows.tolist(),
                 "values": packed(g.values),
                 "lines": [list(map(list, d.items())) for d in g.lines],
@@ -171,6 +177,8 @@ def patched(mechanism: Mechanism, slides: Sequence[Slide], step: float | None = 
         settings = thinned(settings, groups)
         found = Patched(settings.base, settings.slides, tuple(group(settings, sliders) for sliders in groups), tuple(notes))
         if len(groups) < 2 or differing(found, settings) is None:
+            notes += [f"{' and '.join(found.slides[s].name for s in one.sliders)} move one at a time" for one in found.groups if one.singly]
+            found = replace(found, notes=tuple(notes))
             return replace(found, texts=all(found.written(positions) == dump(one.own.mechanism) for positions, one in checked(found, settings)))
         groups = [tuple(sorted(itertools.chain(*groups)))]
     return Patched(settings.base, (), (), tuple(notes))
@@ -231,11 +239,25 @@ def of(found: Together | None, base: Array) -> Array:
     return base if found is None else found.vector
 
 
+def single(sliders: tuple[int, ...]) -> bool:
+    """Whether of so many sliders only one moves at a time."""
+    return len(sliders) > 1 and GROUP_COMBINATIONS ** (1.0 / len(sliders)) < FEWEST
+
+
+def combinations(slides: Sequence[Slide], sliders: tuple[int, ...], singly: bool) -> list[tuple[int, ...]]:
+    """Positions of the sliders of a group that are assembled."""
+    if not singly:
+        return list(itertools.product(*(range(len(slides[s].values)) for s in sliders)))
+    here = tuple(slides[s].here for s in sliders)
+    moved = [(*here[:i], k, *here[i + 1 :]) for i, s in enumerate(sliders) for k in range(len(slides[s].values)) if k != here[i]]
+    return [here, *moved]
+
+
 def thinned(settings: Settings, groups: Sequence[tuple[int, ...]]) -> Settings:
     """Fewer positions for sliders that are assembled together."""
     slides = list(settings.slides)
     for sliders in groups:
-        most = max(2, int(GROUP_COMBINATIONS ** (1.0 / len(sliders)))) if len(sliders) > 1 else POSITIONS + 1
+        most = int(GROUP_COMBINATIONS ** (1.0 / len(sliders))) if len(sliders) > 1 and not single(sliders) else POSITIONS + 1
         for s in sliders:
             count = len(slides[s].values)
             if count > most:
@@ -250,14 +272,14 @@ def group(settings: Settings, sliders: tuple[int, ...]) -> Group:
     base, lines = settings.base.vector, settings.text.splitlines()
     found = [
         settings.at(settings.moved(dict(zip(sliders, positions, strict=True)))) or settings.base
-        for positions in itertools.product(*(range(len(settings.slides[s].values)) for s in sliders))
+        for positions in combinations(settings.slides, sliders, single(sliders))
     ]
     changed = np.zeros(len(base), dtype=bool)
     for one in found:
         changed |= differs(one.vector, base)
     rows = np.flatnonzero(changed)
     texts = [dump(one.own.mechanism).splitlines() for one in found]
-    return Group(sliders, rows, np.array([one.vector[rows] for one in found]), tuple(rewritten(lines, text) for text in texts))
+    return Group(sliders, single(sliders), rows, np.array([one.vector[rows] for one in found]), tuple(rewritten(lines, text) for text in texts))
 
 
 def rewritten(lines: list[str], text: list[str]) -> dict[int, str | None]:
@@ -276,9 +298,12 @@ def checked(found: Patched, settings: Settings) -> Iterator[tuple[tuple[int, ...
     """Some settings of all sliders at once, and what assembly gives for them."""
     draw = random.Random(1)
     for _ in range(CHECKED):
-        positions = tuple(draw.randrange(len(slide.values)) for slide in found.slides)
-        if (both := settings.at(positions)) is not None:
-            yield positions, both
+        positions = [draw.randrange(len(slide.values)) for slide in found.slides]
+        for group in (group for group in found.groups if group.singly):
+            for s in set(group.sliders) - {draw.choice(group.sliders)}:
+                positions[s] = found.slides[s].here
+        if (both := settings.at(tuple(positions))) is not None:
+            yield tuple(positions), both
 
 
 def differing(found: Patched, settings: Settings) -> tuple[int, ...] | None:

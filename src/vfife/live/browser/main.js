@@ -24,7 +24,9 @@ function changed(setting) {
   else clock.head = Math.min(clock.head, wholeRun);
   clock.wanted = clock.head;
   told("");
-  running.begin(setting, Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns)));
+  const until = Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns));
+  running.begin(setting, until);
+  other?.begin(other.setting, until); // the outputs of this moment may be kept no longer
   dirty(true);
 }
 
@@ -280,6 +282,22 @@ $("scene").onclick = (event) => {
   else if (found) scene.traces.splice(found.trace, 1);
 };
 
+// Pinching, or the wheel with ctrl, looks closer at what is under the pointer; then it can be dragged. A double click shows all again.
+$("scene").addEventListener(
+  "wheel",
+  (event) => {
+    if (!event.ctrlKey && !event.metaKey) return;
+    event.preventDefault();
+    const box = $("scene").getBoundingClientRect();
+    scene.zoomed(2 ** (-event.deltaY / 200), event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2);
+  },
+  { passive: false },
+);
+$("scene").onpointermove = (event) => {
+  if (event.buttons === 1 && scene.zoom > 1) scene.moved(event.movementX, event.movementY);
+};
+$("scene").ondblclick = () => scene.zoomed(0);
+
 const KEYS = {
   " ": () => play(),
   ArrowLeft: (event) => step(event.shiftKey ? -Math.round(wholeTurns / 36) : -1),
@@ -290,6 +308,8 @@ const KEYS = {
   "]": () => setSpeed(Math.min(Number($("speed").value) + 0.25, 0)),
   "-": () => setMagnify(Math.max(Number($("magnify").value) - 0.1, 0)),
   "+": () => setMagnify(Math.min(Number($("magnify").value) + 0.1, 3)),
+  z: () => scene.zoomed(1.5),
+  Z: () => scene.zoomed(1 / 1.5),
   j: () => select("joint", OPTIONS.joint()[(OPTIONS.joint().indexOf(selected.joint) + 1) % OPTIONS.joint().length]),
   k: () => (other ? drop() : keep()),
   r: () => sliders.take(new Setting()),

@@ -7,7 +7,7 @@ const loose = Object.values(Object.groupBy ? Object.groupBy(given.contacts, ({ j
 }));
 
 function grouped(contacts) {
-  const found = {};
+  const found = blank();
   for (const contact of contacts) {
     found[contact.joint] ??= [];
     found[contact.joint].push(contact);
@@ -16,13 +16,13 @@ function grouped(contacts) {
 }
 
 function drawOrbits(pen, width, height, running, head, other) {
-  const room = (columns) => Math.min(width / columns, height / Math.ceil(loose.length / columns) - 14);
+  const room = (columns) => Math.min(width / columns, height / Math.ceil(loose.length / columns) - 20);
   const columns = loose.map((_, k) => k + 1).reduce((best, count) => (room(count) > room(best) ? count : best));
   const rows = Math.ceil(loose.length / columns);
   const [w, h] = [width / columns, height / rows];
   loose.forEach((one, k) => {
     const middle = [(k % columns) * w + w / 2, Math.floor(k / columns) * h + h / 2 + 4];
-    const radius = 0.5 * Math.min(w, h) - 20;
+    const radius = 0.5 * Math.min(w, h) - 24;
     if (radius < 12) return;
     pen.fillStyle = ink.ink;
     pen.font = `600 12px ${FONT}`;
@@ -82,6 +82,9 @@ function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other
     pen.lineWidth = 1 + 0.5 * shade;
     pen.stroke();
   }
+  pen.fillStyle = ink.grey;
+  pen.font = `11px ${FONT}`;
+  pen.fillText(`up to ${quantity(largest, "N")}`, middle[0], middle[1] + radius + 11);
   const pose = Pose.at(running, head);
   const here = at(reader.eccentricity(store.data, pose.from, k));
   disc(pen, here, 4.5, ink.ink, ink.warm, 1.4);

@@ -36,11 +36,25 @@ class Setting {
 
   // The combination of a group that this setting is.
   place(group) {
+    if (group.singly) return this.alone(group);
     return group.sliders.reduce((at, s) => at * given.slides[s].values.length + this.positions[s], 0);
   }
 
+  // Of sliders of which one moves at a time: the model's own setting, then the other positions of each in turn.
+  alone({ sliders }) {
+    let at = 1;
+    for (const s of sliders) {
+      const { here, values } = given.slides[s];
+      if (this.positions[s] !== here) return at + this.positions[s] - (this.positions[s] > here ? 1 : 0);
+      at += values.length - 1;
+    }
+    return 0;
+  }
+
+  // This setting with a slider moved; others that cannot stand beside it go back.
   with(slider, position) {
-    return new Setting(this.positions.map((old, s) => (s === slider ? position : old)));
+    const others = groups.filter((group) => group.singly && group.sliders.includes(slider)).flatMap((group) => group.sliders);
+    return new Setting(this.positions.map((old, s) => (s === slider ? position : others.includes(s) ? given.slides[s].here : old)));
   }
 
   part(name) {

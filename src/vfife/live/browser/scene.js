@@ -16,6 +16,8 @@ class Scene {
     this.traces = given.bodies.flatMap((body) => body.loose).slice(0, 4);
     this.show = { names: true, forces: true, traces: true };
     this.magnify = 1;
+    this.zoom = 1;
+    this.shift = [0, 0]; // m
     this.arrows = 1;
     this.largest = 0;
     this.colours = Object.fromEntries(given.bodies.map((body, k) => [body.name, k % 6]));
@@ -56,13 +58,29 @@ class Scene {
   // From metres to points of the canvas.
   view(width, height) {
     const span = [0, 1].map((axis) => Math.max(this.high[axis] - this.low[axis], 1e-9));
-    this.size = Math.max(...span);
-    const margin = 0.13 * this.size;
+    const whole = Math.max(...span);
+    const margin = 0.13 * whole;
     const room = [span[0] + 2 * margin, span[1] + 2.3 * margin];
-    const scale = Math.min(width / room[0], height / room[1]);
-    const middle = [0, 1].map((axis) => 0.5 * (this.low[axis] + this.high[axis]));
+    const scale = this.zoom * Math.min(width / room[0], height / room[1]);
+    const middle = [0, 1].map((axis) => 0.5 * (this.low[axis] + this.high[axis]) + this.shift[axis]);
     this.scale = scale;
-    return (p) => [width / 2 + scale * (p[0] - middle[0]), height / 2 - scale * (p[1] - middle[1]) - 0.15 * margin * scale];
+    this.size = whole / this.zoom; // signs keep their size on the screen
+    middle[1] -= 0.15 * margin; // room for the ruler
+    return (p) => [width / 2 + scale * (p[0] - middle[0]), height / 2 - scale * (p[1] - middle[1])];
+  }
+
+  // Larger or smaller by a factor about a point of the canvas, from its middle.
+  zoomed(factor, x = 0, y = 0) {
+    const before = this.zoom;
+    this.zoom = Math.min(Math.max(before * factor, 1), 2000);
+    if (this.zoom === 1) this.shift = [0, 0];
+    else this.moved((x * before) / this.zoom - x, (y * before) / this.zoom - y);
+    this.scale *= this.zoom / before;
+  }
+
+  // Moves what is looked at by so many points of the canvas.
+  moved(dx, dy) {
+    this.shift = [this.shift[0] - dx / this.scale, this.shift[1] + dy / this.scale];
   }
 
   draw(pen, width, height, running, head, other) {
@@ -72,6 +90,7 @@ class Scene {
     this.last = { to, pose };
     pen.lineJoin = "round";
     pen.lineCap = "round";
+    if (this.show.forces) this.measureForces(running);
     this.ruler(pen, width, height);
     const ghost = other && Pose.at(other, Math.min(head, other.store.end - 1));
     if (ghost) this.ghost(pen, to, ghost);
@@ -81,7 +100,7 @@ class Scene {
     this.over(pen, to, pose);
     this.loads(pen, to, pose);
     this.play(pen, to, pose, ghost);
-    if (this.show.forces) this.forces(pen, to, running, pose);
+    if (this.show.forces) this.forces(pen, to, pose);
     if (this.show.names) this.names(pen, to, pose);
   }
 
@@ -258,15 +277,20 @@ class Scene {
 
   // ------------------------------------------------------------------------------------------------------ play, forces
 
+  // By how much play is drawn larger: less the closer it is looked at, until it is seen as it is.
+  get drawnLarger() {
+    return Math.max(this.magnify / this.zoom, 1);
+  }
+
   // Clearance circles magnified, with the journal's centre in each, coloured by the force that the joint carries.
   play(pen, to, pose, ghost) {
     given.contacts.forEach((contact, k) => {
       if (contact.kind !== "bearing") return;
       const joint = given.joints.find((one) => one.name === contact.joint);
-      const radius = pose.reader.plays[k] * this.magnify * this.scale;
+      const radius = pose.reader.plays[k] * this.drawnLarger * this.scale;
       if (radius < 2.5) return;
       const at = to(pose.place(joint.bearing));
-      const away = pose.reader.eccentricity(pose.data, pose.from, k).map((value) => value * this.magnify * this.scale);
+      const away = pose.reader.eccentricity(pose.data, pose.from, k).map((value) => value * this.drawnLarger * this.scale);
       const force = Math.hypot(...pose.reader.force(pose.data, pose.from, contact.joint));
       disc(pen, at, radius, ink.ink, ink.paper, 1.2, 0.86);
       const share = this.largest ? Math.sqrt(force / this.largest) : 0;
@@ -275,11 +299,11 @@ class Scene {
       trail(pen, [at, [at[0] + away[0], at[1] - away[1]]]);
       pen.stroke();
       if (ghost) {
-        const there = ghost.reader.eccentricity(ghost.data, ghost.from, k).map((value) => value * this.magnify * this.scale);
+        const there = ghost.reader.eccentricity(ghost.data, ghost.from, k).map((value) => value * this.drawnLarger * this.scale);
         pen.strokeStyle = ink.other;
         pen.setLineDash([3, 2]);
         pen.beginPath();
-        pen.arc(at[0], at[1], ghost.reader.plays[k] * this.magnify * this.scale, 0, 2 * Math.PI);
+        pen.arc(at[0], at[1], ghost.reader.plays[k] * this.drawnLarger * this.scale, 0, 2 * Math.PI);
         pen.stroke();
         disc(pen, [at[0] + there[0], at[1] - there[1]], 2.5, ink.other, ink.paper, 1.4);
       }
@@ -287,8 +311,7 @@ class Scene {
     });
   }
 
-  forces(pen, to, running, pose) {
-    this.measureForces(running);
+  forces(pen, to, pose) {
     if (!this.largest) return;
     for (const joint of given.joints) {
       const force = pose.reader.force(pose.data, pose.from, joint.name);
@@ -305,17 +328,17 @@ class Scene {
   measureForces(running) {
     const most = (turns) => Math.max(0, ...turns.flatMap((turn) => Object.values(turn.force)));
     const largest = most(running.turns.shown);
-    const without = running.idealTurns ? most(running.idealTurns.shown) : 0;
+    const without = running.idealTurns ? most(running.idealTurns.done) : 0;
     this.largest = largest;
     this.reference = without > 1e-9 * largest ? Math.min(largest, 1.5 * without) : largest;
   }
 
   loads(pen, to, pose) {
-    for (const { at, acts, follow } of given.loads) {
+    for (const { at, acts, turner } of given.loads) {
       const size = Math.hypot(acts[0], acts[1]);
       const here = to(pose.place(at));
       if (size > 0) {
-        const [c, s] = follow ? [Math.cos(pose.angle(at[0])), Math.sin(pose.angle(at[0]))] : [1, 0];
+        const [c, s] = [Math.cos(pose.angle(turner)), Math.sin(pose.angle(turner))];
         const away = [(c * acts[0] - s * acts[1]) / size, (s * acts[0] + c * acts[1]) / size];
         const length = 0.13 * this.size * this.scale;
         arrow(pen, [here[0] - length * away[0], here[1] + length * away[1]], here, ink.accent, 2);
@@ -387,6 +410,14 @@ class Scene {
     pen.textAlign = "left";
     pen.textBaseline = "alphabetic";
     pen.fillText(quantity(length, "m"), x + 4, y - 6);
+    if (!this.show.forces || !this.largest) return;
+    const unit = 0.16 * this.size * this.scale * this.arrows; // what the reference is drawn as
+    const force = nice((80 / unit) * this.reference);
+    const from = [x + length * this.scale + 24, y - 2];
+    const long = (force / this.reference) * unit;
+    arrow(pen, from, [from[0] + long, from[1]], ink.warm, 2);
+    pen.fillStyle = ink.grey;
+    pen.fillText(quantity(force, "N"), from[0], from[1] - 7);
   }
 
   // What lies under the pointer: a joint, a point that is traced, or a place on a body.

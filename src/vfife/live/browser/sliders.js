@@ -46,9 +46,7 @@ class Sliders {
 
   move(s, position) {
     if (this.setting.positions[s] === position) return;
-    this.setting = this.setting.with(s, position);
-    this.tell(this.inputs[s], position);
-    this.changed(this.setting);
+    this.take(this.setting.with(s, position));
   }
 
   take(setting) {

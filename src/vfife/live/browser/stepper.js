@@ -27,7 +27,7 @@ class Stepper {
       this.next += steps;
       const at = made * kept.length;
       for (let k = 0; k < kept.length; k++) {
-        const value = this.state[kept[k]];
+        const value = this.state[kept[k]] + 0; // zeros that are recorded have no sign
         rows[at + k] = value;
         if (!Number.isFinite(value)) this.sound = false;
       }
@@ -59,12 +59,18 @@ function begin(message) {
   run = { id: message.id, steppers, until: [message.until, given.ideal ? given.ideal.perTurn + 1 : 0] };
 }
 
+// Whether the mechanism has its first turn, after which its reference is next.
+function perTurnIsThere() {
+  return Boolean(given.ideal) && run.steppers[0].outputs > given.ideal.perTurn;
+}
+
 // A slice of whatever is asked for; the reference comes after the first turn of the mechanism.
 function slice() {
   waiting = false;
   if (!run) return;
   const began = performance.now();
-  for (const which of [0, 1]) {
+  const first = perTurnIsThere() ? [1, 0] : [0, 1];
+  for (const which of first) {
     const stepper = run.steppers[which];
     if (!stepper?.sound || stepper.outputs >= run.until[which]) continue;
     const made = stepper.take(Math.min(run.until[which] - stepper.outputs, 4096), began + SLICE);

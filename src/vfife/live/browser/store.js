@@ -43,7 +43,7 @@ class Turns {
       this.before = began;
       return;
     }
-    this.open ??= { first: output - 1, force: {}, torque: {}, alpha: {}, depth: [], began: [] };
+    this.open ??= { first: output - 1, force: blank(), torque: blank(), alpha: blank(), depth: [], began: [] };
     const { force, torque, alpha, depth } = this.open;
     for (const name of Object.keys(reader.sim.joints)) force[name] = Math.max(force[name] ?? 0, reader.forceMax(data, at, name));
     for (const [name, k] of Object.entries(reader.sim.torques)) {

@@ -25,8 +25,10 @@ function peaks(running) {
     const values = turns.map((turn) => turn.torque[name]);
     found.push({ what: "torque", name, unit: "N m", joint: TORQUE + name, values, ideal: running.ideally("torque", name) });
   }
+  const fastest = Math.max(...turns.flatMap((turn) => Object.values(turn.alpha)), 0);
   for (const body of turning) {
     const values = turns.map((turn) => turn.alpha[body.name]);
+    if (Math.max(...values) <= 1e-9 * fastest) continue; // round-off of what does not turn
     found.push({ what: "angular acceleration", name: body.name, unit: "rad/s²", values, ideal: running.ideally("alpha", body.name) });
   }
   given.contacts.forEach((contact, k) => {
