@@ -243,3 +243,10 @@ def test_a_massless_link_has_a_nearest_length_too():
     m.distance("bar", "crank.end", "rocker.end", length=0.13)
     jam, _ = passage(m, TURN)
     assert {name: then for name, _, then in jam.lengths}["bar"] == pytest.approx(0.18, rel=1e-9)
+
+
+@pytest.mark.parametrize("excess", [3e-8, 1e-10, 1e-12, -1e-8, -1e-10])
+def test_a_hair_beside_a_change_point_is_no_jam(excess):
+    """Less than a micron in a metre is no length of a workshop's, and round-off decides which side it lies on."""
+    for m in (four_bar(0.3, 0.1, 0.18 + excess, 0.22, 0.4), slider_crank(0.05, 0.07 + excess, 0.02)):
+        assert passage(m, TURN)[0] is None

@@ -19,6 +19,9 @@ from .ways import TURN, Way, followed, ways_of
 Array = NDArray[np.float64]
 
 
+NEGLIGIBLE = 1e-6  # of the extent of the bodies: a gap that no workshop tells from a change point
+
+
 @dataclass(frozen=True)
 class Jam:
     """Where an ideal mechanism comes to its end: values of the drives (rad, m) and time (s), the joint that opens, how far at most (m), and where.
@@ -66,7 +69,11 @@ def passage(mechanism: Mechanism, duration: float, motion: Motion | None = None,
         for place, stress in found.singular:
             one = Singular(told(motion, way.aims(place)), way.time(place), names(motion, stress))
             passed.setdefault(tuple(round(value % TURN, 3) for value in one.aims), one)
-        if found.jammed:
+        if found.jammed and found.stressed is not None:
+            joint = closing_joint(system, found.stressed)
+            if joint is not None and widest(follower, joint, way, found)[0] <= NEGLIGIBLE * follower.extent:
+                aims = told(motion, way.aims(found.reached))
+                return None, (*passed.values(), Singular(aims, way.time(found.reached), names(motion, found.stressed)))
             return _jam(mechanism, motion, follower, way, found, duration if lengths else 0.0), tuple(passed.values())
     return None, tuple(passed.values())
 
