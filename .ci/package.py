@@ -19,10 +19,13 @@ IN_SDIST = ("pyproject.toml", "README.md", "CHANGELOG.md", "LICENSE", "Makefile"
 EXPORTS = ("out.csv", "out.nc", "out.mat", "out.parquet", "forces.svg")
 OURS = ("PYTHON", "VFIFE", "XDG", "VIRTUAL_ENV", "MPL")  # variables that would lead back here
 TRIED = """
-import pathlib, sys, vfife
+import pathlib, sys, pyarrow.parquet, vfife
 assert pathlib.Path(vfife.__file__).is_relative_to(sys.prefix), vfife.__file__
 result = vfife.load_result("run")
 assert result.record.status == "complete"
+table = pyarrow.parquet.read_table("out.parquet")
+assert table["rod.angle"].to_numpy().tobytes() == result.series["rod.angle"].values.tobytes()
+assert table.schema.field("rod.angle").metadata[b"units"] == b"rad"
 m = vfife.load("my.toml", {"run.turns": 1})
 assert m.check().after_drives == 0
 assert len(m._repr_html_()) > 10_000 and len(result.to_dataframe()) == len(result.time)
@@ -56,7 +59,7 @@ def look_inside(sdist: Path, wheel: Path, folder: Path) -> None:
     assert not [name for name in names if name.startswith("tests")]
     with tarfile.open(sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
-        archive.extractall(folder / "sdist", filter="data")
+        archive.extractall(folder / "sdist", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     assert set(IN_SDIST) <= inside, f"the sdist lacks {sorted(set(IN_SDIST) - inside)}"
     (unpacked,) = (folder / "sdist").iterdir()
     run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder / "again")], unpacked)

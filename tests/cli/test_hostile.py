@@ -76,6 +76,10 @@ BROKEN = {
     ),
     "gear that holds": (CRANK + '[gear.g]\nfirst = "crank"\nsecond = "rod"\nratio = -1\n', ["g", "the drive of crank", "remove one"]),
     "gear on a block": (CRANK + '[gear.g]\nfirst = "block"\nsecond = "crank"\nratio = -1\n', ["G, g", "remove one"]),
+    "more elements than a machine bears": (
+        BALL + "".join(f'[body.rod{k}]\nmodel = "elastic"\nlength = 1\nelements = 90000\nsection = {{ round = 0.04 }}\n' for k in range(3)),
+        ["270,000 elements in all bodies together", "at most 200,000"],
+    ),
     "name with dots": (CRANK.replace("body.rod", 'body."a.b"'), ['"a.b"', "without dots"]),
     "name of line breaks": (BALL.replace("body.ball", 'body."a\\nb"'), ["printable"]),
     "a million elements": (

@@ -39,7 +39,7 @@ def test_names_are_text(command: Callable, clear: bool) -> None:
     result = vfife.load_result("out")
     for page in (result._repr_html_(), result.record.assembly.mechanism._repr_html_()):  # what a notebook shows
         assert "<script>" not in page and "<b>&%s" not in page and "&lt;b&gt;&amp;%s{0}" in page
-    for name, figure in result.plot().items():
+    for name, figure in result.plot("mechanism", "forces").items():
         figure.savefig(f"{name}.svg")  # outside of what sets the style
     if clear:
         done = command("compare", "model.toml", "--contact", "hertz,pereira", "-o", "compared")
@@ -81,3 +81,16 @@ def test_any_name_is_text_or_is_told(command: Callable, name: str, place: str) -
 def test_a_picture_of_an_own_law_stays_where_it_is_asked_for() -> None:
     for name in ("../x", "/etc/x", "a b", "..", "$x$"):
         assert lawplot.target_of(None, name).parent == Path() and lawplot.target_of(None, name).suffix == ".png"
+
+
+def test_a_page_in_which_a_mechanism_runs(command: Callable) -> None:
+    """Names end neither the script that has them nor the page's title; the browser's side writes them as text."""
+    name = "</script><script>alert(1)</script>"
+    text = CRANK.replace('name = "slider-crank"', f"name = {json.dumps(name)}").replace("[joint.P]", f"[joint.'{name}']")
+    Path("model.toml").write_text(text.replace("[body.rod]", f"[body.'{name}']").replace('"rod.', f'"{name}.'))
+    done = command("live", "model.toml", "-o", "page.html", "--no-sliders")
+    assert done.exit_code == 0, (done.stderr, done.exception)
+    page = Path("page.html").read_text()
+    assert "alert(1)" in page and "<script>alert" not in page and "</script><script>" not in page.replace("</script>\n<script>", "")
+    for script in (Path(vfife.__file__).parent / "live" / "browser").glob("*.js"):
+        assert "innerHTML" not in script.read_text() and "insertAdjacentHTML" not in script.read_text(), script.name

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import vfife
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
 def machine() -> vfife.Mechanism:
@@ -67,7 +70,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     "turns and a duration": (lambda: vfife.simulate(machine(), turns=1, duration=1), ("turns", "exclude each other", "leave out one")),
     "turns where nothing turns": (lambda: vfife.simulate(machine(), turns=1), ("turns = 1", "no driver", "duration")),
     "a misspelt setting": (lambda: vfife.Settings(turn=2), ("[run] turn", "no such keyword", 'mean "turns"')),  # type: ignore[call-arg]
-    "a misspelt path": (lambda: vfife.load("examples/slider_crank.toml", {"run.turn": 2}), ("run.turn", "no 'turn' in run", "run.turns")),
+    "a misspelt path": (lambda: vfife.load(EXAMPLES / "slider_crank.toml", {"run.turn": 2}), ("run.turn", "no 'turn' in run", "run.turns")),
     "a file that is not there": (lambda: vfife.load("nowhere.toml"), ("nowhere.toml", "cannot be read", "check the name")),
     "a misspelt figure": (lambda: result().plot("force"), ("no figure", 'mean "forces"')),
     "a misspelt joint of a result": (lambda: result().joint("pivott"), ("no joint", 'mean "pivot"')),

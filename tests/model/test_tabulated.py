@@ -75,3 +75,10 @@ def test_two_ways_lie_a_gap_apart_with_a_kink_between_them():
 def test_what_closes_and_what_goes_round():
     assert closes((1.0, 5.0, 1.0 + 1e-12)) and not closes((1.0, 5.0, 1.1))
     assert whole_turns((0.5, 1.0, 0.5 + 4.0 * math.pi)) and not whole_turns((0.0, 3.0)) and not whole_turns((0.0, 6.0))
+
+
+def test_a_long_table_is_as_one_through_few_points_of_it():
+    """Of 20,000 places, which are looked at once each: a search through all of them for each would take minutes."""
+    places = np.linspace(0.0, 1.0, 20_001)
+    function = held(table(places.tolist(), np.sin(3.0 * places).tolist()))
+    assert function(0.37)[0] == pytest.approx(math.sin(1.11), abs=1e-8) and function.kinks == ()

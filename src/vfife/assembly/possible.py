@@ -9,6 +9,7 @@ from ..errors import AssemblyError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.initial import Motion, ideal_motion
+from ..kinematics.linalg import DENSE
 from ..kinematics.nearest import unclosed
 from ..kinematics.passage import Jam, Singular, passage
 from ..model.bodies import Frame, Link
@@ -34,10 +35,11 @@ class Outlook:
 def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Outlook:
     """Follows the ideal mechanism through a run. AssemblyError where it jams and neither play nor elastic links can bridge what opens.
 
-    Nothing is said of mechanisms that their drivers do not determine, nor of a static analysis.
+    Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a static analysis.
     """
     doubts = suspects(mechanism)
-    if mechanism.settings.analysis == "static" or not any(driver.moves for driver in mechanism.drivers.values()):
+    driven = any(driver.moves for driver in mechanism.drivers.values())
+    if mechanism.settings.analysis == "static" or not driven or 3 * len(mechanism.bodies) > DENSE:
         return Outlook(doubts)
     length = length_of(mechanism, turns, duration, turn_of(mechanism))
     try:

@@ -62,8 +62,9 @@ def as_rigid(link: Link, shape: Shape) -> RigidBody:
     """The deformed link, held in its shape: same particles, pins at its ends."""
     lumps = mesh(link)
     mass = float(lumps.mass.sum())
-    center = lumps.mass @ shape.local[:, :2] / mass
-    inertia = float(lumps.mass @ ((shape.local[:, :2] - center) ** 2).sum(axis=1) + _turning(link, lumps).sum())
+    center = [(lumps.mass * shape.local[:, axis]).sum() / mass for axis in (0, 1)]
+    x, y = shape.local[:, 0] - center[0], shape.local[:, 1] - center[1]
+    inertia = float((lumps.mass * (x * x + y * y)).sum() + _turning(link, lumps).sum())
     pins = {"start": (float(shape.local[0, 0]), float(shape.local[0, 1])), "end": (float(shape.local[-1, 0]), float(shape.local[-1, 1]))}
     return RigidBody(
         name=link.name, angle=link.angle, position=link.position, material=link.material, velocity=link.velocity,
@@ -97,18 +98,23 @@ def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Arr
     return force
 
 
+def columns(*values: Array) -> Array:
+    """An array (length, columns), each column of which lies together: a frame of 100,000 elements is gone through some hundred times."""
+    return np.stack(values).T
+
+
 def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Array, Array, Array]:
     """Position, velocity and acceleration (k + 1, 3) of the particles of a link held in its shape."""
     position, velocity, acceleration = motion.of(body.name)
     c, s = np.cos(position[2]), np.sin(position[2])
-    r = (shape.local[:, :2] - np.array(body.center)) @ np.array([[c, s], [-s, c]])
-    across = np.stack([-r[:, 1], r[:, 0]], axis=1)
     w, alpha = velocity[2], acceleration[2]
-    ones = np.ones(len(r))
+    ahead, beside = shape.local[:, 0] - body.center[0], shape.local[:, 1] - body.center[1]
+    x, y = c * ahead - s * beside, s * ahead + c * beside
+    ones = np.ones(len(x))
     return (
-        np.column_stack([position[:2] + r, position[2] + shape.local[:, 2]]),
-        np.column_stack([velocity[:2] + w * across, w * ones]),
-        np.column_stack([acceleration[:2] + alpha * across - w**2 * r, alpha * ones]),
+        columns(position[0] + x, position[1] + y, position[2] + shape.local[:, 2]),
+        columns(velocity[0] - w * y, velocity[1] + w * x, w * ones),
+        columns(acceleration[0] - alpha * y - w**2 * x, acceleration[1] + alpha * x - w**2 * y, alpha * ones),
     )
 
 
@@ -122,17 +128,14 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
     need[0] -= ends["start"][:2]
     force = np.cumsum(need, axis=0)[:-1]
     chord = np.diff(position[:, :2], axis=0)
-    along = chord / np.linalg.norm(chord, axis=1)[:, None]
-    axial = (force * along).sum(axis=1)
+    along = chord / np.hypot(chord[:, 0], chord[:, 1])[:, None]
+    axial = force[:, 0] * along[:, 0] + force[:, 1] * along[:, 1]
     shear = force[:, 1] * along[:, 0] - force[:, 0] * along[:, 1]
     k, size = link.element_count, link.length / link.element_count
     twist = _turning(link, lumps) * acceleration[:, 2]
-    m1, m2 = np.zeros(k), np.zeros(k)
-    before = ends["start"][2]
-    for e in range(k):
-        m1[e] = before - twist[e]
-        m2[e] = -size * shear[e] - m1[e]
-        before = -m2[e]
+    # one after the other: m1 = before - twist, m2 = -(size shear + m1), and -m2 is what the next element has before
+    sums = np.cumsum(np.concatenate([ends["start"][2:], np.column_stack([-twist[:-1], size * shear]).reshape(-1)]))
+    m1, m2 = sums[1::2].copy(), -sums[2::2]
     if link.release == "both" and k == 1:
         m1[:], m2[:] = 0.0, 0.0
     longer = axial / frame.stiffness(1.0 / size, 1.0 / size, lumps.axial, lumps.bending)[0]
@@ -146,15 +149,12 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
 def _shape(length: Array, axial: Array, m1: Array, m2: Array, rotations: tuple[Array, Array]) -> Shape:
     """The chain laid out from its start with the lengths and end rotations of its elements."""
     first, second = rotations
-    k = len(axial)
-    local = np.zeros((k + 1, 3))
-    direction = 0.0
-    local[0, 2] = first[0]
-    for e in range(k):
-        if e:
-            direction = local[e, 2] - first[e]
-        x, y = local[e, 0] + length[e] * np.cos(direction), local[e, 1] + length[e] * np.sin(direction)
-        local[e + 1] = x, y, direction + second[e]
+    # from an element to its second end, and on to the next element: the directions of both in turns
+    turns = np.cumsum(np.concatenate([[0.0], np.column_stack([second, np.append(-first[1:], 0.0)]).reshape(-1)]))
+    direction = turns[:-1:2]
+    local = np.zeros((3, len(axial) + 1)).T
+    local[1:, 0], local[1:, 1] = np.cumsum(length * np.cos(direction)), np.cumsum(length * np.sin(direction))
+    local[:, 2] = np.append(first[0], turns[1::2])
     return Shape(local, axial, m1, m2)
 
 
@@ -162,14 +162,14 @@ def _turned(shape: Shape, angle: float) -> Shape:
     """The shape in its body's frame: the chord lies along x, or the driven particle has the body's angle."""
     c, s = np.cos(angle), np.sin(angle)
     x, y, theta = shape.local.T
-    return dataclasses.replace(shape, local=np.column_stack([c * x + s * y, c * y - s * x, theta - angle]))
+    return dataclasses.replace(shape, local=columns(c * x + s * y, c * y - s * x, theta - angle))
 
 
 def straight(link: Link) -> Shape:
     """The link without forces."""
     k = link.element_count
     zeros = np.zeros(k)
-    return Shape(np.column_stack([mesh(link).position, np.zeros(k + 1)]), zeros, zeros, zeros)
+    return Shape(columns(*mesh(link).position.T, np.zeros(k + 1)), zeros, zeros, zeros)
 
 
 def settle(

@@ -14,7 +14,7 @@ Point = tuple[float, float]
 LinkModel = Literal["rigid", "elastic", "two-particle"]
 Release = Literal["none", "start", "end", "both"]
 Strain = Literal["reference", "current"]
-MOST_ELEMENTS = 100_000
+MOST_ELEMENTS, MOST_IN_ALL = 100_000, 200_000  # of a body, and of all bodies
 LINK_MODELS = ("rigid", "elastic", "two-particle")
 ELASTIC = ("elastic", "two-particle")
 DIAMETER = Measure("m", above=0.0)

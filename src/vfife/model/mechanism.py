@@ -147,9 +147,9 @@ class Mechanism(Builders):
         return str(answered("to_toml", self))
 
     def check(self) -> Checked:
-        """Examines the whole of it, and closes it at its start; nothing is run.
+        """Examines the whole of it, closes it at its start, and follows its ideal motion through what drivers ask for; nothing is run.
 
-        Raises ModelError with every fault, AssemblyError where no position satisfies its joints. What is left to say is in the answer:
+        Raises ModelError with every fault, AssemblyError where no position satisfies its joints, or it jams. What is left is in the answer:
         degrees of freedom, the step, what to be careful with; printed, it is a few sentences.
         """
         found: Checked = answered("check", self)

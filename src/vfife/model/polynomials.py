@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from ..kernels.polynomial import polynomial
@@ -43,46 +42,77 @@ class Polynomials:
     def _table(self) -> NDArray[np.float64]:
         import numpy as np
 
-        padded = [tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients]
-        count = len(self.starts)
-        kinks = [0]
-        for k in range(1, count):
-            kinks.append(kinks[-1] + self._kink(k - 1, k, self.starts[k] - self.starts[k - 1]))
-        if self.period is None:
-            head: tuple[float, ...] = (count,)
-        else:
-            head = (-count, self.period, kinks[-1] + self._kink(count - 1, 0, self.period - self.starts[-1] + self.starts[0]))
-        return np.array([*head, *self.starts, *(value for row in padded for value in row), *kinks], dtype=float)
-
-    def _kink(self, before: int, after: int, length: float) -> bool:
-        """Whether value, slope or curvature, up to the ``order``, jumps from the end of one piece, so long (s), to the begin of another."""
-        known = self.edges is None or after in self.edges
-        return after in self.breaks or (known and any(self._jumps(before, after, length)[: self.order + 1]))
-
-    def _jumps(self, before: int, after: int, length: float) -> list[float]:
-        """By how much value, slope and curvature jump there; 0 for what is next to nothing."""
-        ends = [_derivatives(self.coefficients[before], length), _derivatives(self.coefficients[after], 0.0)]
-        size = max(abs(x) * length**k for end in ends for k, x in enumerate(end))
-        least = KINK * max(size, 1e-300, 0.0 if self.order else self._largest)
-        return [abs(x - y) if abs(x - y) * length**k > least else 0.0 for k, (x, y) in enumerate(zip(*ends, strict=True))]
+        count, kinks = len(self.starts), np.cumsum(self._kinked)
+        head: tuple[float, ...] = (count,)
+        if self.period is not None:
+            head = (-count, self.period, float(kinks[-1]))
+        counts = kinks - kinks[0]  # that of the first piece is the period's
+        return np.array([*head, *self.starts, *self._rows.ravel().tolist(), *counts.tolist()], dtype=float)
 
     @cached_property
-    def _largest(self) -> float:
-        """Largest absolute value at the begins of pieces."""
-        return max(abs(row[0]) for row in self.coefficients)
+    def _rows(self) -> NDArray[np.float64]:
+        """Coefficients, shape (pieces, 7)."""
+        import numpy as np
+
+        return np.array([tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients], dtype=float)
+
+    @cached_property
+    def _lengths(self) -> NDArray[np.float64]:
+        """Lengths of the pieces; of the last one that goes on for ever, that of all others together."""
+        import numpy as np
+
+        last = self.period + self.starts[0] if self.period is not None else 2.0 * self.starts[-1] - self.starts[0]
+        return np.diff(np.array([*self.starts, last], dtype=float))
+
+    @cached_property
+    def _jumps(self) -> NDArray[np.float64]:
+        """By how much value, slope and curvature jump where each piece begins, shape (pieces, 3); 0 for what is next to nothing.
+
+        At the first piece that is where a function that repeats itself begins anew; of others nothing.
+        """
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            return self._jumped(np.roll(self._lengths, 1), np.roll(self._rows, 1, axis=0))
+
+    def _jumped(self, lengths: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The jumps, of the pieces before as they end."""
+        import numpy as np
+
+        value, rate, half = (np.zeros(len(self.starts)) for _ in range(3))
+        for k in range(6, -1, -1):
+            half, rate, value = half * lengths + rate, rate * lengths + value, value * lengths + ends[:, k]
+        before, after = np.stack([value, rate, 2.0 * half], axis=1), self._rows[:, :3] * (1.0, 1.0, 2.0)
+        scales = lengths[:, None] ** np.arange(3)
+        sizes = np.maximum(np.abs(before) * scales, np.abs(after) * scales).max(axis=1)
+        sizes = np.maximum(sizes, 1e-300 if self.order else max(1e-300, float(np.abs(self._rows[:, 0]).max())))
+        apart: NDArray[np.float64] = np.abs(before - after)
+        apart[apart * scales <= KINK * sizes[:, None]] = 0.0
+        if self.period is None:
+            apart[0] = 0.0
+        if self.edges is not None:
+            apart[np.setdiff1d(np.arange(len(self.starts)), self.edges)] = 0.0
+        return apart
+
+    @cached_property
+    def _kinked(self) -> NDArray[np.bool_]:
+        """Whether each piece begins with a kink: a jump of the value, or of a derivative up to the ``order``, or a break."""
+        import numpy as np
+
+        found: NDArray[np.bool_] = np.asarray((self._jumps[:, : self.order + 1] > 0.0).any(axis=1))
+        found[list(self.breaks)] = True
+        return found
 
     @cached_property
     def bends(self) -> tuple[tuple[float, float], ...]:
         """Where the slope jumps without a kink, with the jump over the mean length of the two pieces: a second derivative for their sum."""
-        count, span = len(self.starts), (self.period or self.starts[-1] - self.starts[0])
-        lengths = [late - early for early, late in pairwise(self.starts)]
-        lengths.append(span - self.starts[-1] + self.starts[0] if self.period else span)
-        found = []
-        for k in range(0 if self.period else 1, count) if self.edges is None else self.edges:
-            value, slope, _ = self._jumps(k - 1, k, lengths[k - 1])
-            if slope and not value and self.order < 1:
-                found.append((self.starts[k], 2.0 * slope / (lengths[k - 1] + lengths[k])))
-        return tuple(found)
+        import numpy as np
+
+        if self.order > 0:
+            return ()
+        value, slope, _ = self._jumps.T
+        mean = 0.5 * (self._lengths + np.roll(self._lengths, 1))
+        return tuple((self.starts[k], float(slope[k] / mean[k])) for k in np.flatnonzero((slope > 0.0) & (value == 0.0)).tolist())
 
     @cached_property
     def kinks(self) -> tuple[float, ...]:
@@ -113,14 +143,6 @@ class Polynomials:
         return float(value), float(rate), float(second)
 
 
-def _derivatives(coefficients: tuple[float, ...], x: float) -> tuple[float, float, float]:
-    """Value and first two derivatives of a polynomial, constant first."""
-    value = rate = half = 0.0
-    for c in reversed(coefficients):
-        half, rate, value = half * x + rate, rate * x + value, value * x + c
-    return value, rate, 2.0 * half
-
-
 def moved(function: Polynomials, by: float) -> Polynomials:
     """The function with its argument counted from ``by``: f(x - by). Pieces of one that repeats itself still begin in [0, period)."""
     if function.period is None:
@@ -131,7 +153,7 @@ def moved(function: Polynomials, by: float) -> Polynomials:
     first = min(range(count), key=turned.__getitem__)
     order = [(first + k) % count for k in range(count)]
     starts, rows = [turned[k] for k in order], [function.coefficients[k] for k in order]
-    edges = [order.index(k) for k in (range(count) if function.edges is None else function.edges)]
+    edges = [(k - first) % count for k in (range(count) if function.edges is None else function.edges)]
     if starts[0] > 0.0:  # the last piece goes on into the next period, whose begin is the table's
         rows.insert(0, recentred(rows[-1], period - starts[-1]))
         starts.insert(0, 0.0)
@@ -161,7 +183,7 @@ def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 
     from scipy.interpolate import CubicSpline
 
     fit = CubicSpline(times, values, bc_type="natural")
-    rows = [tuple(float(c) for c in fit.c[::-1, k]) for k in range(len(times) - 1)]
+    rows = fit.c[::-1].T.tolist()
     return Polynomials(tuple(map(float, times[:-1])), tuple((row[0] + offset, *row[1:]) for row in rows))
 
 

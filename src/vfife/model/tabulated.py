@@ -41,7 +41,7 @@ def rows_between(places: Places, values: Places, how: Interpolation = "monotone"
         fit, first = PchipInterpolator(around, (*values[-1 - more : -1], *values[:-1], values[0], *values[1 : 1 + more])), more
     else:
         fit, first = PchipInterpolator(places, values), 0
-    return tuple(tuple(float(c) for c in fit.c[::-1, first + k]) for k in range(count))
+    return tuple(tuple(row) for row in fit.c[::-1, first : first + count].T.tolist())
 
 
 @dataclass(frozen=True)

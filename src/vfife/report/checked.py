@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
+from ..assembly.possible import outlook
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from . import described
@@ -45,9 +47,11 @@ class Checked:
 
 
 def checked(mechanism: Mechanism) -> Checked:
-    """Examines a mechanism. Raises ModelError with every fault, AssemblyError where no position satisfies its joints."""
+    """Examines a mechanism. Raises ModelError with every fault, AssemblyError where no position satisfies its joints or it jams on its way."""
     validate(mechanism)
-    return told(assemble(mechanism))
+    seen = outlook(mechanism)
+    found = told(assemble(mechanism))
+    return dataclasses.replace(found, notes=(*found.notes, *seen.notes))
 
 
 def told(assembly: Assembly) -> Checked:

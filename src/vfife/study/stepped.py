@@ -220,7 +220,8 @@ class Simulation:
         return {name: f"{one.words} ({one.unit})" for name, (one, _) in self._inputs.items()}
 
     def set(self, name: str, value: float | str, within: float | None = None) -> None:
-        """Sets an input from now on: a torque (N m), a force (N), what multiplies a load (1), or the speed of a driver (rad/s, m/s).
+        """Sets an input from now on: a torque (N m), a force (N), what multiplies a load (1; along a guide its force, N, or
+        pressure, Pa), or the speed of a driver (rad/s, m/s).
 
         Numbers are in SI units; texts may have a unit. ``within``: time (s) in which a driver goes evenly to its new speed, a step unless given.
         Raises ModelError for a name that no input has, or a value that is none.

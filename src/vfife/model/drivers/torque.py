@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 from ...fields import Choice, Many, Measure, described
@@ -50,6 +51,10 @@ class Torque(Driver):
 
     def effort(self) -> Polynomials:
         """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else constant."""
+        return self._effort
+
+    @cached_property
+    def _effort(self) -> Polynomials:
         if isinstance(self.value, int | float):
             return constant(float(self.value))
         over = self.speeds or self.angles or self.times

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from ...fields import Choice, Many, Measure, Switch, Text, described, quantity
 from ..expression import VARIABLES, ExpressionError, parse
@@ -122,7 +123,8 @@ class Tabular(Load):
 
     def cautions(self) -> tuple[str, ...]:
         """Sentences on two ways whose values do not meet where the way turns."""
-        out, back = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
+        back = self.way(self.values_back, self.expression_back)
+        out = None if back is None else self.way(self.values, self.expression)
         if out is None or back is None:
             return ()
         largest = max(out.largest, back.largest)
@@ -136,6 +138,10 @@ class Tabular(Load):
 
     def course(self) -> tuple[Polynomials, float]:
         """The function that its table or expression is, or a constant, and the gap (m) of one with two ways."""
+        return self._course
+
+    @cached_property
+    def _course(self) -> tuple[Polynomials, float]:
         out, gap = self.way(self.values, self.expression, repeated=self.repeats), 0.0
         if out is None:
             return constant(self.constant), gap

@@ -6,13 +6,14 @@ import math
 from typing import Any
 
 from ...errors import Path, article
-from ..bodies import ELASTIC, MOST_ELEMENTS, Frame, Link, RigidBody, Section
+from ..bodies import ELASTIC, MOST_ELEMENTS, MOST_IN_ALL, Frame, Link, RigidBody, Section
 from ..lumping import rigid_properties
 from .checks import Checks, ends, given, known
 
 
 def check_bodies(checks: Checks) -> None:
     """Every body."""
+    check_all(checks)
     for name, body in known(checks.bodies):
         path: Path = ("body", name)
         for pin in given(body, "pins"):
@@ -154,6 +155,23 @@ def check_member(checks: Checks, path: Path, member: Any, frame: Any, size: floa
     first = joined.setdefault(frozenset((start, end)), k)
     if first != k:
         checks.add((*path, ""), f"members[{first}] joins {start} and {end} already", "remove one of the two")
+
+
+def check_all(checks: Checks) -> None:
+    """The elements of all bodies together are not too many."""
+    counts = {name: elements_of(body) for name, body in known(checks.bodies)}
+    total = sum(counts.values())
+    if total > MOST_IN_ALL and max(counts.values()) <= MOST_ELEMENTS:
+        name = max(counts, key=lambda one: counts[one])
+        remedy = "take fewer elements in each, or a rigid body where none is needed"
+        checks.add(("body", name), f"{total:,} elements in all bodies together are too many", remedy, f"at most {MOST_IN_ALL:,}")
+
+
+def elements_of(body: Any) -> int:
+    """Elements of a body that may be known in part only."""
+    if isinstance(body, Frame):
+        return sum(member.elements or 0 for member in body.members or () if member is not None)
+    return int(body.elements or 0) if isinstance(body, Link) and body.model == "elastic" else 0
 
 
 def check_total(checks: Checks, path: Path, members: Any) -> None:

@@ -1,0 +1,103 @@
+"""What may be a mistake though it could be meant: told once, with the likely cause; nothing is said of mechanisms that are meant."""
+
+import math
+
+import pytest
+
+from vfife import gallery
+from vfife.errors import AssemblyError
+from vfife.model.drivers import Harmonic
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+from vfife.model.suspects import suspects
+
+
+def linkage(coupler: float = 0.28, unit: float = 1.0) -> Mechanism:
+    m = Mechanism("four-bar")
+    m.point("A", 0.0, 0.0)
+    m.point("D", 0.3 * unit, 0.0)
+    for name, length, angle in (("crank", 0.1, 0.0), ("coupler", coupler, 0.9), ("rocker", 0.22, 1.7)):
+        m.link(name, length=length * unit, mass=1.0, angle=angle)
+    m.revolute("A", "ground.A", "crank.start")
+    m.revolute("B", "crank.end", "coupler.start")
+    m.revolute("C", "coupler.end", "rocker.end")
+    m.revolute("D", "ground.D", "rocker.start")
+    m.drive("crank", speed=10.0)
+    return m
+
+
+def turned(m: Mechanism) -> Mechanism:
+    m.bodies["coupler"] = type(m.bodies["coupler"])(name="coupler", length=0.28, mass=1.0, angle=50.0)
+    return m
+
+
+def without(m: Mechanism, *joints: str) -> Mechanism:
+    for joint in joints:
+        del m.joints[joint]
+    return m
+
+
+def spare(m: Mechanism) -> Mechanism:
+    m.link("spare", length=0.1, mass=1.0)
+    return m
+
+
+def swinging(m: Mechanism) -> Mechanism:
+    m.drivers["crank"] = Harmonic(body="crank", amplitude=30.0, frequency=1.0)
+    return m
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "words"),
+    [
+        (linkage(280.0), ["body.coupler.length is 280 m, 1,273 times the others", "280 mm?"]),
+        (linkage(0.28e-3), ["body.coupler.length is 0.28 mm", "times smaller"]),
+        (linkage(unit=1e3), ["ground.D is 300 m long", "not mm?"]),
+        (turned(linkage()), ["body.coupler.angle is 50 rad, which is 7.96 turns", "50 deg?"]),
+        (swinging(linkage()), ["driver.crank.amplitude is 30 rad", "30 deg?"]),
+        (spare(linkage()), ["Body spare hangs on nothing"]),
+        (without(linkage(), "B", "D"), ["Nothing ties coupler, rocker to the ground", "pivot forgotten?"]),
+        (
+            without(linkage(), "C"),
+            ["chain is open: coupler.end and rocker.end are joined", "between rocker.end and coupler.end forgotten?"],
+        ),
+        (
+            without(linkage(), "D"),
+            ["rocker.start is joined to nothing, and ground.D", "between ground.D and rocker.start forgotten?"],
+        ),
+    ],
+    ids=["metres", "tiny", "all in millimetres", "radians", "amplitude", "body on nothing", "group on nothing", "two ends", "pivot"],
+)
+def test_a_suspect_is_told(mechanism, words):
+    told = suspects(mechanism)
+    assert told and all(word in told[0] for word in words), told
+
+
+@pytest.mark.parametrize("name", gallery.__all__)
+def test_nothing_is_said_of_what_is_meant(name):
+    assert suspects(getattr(gallery, name)()) == ()
+
+
+def test_python_hears_of_it_too():
+    assert "The chain is open" in str(without(linkage(), "D").check())
+    with pytest.raises(AssemblyError, match="coupler at least 180 mm"):
+        linkage(0.13).check()
+
+
+def test_what_flies_hangs_on_nothing_and_is_meant_to():
+    m = Mechanism("flying", gravity=(0.0, -9.81))
+    m.link("stick", length=1.0, mass=1.0, velocity=(1.0, 2.0, 3.0))
+    m.link("pushed", length=1.0, mass=1.0)
+    m.point_mass("ball", mass=1.0)
+    m.loads["push"] = PointForce(name="push", at="pushed.end", force=(1.0, 0.0))
+    assert suspects(m) == ()
+
+
+def test_open_ends_that_are_meant_are_not_told():
+    pendulum = Mechanism("pendulum", gravity=(0.0, -9.81))
+    pendulum.point("O", 0.0, 0.0)
+    pendulum.link("rod", length=1.0, mass=1.0, angle=-0.5 * math.pi)
+    pendulum.revolute("O", "ground.O", "rod.start")
+    assert suspects(pendulum) == ()
+    pendulum.drive("rod", speed=3.0)
+    assert suspects(pendulum) == ()
