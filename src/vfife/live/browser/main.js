@@ -14,7 +14,7 @@ const scene = new Scene();
 const running = new Running();
 let other = null; // the setting that is kept to compare with
 const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-const clock = { head: perTurn ?? 0, wanted: 0, playing: !still, speed: 1, last: 0, dragged: false, sized: false };
+const clock = { head: perTurn ?? 0, wanted: 0, begun: 0, playing: !still, speed: 1, last: 0, dragged: false, sized: false };
 const wholeTurns = perTurn ?? wholeRun;
 const firstUntil = perTurn ? (TURNS - 1) * perTurn + 1 : wholeRun + 1;
 const sliders = new Sliders($("slides"), changed);
@@ -23,6 +23,7 @@ function changed(setting) {
   if (perTurn) clock.head = perTurn * Math.min(Math.floor(clock.head / perTurn), 1) + (clock.head % perTurn);
   else clock.head = Math.min(clock.head, wholeRun);
   clock.wanted = clock.head;
+  clock.begun = performance.now();
   told("");
   const until = Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns));
   running.begin(setting, until);
@@ -151,7 +152,8 @@ function frame(time) {
   other?.ask(until);
   scene.look(running, 60);
   if (!clock.sized && scene.seen > 0.5 * wholeTurns) begun();
-  const made = behind ? null : canvasFor($("scene"));
+  // For a moment the last picture stays; where it takes longer, one sees how far the steps have come.
+  const made = behind && time - clock.begun < 500 ? null : canvasFor($("scene"));
   if (made && store.end) scene.draw(made.pen, made.width, made.height, running, Math.min(clock.head, newest), other?.store.end ? other : null);
   drawStale(time);
   if (frames.count % 6 === 0) tellTime();
@@ -170,6 +172,8 @@ function tellTime() {
   $("time").textContent = perTurn
     ? `turn ${Math.floor(head / perTurn) + 1}, ${((360 * (head % perTurn)) / perTurn).toFixed(0).padStart(3)}°, ${quantity(time, "s", 5)}`
     : `${quantity(time, "s", 5)}`;
+  if (clock.wanted > 0 && store.end <= clock.wanted && running.sound)
+    $("time").textContent = `stepping: ${Math.floor((100 * store.end) / clock.wanted)} %`;
   const scrub = $("scrub");
   scrub.min = store.begin;
   scrub.max = Math.max(store.end - 1, 1);
