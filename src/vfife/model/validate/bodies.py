@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 from ...errors import Path, article
@@ -171,8 +170,9 @@ def check_all(checks: Checks) -> None:
 def elements_of(body: Any) -> int:
     """Elements of a body that may be known in part only."""
     if isinstance(body, Frame):
-        members: Sequence[Any] = body.members or ()
-        return sum(int(member.elements or 0) for member in members if member is not None)
+        members: Any = body.members or ()
+        counts: list[int] = [member.elements or 0 for member in members if member is not None]
+        return sum(counts)
     return int(body.elements or 0) if isinstance(body, Link) and body.model == "elastic" else 0
 
 
