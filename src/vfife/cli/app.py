@@ -8,6 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from .. import __version__
+from .animate import animate
 from .check import check
 from .compare import compare
 from .ended import export, info, plot
@@ -67,5 +68,5 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, resume, check, modes, compare, info, impacts, plot, live, export, laws, materials, schema, paper, verify):
+for command in (new, run, resume, check, modes, compare, info, impacts, plot, animate, live, export, laws, materials, schema, paper, verify):
     app.command(cls=Command)(command)
