@@ -84,11 +84,17 @@ def test_frames_are_no_more_than_outputs_and_end_with_the_run() -> None:
 
 def test_a_gif_has_its_frames_for_as_long(tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
-    assert animate(run(), tmp_path / "a.gif", 6, 20.0, told=lambda k, n: told.append((k, n))) == 6
+    assert animate(run(), tmp_path / "a.gif", 6, 20.0, told=lambda k, n: told.append((k, n))) == (6, 0.3)
     with Image.open(tmp_path / "a.gif") as image:
         assert image.n_frames == 6 and image.info["duration"] == 50 and image.info["loop"] == 0 and image.size == (960, 540)
         assert image.convert("RGB").getpixel((2, 2)) == (255, 255, 255)
     assert told == [(k, 6) for k in range(1, 7)] and [path.name for path in tmp_path.iterdir()] == ["a.gif"]
+
+
+def test_few_equilibria_are_shown_slowly(tmp_path: Path) -> None:
+    frames, seconds = animate(vfife.simulate(gallery.toggle_press()), tmp_path / "a.gif")
+    with Image.open(tmp_path / "a.gif") as image:
+        assert image.n_frames == frames and 1e-3 * image.info["duration"] * frames == pytest.approx(seconds, abs=0.01 * frames) and seconds >= 3.0
 
 
 def test_a_film_that_is_stopped_leaves_what_was_there(tmp_path: Path) -> None:

@@ -40,8 +40,8 @@ def animate(
         from ..solvers.progress import Progress
 
         with ProgressLine(quiet) as line:
-            made = written(
+            made, lasting = written(
                 result, target, frames, rate, turns, lambda k, n: line(Progress(k, n, time.monotonic() - begun, f"{k} of {n} frames drawn"))
             )
-    done = f"{amount_of_bytes(target.stat().st_size)}, {made} frames, {made / rate:.3g} s long, written in {span(time.monotonic() - begun)}"
+    done = f"{amount_of_bytes(target.stat().st_size)}, {made} frames, {lasting:.3g} s long, written in {span(time.monotonic() - begun)}"
     typer.echo(f"{target} ({done})")

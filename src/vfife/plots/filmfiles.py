@@ -25,16 +25,18 @@ PIXELS = {".gif": 96.0, ".mp4": 128.0}  # an inch: 960 by 540 and 1280 by 720
 MOST_FRAMES = 3000
 EXTRA = 'MP4 is written by imageio-ffmpeg, which is not installed here: pip install "vfife[video]", or write .gif'
 NEAR_WHITE = 240  # of 255: what is lighter is white, or paper would be grey where colours are looked up coarsely
+SHORTEST = 3.0  # s that a film of equilibria takes, if each is shown for no more than a second
 SHADES = 8  # of each colour in the palette of a GIF, for soft edges
 
 
 def animate(
     result: View, path: Path, frames: int = 240, rate: float = 25.0, turns: float = 1.0, told: Told | None = None, reference: View | None = None
-) -> int:
-    """Writes a film of the last ``turns`` turns, of the whole run without a crank, at ``rate`` frames a second; returns how many it has.
+) -> tuple[int, float]:
+    """Writes a film of the last ``turns`` turns, of the whole run without a crank; returns how many frames it has and how long (s) it is.
 
-    It has as many ``frames`` as are asked for, or as the run has outputs. ``told`` is called after each. Raises VfifeError for another ending,
-    numbers out of range, and MP4 without imageio-ffmpeg; StorageError or OSError where the file cannot be written.
+    It has as many ``frames`` as are asked for, or as the run has outputs, ``rate`` of them a second; few equilibria are shown more slowly. ``told``
+    is called after each. Raises VfifeError for another ending, numbers out of range, and MP4 without imageio-ffmpeg; StorageError or OSError where
+    the file cannot be written.
     """
     kind = path.suffix.lower()
     if kind not in FILMS:
@@ -46,12 +48,14 @@ def animate(
     if len(result.record.steps) < 2:
         raise VfifeError(f"{path}: this run has one output, so that nothing moves; run it for longer")
     film = Film(result, reference if reference is not None else result.reference, frames, turns, PIXELS[kind])
+    if result.record.static:
+        rate = min(rate, max(1.0, film.frames / SHORTEST))
     with whole(path) as part:
         if kind == ".gif":
             _gif(film, part, rate, told)
         else:
             _mp4(film, path, part, rate, told, program)
-    return film.frames
+    return film.frames, film.frames / rate
 
 
 def _ffmpeg(path: Path) -> str:
