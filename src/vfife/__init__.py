@@ -89,7 +89,7 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 
 _above.ANSWERS |= {
     "to_toml": _later("modelfile", "dump"),
-    "check": _later("report.checked", "checked"),
+    "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
 }
