@@ -95,3 +95,15 @@ def test_pieces_are_right_to_a_billionth_of_the_largest_value(text, kinks):
 def test_what_cannot_be_followed_is_told_with_its_place(text):
     with pytest.raises(SamplingError, match="x ="):
         sampled(text, 0.0, 2.0)
+
+
+def test_a_power_of_python_and_a_name_that_is_none_are_told_once() -> None:
+    with pytest.raises(ExpressionError) as power:
+        parse("x**2")
+    assert "write ^ for a power" in power.value.remedy
+    with pytest.raises(ExpressionError) as name:
+        parse("qqq(x)")
+    assert name.value.remedy.count("there are") == 1 and "a unit goes in brackets" in name.value.remedy
+    with pytest.raises(ExpressionError) as near:
+        parse("sqr(x)")
+    assert 'did you mean "sqrt"' in near.value.remedy

@@ -177,7 +177,7 @@ def patched(mechanism: Mechanism, slides: Sequence[Slide], step: float | None = 
         settings = thinned(settings, groups)
         found = Patched(settings.base, settings.slides, tuple(group(settings, sliders) for sliders in groups), tuple(notes))
         if len(groups) < 2 or differing(found, settings) is None:
-            notes += [f"{' and '.join(found.slides[s].name for s in one.sliders)} move one at a time" for one in found.groups if one.singly]
+            notes += [f"{', '.join(found.slides[s].name for s in one.sliders)}: these move one at a time" for one in found.groups if one.singly]
             found = replace(found, notes=tuple(notes))
             return replace(found, texts=all(found.written(positions) == dump(one.own.mechanism) for positions, one in checked(found, settings)))
         groups = [tuple(sorted(itertools.chain(*groups)))]

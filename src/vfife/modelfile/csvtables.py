@@ -44,6 +44,8 @@ def expand(raw: Raw, file: str | None) -> list[Broken]:
                     if key in holder:
                         raise Refused(f"{told} has a column for {key}, which the model has too", "", "", "remove one of the two")
             except Refused as refused:
+                if refused.value and refused.value != shown(told):  # the text of a cell: the file it stands in is told as well
+                    refused.what = f"{told}, {refused.what}"
                 refused.value = refused.value or shown(told)
                 broken.append((path, refused))
             else:
@@ -145,7 +147,8 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     try:
         number(f"1 {match[2] or columns[key]}", columns[key])
     except QuantityError as error:
-        raise Refused(f"{where}: its unit is that of {error.what}", shown(text), error.limit, f"for example ({columns[key]})") from None
+        what = error.what.removeprefix("a text whose ") if error.what.startswith("a text whose ") else f"unit is that of {error.what}"
+        raise Refused(f"{where}: its {what}", shown(text), error.limit, f"for example ({columns[key]})") from None
     return key, match[2] or columns[key]
 
 
