@@ -29,7 +29,6 @@ from vfife.modelfile import loads as read
 number = st.floats(-1e6, 1e6, allow_nan=False)
 positive = st.floats(1e-9, 1e9)
 point = st.tuples(number, number)
-printable = st.text(max_size=30).filter(str.isprintable)  # others are refused, see tests of names
 name = st.text(min_size=1, max_size=8).filter(lambda s: s.isprintable() and s == s.strip() and "." not in s and s != "ground")
 material = st.builds(
     lambda modulus, ratio: Material(f"m{modulus!r}{ratio!r}".replace(".", "_"), modulus, ratio, 1000.0),
@@ -184,7 +183,7 @@ def a_spring(draw: st.DrawFn, called: str, pins: tuple[str, str], turned: tuple[
 @st.composite
 def mechanisms(draw: st.DrawFn) -> Mechanism:
     names = draw(st.lists(name, min_size=1, max_size=3, unique=True))
-    model = Mechanism(draw(printable), draw(printable), draw(point))
+    model = Mechanism(draw(st.text(max_size=20).filter(str.isprintable)), draw(st.text(max_size=40).filter(str.isprintable)), draw(point))
     model.points = draw(st.dictionaries(name, point, min_size=1, max_size=3))
     model.bodies = {body: draw(a_body(body)) for body in names}
     static = draw(st.booleans())
