@@ -79,6 +79,11 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     "a unit spelt wrong": (lambda: machine().link("bar", length="3 milimeter", mass=1.0), ("this is a text whose unit", 'mean "millimeter"')),
     "a step too long": (lambda: vfife.simulate(vfife.gallery.slider_crank(), turns=1, step=1.0), ("too large", "force_step=True")),
     "a misspelt joint of a result": (lambda: result().joint("pivott"), ("no joint", 'mean "pivot"')),
+    "a folder that is not there": (lambda: result().export("nowhere/out.csv"), ("no folder", "nowhere", "make it first")),
+    "a misspelt law to compare": (
+        lambda: vfife.compare(vfife.gallery.journal_in_bearing(), contact=["hertzz"]),
+        ("no contact law", 'mean "hertz"'),
+    ),
     "a format that is not written": (lambda: result().export("out.xlsx"), ("out.xlsx", ".csv", ".parquet")),
 }
 
