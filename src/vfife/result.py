@@ -146,6 +146,17 @@ class Result(View):
 
         return figures(self, self.reference, names)
 
+    def animate(self, path: str | Path, frames: int = 240, rate: float = 25.0, turns: float = 1.0) -> None:
+        """Writes a film of the mechanism as it moves, its play drawn larger, with the largest joint forces beside it, as ``.gif`` or ``.mp4``.
+
+        Shows the last ``turns`` turns of the crank, without one the whole run, in as many ``frames`` or as there are outputs, ``rate`` of them a
+        second; what is there gives way when the film is whole. MP4 takes the extra ``video``. Raises VfifeError for another ending and numbers
+        out of range, StorageError and OSError where it cannot be written.
+        """
+        from .plots.filmfiles import animate
+
+        animate(self, Path(path), frames, rate, turns)
+
 
 def _read(record: Record, path: Path) -> Rows:
     """The outputs of a large file, where they are asked for; those that are damaged are left out, and told from then on."""

@@ -15,6 +15,8 @@ NOT_IMPORTED = {
     "pytest-cov": "a plugin of pytest: make coverage",
     "pytest-xdist": "a plugin of pytest: make test",
 }
+# Modules that are not called by the name that they are installed by.
+IMPORTED_AS = {"PIL": "pillow"}
 
 
 def test_kernels_import_only_numpy_and_each_other() -> None:
@@ -72,7 +74,7 @@ def normal(name: str) -> str:
 
 
 def imported(folder: str) -> dict[str, str]:
-    """Distributions that the files of a folder import, with a place of each. All of ours are imported by the name they are installed by."""
+    """Distributions that the files of a folder import, with a place of each. IMPORTED_AS has those of other names."""
     ours = {"vfife", *(path.stem for room in ("tests", "benchmarks") for path in (ROOT / room).iterdir())}
     found: dict[str, str] = {}
     for name, tree, _ in files() if folder == "src/vfife" else parsed(ROOT / folder):
@@ -80,13 +82,14 @@ def imported(folder: str) -> dict[str, str]:
             top = one.module.partition(".")[0]
             if one.for_types:
                 continue
+            top = IMPORTED_AS.get(top, top)
             if top and top not in sys.stdlib_module_names and top not in ours:
                 found.setdefault(normal(top), f"{name}:{one.line}")
     return found
 
 
 def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported() -> None:
-    declared, used = requirements("parquet"), imported("src/vfife")
+    declared, used = requirements("parquet", "video"), imported("src/vfife")
     report("Imported, but not among the dependencies:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
     report("Installed, but never imported:", sorted(declared - used.keys() - NOT_IMPORTED.keys()))
 
@@ -99,4 +102,4 @@ def test_what_the_tests_import_is_declared_and_what_is_declared_is_imported() ->
 
 def test_every_extra_is_for_work_on_the_package() -> None:
     """An extra comes with the code that imports what it brings."""
-    assert set(PROJECT["project"]["optional-dependencies"]) == {"dev", "parquet", "test"}
+    assert set(PROJECT["project"]["optional-dependencies"]) == {"dev", "parquet", "test", "video"}

@@ -8,6 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from .. import __version__
+from .animate import animate
 from .check import check
 from .compare import compare
 from .ended import export, info, plot
@@ -19,6 +20,7 @@ from .modes import modes
 from .new import new
 from .paper import paper
 from .plainly import Command, Plainly, UsageError
+from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
@@ -67,5 +69,24 @@ def root(
     """Planar mechanisms whose pins have play."""
 
 
-for command in (new, run, resume, check, modes, compare, info, impacts, plot, live, export, laws, materials, schema, paper, verify):
+for command in (
+    new,
+    run,
+    resume,
+    check,
+    modes,
+    compare,
+    info,
+    impacts,
+    plot,
+    animate,
+    report,
+    live,
+    export,
+    laws,
+    materials,
+    schema,
+    paper,
+    verify,
+):
     app.command(cls=Command)(command)

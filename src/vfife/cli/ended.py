@@ -123,6 +123,7 @@ def in_words(step: int | None) -> str:
 
 
 ENDINGS = (".csv", ".nc", ".nc4", ".h5", ".mat", ".parquet", ".svg", ".pdf", ".png")  # as Result.export has them; a test compares
+ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")]
 FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")]
 
 
@@ -150,23 +151,28 @@ def export(
         ),
     ],
     figure: Annotated[str | None, typer.Option("--figure", metavar="NAME", help="The figure, if the file is not called by its name.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
+    force: ForceFile = False,
 ) -> None:
     """Write all channels of a run with their units, or a figure, in the format that the file's ending says."""
     with sentences(str(target)):
         if target.suffix.lower() not in ENDINGS:
             known = f"{', '.join(ENDINGS[:-1])} and {ENDINGS[-1]}"
             raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
-        if target.is_dir():
-            raise ValueError(f"this is a folder; name a file, such as out{target.suffix}")
-        if target.exists() and not force:
-            raise ValueError("there is a file of this name already; name another one, or add --force to replace it")
-        if not target.absolute().parent.is_dir():
-            raise ValueError(f"there is no folder {target.absolute().parent}; make it first")
+        refuse_taken(target, force)
     result, _ = loaded(run)
     with sentences(str(run)), writing(str(target), "The run is as it was, and so is what was there before."):
         result.export(target, figure)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+
+
+def refuse_taken(target: Path, force: bool) -> None:
+    """Raises ValueError where a file cannot be written, or takes the place of another one that ``force`` does not give up."""
+    if target.is_dir():
+        raise ValueError(f"this is a folder; name a file, such as out{target.suffix}")
+    if target.exists() and not force:
+        raise ValueError("there is a file of this name already; name another one, or add --force to replace it")
+    if not target.absolute().parent.is_dir():
+        raise ValueError(f"there is no folder {target.absolute().parent}; make it first")
 
 
 def loaded(run: Path) -> tuple[Result, Path]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import matplotlib
 import numpy as np
 
-from .curves import _one_turn, abscissa
+from .curves import abscissa, one_turn
 from .files import saved
 from .style import BODIES, GREY, INK, STYLE, heading, one_legend, panels, scale_of
 
@@ -35,7 +35,7 @@ def forces(found: Comparison) -> Figure:
         factor, unit = scale_of(max(row["joints"][name]["force.max"] for row in found.rows), "N")
         for k, (result, label) in enumerate(zip(found.results, labels(found), strict=True)):
             first = max(int(np.argmax(result.last_turn)) - 1, 0)
-            x, _ = _one_turn(abscissa(result)[first:], result)
+            x, _ = one_turn(abscissa(result)[first:], result)
             joint = list(result.record.assembly.mechanism.joints).index(name)
             y = result.channels["joint_force_max"].values[first:, joint]
             ax.plot(x, factor * y, color=BODIES[k % len(BODIES)], ls=LINES[k // len(BODIES) % len(LINES)], lw=1.0, label=label)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,15 +36,41 @@ def force_curves(result: View, reference: View | None = None) -> Figure | None:
 
     The line is the largest force in each output interval, so that no peak is missed.
     """
-    rows = joint_rows(result.record)
-    kinds = {"contact": 0, "joint": 1, "driven": 2}
+    names = loaded_joints(result, MOST)
+    return _figure(result, reference, names, (_force, _force_band), "joint force", "N", _titles(result))
+
+
+def loaded_joints(result: View, most: int) -> list[str]:
+    """Names of the joints that carry a force, joints with clearance first; of more than ``most`` those with the largest forces."""
+    rows, kinds = joint_rows(result.record), {"contact": 0, "joint": 1, "driven": 2}
     loaded = {name: float(found[0].max()) for name in rows if (found := _force(result, name)) is not None}
     noise = NOISE * max([0.0, *loaded.values(), *(float(np.abs(_moment(result, name)[0]).max()) for name in rows)])
     names = sorted((name for name, most in loaded.items() if most > noise), key=lambda name: kinds[rows[name][0]])
-    if len(names) > MOST:
-        largest = sorted(names, key=lambda name: -loaded[name])[:MOST]
-        names = [name for name in names if name in largest]
-    return _figure(result, reference, names, (_force, _force_band), "joint force", "N", _titles(result))
+    largest = sorted(names, key=lambda name: -loaded[name])[:most]
+    return [name for name in names if name in largest]
+
+
+@dataclass(frozen=True)
+class ForceCurve:
+    """Size of a joint's force (N) over the crank angle (degrees), time (ms) or load factor, and the ideal one's where there is one."""
+
+    x: Array
+    force: Array
+    ideal: tuple[Array, Array] | None
+
+
+def force_from(result: View, reference: View | None, name: str, first: int) -> ForceCurve:
+    """The force of a joint from an output on; the ideal one's last turn again for each turn of it."""
+    x, origin = one_turn(abscissa(result)[first:], result)
+    force, ideal = _force_of(result, name)[first:], None if reference is None else _force(reference, name)
+    if ideal is None or reference is None:
+        return ForceCurve(x, force, None)
+    at, values = _ideal_turn(reference, ideal[0], x, origin)
+    if result.crank is not None and not result.record.static:
+        turns = range(1 + int(abs(x[-1] - x[0]) / 360.0))
+        at, values = np.concatenate([at + 360.0 * k for k in turns]), np.tile(values, len(turns))
+    seen = (at >= min(x) - 1e-6) & (at <= max(x) + 1e-6)
+    return ForceCurve(x, force, (at[seen], values[seen]) if seen.sum() > 1 else None)
 
 
 def moment_curves(result: View, reference: View | None = None) -> Figure | None:
@@ -75,10 +102,12 @@ def acceleration_curves(result: View, reference: View | None = None) -> Figure |
 
 
 def _force(result: View, name: str) -> Series | None:
-    joints = list(joint_rows(result.record))
-    if name not in joints:
-        return None
-    return result.channels["joint_force" if result.record.static else "joint_force_max"].values[:, joints.index(name)], None
+    return (_force_of(result, name), None) if name in joint_rows(result.record) else None
+
+
+def _force_of(result: View, name: str) -> Array:
+    channel = result.channels["joint_force" if result.record.static else "joint_force_max"]
+    return channel.values[:, list(joint_rows(result.record)).index(name)]
 
 
 def _force_band(result: View, name: str) -> tuple[Array, Array] | None:
@@ -132,7 +161,7 @@ def _figure(
             _panel(ax, result, reference, drawn, (what, unit))
             ax.set_title(title(name))
         if k >= len(names) - columns:
-            ax.set_xlabel(_axis(result))
+            ax.set_xlabel(axis_title(result))
             ax.tick_params(labelbottom=True)
     for ax in axes[len(names) :]:
         ax.set_visible(False)
@@ -151,7 +180,7 @@ def _panel(
 ) -> None:
     (line, extreme), ideal, over = curves
     first = max(int(np.argmax(result.last_turn)) - 1, 0)  # the output at which the turn's first interval begins
-    x, origin = _one_turn(abscissa(result)[first:], result)
+    x, origin = one_turn(abscissa(result)[first:], result)
     line, extreme = line[first:], None if extreme is None else extreme[first:]
     factor, unit = scale_of(float(np.abs(line if extreme is None else extreme).max()), quantity[1])
     if ideal is not None and reference is not None:
@@ -172,7 +201,8 @@ def _panel(
         ax.set_xticks(np.arange(np.ceil(min(x) / 60.0 - 1e-6) * 60.0, max(x) + 1e-6, 60.0))
 
 
-def _axis(result: View) -> str:
+def axis_title(result: View) -> str:
+    """What curves are drawn over, with its unit."""
     if result.record.static:
         return "load factor"
     return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"
@@ -185,7 +215,7 @@ def abscissa(result: View) -> Array:
     return 1e3 * result.time if result.crank_angle is None else result.crank_angle
 
 
-def _one_turn(angle: Array, result: View) -> tuple[Array, float]:
+def one_turn(angle: Array, result: View) -> tuple[Array, float]:
     """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they are."""
     if result.crank is None or result.record.static:
         return angle, 0.0

@@ -28,7 +28,7 @@ def drawing(result: View) -> Figure:
     mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
     colours = {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)}
-    low, high = _extent(result, outlines)
+    low, high = extent(result, outlines)
     size = float(np.max(high - low)) or 1.0
     factor, unit = length_unit(size)
     width, height = np.maximum((high - low) / size, 0.35) * 5.6
@@ -42,7 +42,7 @@ def drawing(result: View) -> Figure:
         for pin in loose_pins(result, name) if not result.record.static else ():
             sheet.line(sheet.path(name, pin), color=colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
     for name, one in outlines.items():
-        _body(sheet, name, one)
+        body_sign(sheet, name, one)
     gear_signs(sheet)
     joint_signs(sheet)
     spring_signs(sheet)
@@ -67,7 +67,7 @@ def _when(result: View, shown: int, faint: bool) -> str:
     return "at the start" + ("" if not faint else " (faint: over the last turn)" if result.crank is not None else " (faint: later)")
 
 
-def _extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
+def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
     """Lower left and upper right corner (m) of what is drawn, with a margin that holds the signs for the ground."""
     mechanism = result.record.assembly.mechanism
     points = [one.path.reshape(-1, 2) for one in outlines.values()]
@@ -104,7 +104,8 @@ def _later(result: View, shown: int) -> list[int]:
     return [int(k) for k in chosen[np.linspace(0, len(chosen) - 1, POSITIONS + 1).astype(int)][:-1]]
 
 
-def _body(sheet: Sheet, name: str, one: Outline) -> None:
+def body_sign(sheet: Sheet, name: str, one: Outline) -> None:
+    """A body as a line, a plate or a point."""
     ax, path, colour = sheet.ax, sheet.factor * one.path[sheet.shown], sheet.colours[name]
     if len(path) == 1:
         ax.plot(*path.T, color=colour, ls="", marker="o", ms=10, label=name, zorder=3)

@@ -55,8 +55,8 @@ def _leaving(sheet: Sheet, joint: Joint, at: Array) -> Array:
     return np.array([np.sign(dx) or 1.0, 0.0]) if abs(dx) >= abs(dy) else np.array([0.0, np.sign(dy)])
 
 
-def joint_names(sheet: Sheet, middle: Array) -> None:
-    """Names of the joints beside their signs, those in one place together."""
+def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
+    """Names of the joints beside their signs, by so many points ``farther`` away, those in one place together."""
     places: list[tuple[Label, list[str]]] = []
     for name, joint in sheet.mechanism.joints.items():
         label = joint.label(seen(sheet, joint))
@@ -74,5 +74,5 @@ def joint_names(sheet: Sheet, middle: Array) -> None:
             sheet.ax.text(at[0], at[1], text, **look)
             continue
         away = (at - middle) / (np.linalg.norm(at - middle) or 1.0)
-        reach = np.array([12.0 + 2.6 * len(text), 17.0])
+        reach = np.array([12.0 + 2.6 * len(text), 17.0]) + farther
         sheet.ax.annotate(text, (at[0], at[1]), xytext=tuple(reach * away), textcoords="offset points", **look)

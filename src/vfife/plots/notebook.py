@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..results.view import View
 
+LARGEST = 300_000  # bytes of a figure as lines
+TITLES = {
+    "mechanism": "The mechanism", "orbits": "Journals in their bearings", "forces": "Joint forces", "moments": "Moments of gears and drivers",
+    "accelerations": "Angular accelerations",
+}  # fmt: skip
 SHOWN = ("mechanism", "orbits", "forces")  # figures of a result
 
 
@@ -46,6 +51,24 @@ def result_html(result: View) -> str:
     said = console.file.getvalue()  # type: ignore[attr-defined]
     found = figures(result, names=SHOWN)
     return f"<pre>{escape(said)}</pre>" + "".join(picture(one, name) for name, one in found.items())
+
+
+def pictures(result: View) -> dict[str, str]:
+    """All figures of a result as elements of a page, by what they show: lines that stay sharp on paper, pixels where lines would take more room."""
+    from . import figures
+
+    return {f"{TITLES[name]}": sharp(figure, TITLES[name]) for name, figure in figures(result).items()}
+
+
+def sharp(figure: Figure, words: str) -> str:
+    """A figure as SVG, or as PNG where that is smaller."""
+    made = io.BytesIO()
+    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path", "svg.hashsalt": words}):
+        figure.savefig(made, format="svg", metadata={"Date": None})
+    if len(made.getvalue()) > LARGEST:
+        return picture(figure, words)
+    data = base64.b64encode(made.getvalue()).decode("ascii")
+    return f'<img alt="{escape(words)}" src="data:image/svg+xml;base64,{data}">'
 
 
 def picture(figure: Figure, words: str) -> str:

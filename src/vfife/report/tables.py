@@ -32,20 +32,12 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
     leading = verdict(told)
     if leading:
         console.print(Text(leading, style="bold yellow"))
-    console.print(_facts(told))
+    console.print(facts(told))
     for text in run["notes"]:
         console.print(Text(text))
-    turning = any(body["angular_acceleration.max"] for body in model["bodies"].values() if not body["driven"])
-    contact = any("impacts" in one for one in told["contacts"].values())
-    for title, there, table in (
-        (f"Largest reactions ({told['part']})", bool(told["joints"]), _joint_table),
-        ("Contact (whole run)", contact, _contact_table),
-        (f"Losses and pressures ({told['part']})", bool(worn(told)), wear_table),
-        (f"Largest angular accelerations ({told['part']})", turning, _body_table),
-    ):
-        if there:
-            console.print(Text(title, style="bold"))
-            console.print(table(told))
+    for title, table in found_tables(told):
+        console.print(Text(title, style="bold"))
+        console.print(table)
     if told["conformal"]:
         console.print(Text(CONFORMAL))
     if told["not_unique"]:
@@ -56,7 +48,22 @@ def print_report(console: Console, told: dict[str, Any]) -> None:
         console.print(Text.assemble(("Warning: ", "bold yellow"), text))
 
 
-def _facts(told: dict[str, Any]) -> Table:
+def found_tables(told: dict[str, Any]) -> Iterable[tuple[str, Table]]:
+    """Tables of what was found, each with its title; those that a run has nothing for are left out."""
+    turning = any(body["angular_acceleration.max"] for body in told["model"]["bodies"].values() if not body["driven"])
+    contact = any("impacts" in one for one in told["contacts"].values())
+    for title, there, table in (
+        (f"Largest reactions ({told['part']})", bool(told["joints"]), _joint_table),
+        ("Contact (whole run)", contact, _contact_table),
+        (f"Losses and pressures ({told['part']})", bool(worn(told)), wear_table),
+        (f"Largest angular accelerations ({told['part']})", turning, _body_table),
+    ):
+        if there:
+            yield title, table(told)
+
+
+def facts(told: dict[str, Any]) -> Table:
+    """What was run, and how far it can be trusted: names and sentences."""
     table = Table.grid(padding=(0, 2))
     for name, text in (
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in told["model"]["bodies"].items())),

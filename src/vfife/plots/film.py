@@ -1,0 +1,195 @@
+"""A run as a film: the mechanism as it moves, its play drawn larger, and beside it the forces as they come."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..analysis.motion import pin_path
+from .curves import abscissa, axis_title, force_from, loaded_joints, one_turn
+from .drawing import body_sign, extent
+from .jointsigns import joint_names, joint_signs
+from .moments import first_output, moments, places_between
+from .outlines import Outline, outline
+from .sheet import Sheet
+from .springsigns import gear_signs, load_signs, spring_signs
+from .stage import Drawn, Notes, Stage
+from .style import BLUE, BODIES, INK, ORANGE, STYLE, VERMILION, heading, length_unit, scale_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ..results.view import View
+
+Array = NDArray[np.float64]
+SIZE = (10.0, 5.625)  # inches
+MOST_PANELS = 3
+PLAY = 0.028  # radius of the largest clearance circle, as a share of the drawing
+BESIDE = 7.0  # points by which a name stands farther away where circles are drawn larger
+SEEN = 2.0  # times as large: play that would be drawn larger by less is seen as it is
+TRAIL = 12  # frames that a journal's way is seen in its circle
+CIRCLE = np.stack([np.cos(np.linspace(0.0, 2.0 * np.pi, 49)), np.sin(np.linspace(0.0, 2.0 * np.pi, 49))], axis=1)
+
+
+@dataclass
+class MovingSheet(Sheet):
+    """A sheet on which the same mechanism is drawn again and again: paths are found once."""
+
+    paths: dict[tuple[str, str], Array] = field(default_factory=dict)
+
+    def path(self, body: str, pin: str) -> Array:
+        """Path of a pin in the units drawn, shape (moments, 2)."""
+        if (body, pin) not in self.paths:
+            self.paths[body, pin] = self.factor * pin_path(self.result.record, body, pin)
+        return self.paths[body, pin]
+
+
+@dataclass(frozen=True)
+class Running:
+    """A curve that runs: its axes, and where its head is at each frame, in the units drawn."""
+
+    ax: Axes
+    x: Array
+    y: Array
+
+
+class Film:
+    """The frames of a run. ``frames`` are drawn one after another by :meth:`pictures`; ``size`` is that of each, in pixels."""
+
+    def __init__(self, result: View, reference: View | None, frames: int, turns: float, dpi: float) -> None:
+        self.result, self.reference = result, reference
+        self.first = first_output(result, turns)
+        self.at = places_between(len(result.record.steps), self.first, frames)
+        self.view = moments(result, self.at)
+        self.frames = len(self.at)
+        self.over, _ = one_turn(abscissa(result)[self.first :], result)
+        with matplotlib.rc_context(STYLE):
+            self.figure = Figure(figsize=SIZE, dpi=dpi)
+            self.canvas: Any = FigureCanvasAgg(self.figure)  # whose methods have no types
+            self._draw_still()
+        self.size = self.canvas.get_width_height()
+
+    def pictures(self) -> Iterator[NDArray[np.uint8]]:
+        """The frames, each as pixels of red, green, blue and opacity, shape (height, width, 4); one is overwritten by the next."""
+        with matplotlib.rc_context(STYLE):
+            self.canvas.draw()
+            grown = self.canvas.copy_from_bbox(self.figure.bbox)
+            lines = [curve.ax.plot([], [], color=BLUE, lw=1.3, animated=True, zorder=4)[0] for curve in self.curves]
+            heads = [curve.ax.plot([], [], ls="", marker="o", ms=5, color=BLUE, mec="white", animated=True, zorder=5)[0] for curve in self.curves]
+            for k in range(self.frames):
+                self.canvas.restore_region(grown)
+                for line, curve in zip(lines, self.curves, strict=True):
+                    upto = slice(*self._between(k))
+                    line.set_data(np.append(curve.x[upto], self._head(curve.x, k)), np.append(curve.y[upto], self._head(curve.y, k)))
+                    curve.ax.draw_artist(line)
+                grown = self.canvas.copy_from_bbox(self.figure.bbox) if lines else grown  # what a curve has drawn stays
+                for head, curve in zip(heads, self.curves, strict=True):
+                    head.set_data([self._head(curve.x, k)], [self._head(curve.y, k)])
+                    curve.ax.draw_artist(head)
+                self.stage.draw(k)
+                self.clock.set_text(self._moment(k))
+                self.figure.draw_artist(self.clock)
+                yield np.asarray(self.canvas.buffer_rgba())
+
+    def _between(self, k: int) -> tuple[int, int]:
+        """Outputs from before the frame before this one up to this one, from the first of the film."""
+        return int(self.at[max(k - 1, 0)]) - self.first, int(self.at[k]) - self.first + 1
+
+    def _head(self, values: Array, k: int) -> float:
+        return float(np.interp(self.at[k] - self.first, np.arange(len(values)), values))
+
+    def _moment(self, k: int) -> str:
+        now = self._head(self.result.time[self.first :], k)
+        if self.result.record.static:
+            return f"load factor {now:.4g}"
+        angle = "" if self.result.crank is None else f"{self.result.crank} {self._head(self.over, k):.0f}°, "
+        return f"{angle}{1e3 * now:.2f} ms"
+
+    # -------------------------------------------------------------------------------------------- what does not move
+
+    def _draw_still(self) -> None:
+        names = loaded_joints(self.result, MOST_PANELS)
+        left, right = (0.075, 0.56) if names else (0.09, 0.97)
+        ax = self.figure.add_axes((left, 0.11, right - left, 0.76))
+        mechanism = self.result.record.assembly.mechanism
+        outlines = {name: outline(self.view, name) for name in self.view.record.assembly.bodies}
+        low, high = extent(self.view, outlines)
+        size = float(np.max(high - low)) or 1.0
+        factor, unit = length_unit(size)
+        colours = {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)}
+        ax.set_aspect("equal")
+        ax.set(xlim=factor * np.array([low[0], high[0]]), ylim=factor * np.array([low[1], high[1]]), xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+        ax.set_autoscale_on(False)
+        largest = max((joint.clearance for joint in mechanism.clearances.values()), default=0.0)
+        larger = PLAY * size / largest if largest > 0.0 else 1.0
+        self.larger = float(f"{larger:.2g}") if larger > SEEN else 1.0
+        sheet = MovingSheet(ax, self.view, factor, factor * size, 0, colours)
+        self.stage = Stage(ax, [self._noted(sheet, outlines, k) for k in range(self.frames)])
+        self.curves = [self._panel(name, k, len(names)) for k, name in enumerate(names)]
+        ax.apply_aspect()
+        corner = ax.get_position()
+        self.clock = self.figure.text(corner.x0, corner.y1 + 0.015, "", va="bottom", animated=True, color=INK)
+        played = f"; play drawn {self.larger:.4g} times as large" if self.larger > 1.0 else ""
+        heading(self.figure, f"{mechanism.name}{played}")
+
+    def _noted(self, sheet: MovingSheet, outlines: dict[str, Outline], k: int) -> list[Drawn]:
+        """What there is to draw of the mechanism at a frame."""
+        notes: Any = Notes()
+        sheet.ax, sheet.shown = notes, k
+        for name, one in outlines.items():
+            body_sign(sheet, name, one)
+        gear_signs(sheet)
+        joint_signs(sheet)
+        spring_signs(sheet)
+        load_signs(sheet)
+        every = np.concatenate([one.path.reshape(-1, 2) for one in outlines.values()])
+        joint_names(sheet, sheet.factor * np.nanmean(every, axis=0), BESIDE if self.larger > 1.0 else 0.0)
+        self._play(sheet, k)
+        return list(notes.drawn)
+
+    def _play(self, sheet: MovingSheet, k: int) -> None:
+        """Clearance circles drawn larger, in each the journal's centre and where it was just before."""
+        for joint in sheet.mechanism.clearances.values() if self.larger > 1.0 else ():
+            at = sheet.at(joint.bearing)
+            away = sheet.path(*joint.sides[1]) - sheet.path(*joint.sides[0])
+            circle = at + self.larger * sheet.factor * joint.clearance * CIRCLE
+            sheet.ax.fill(*circle.T, facecolor="white", edgecolor=INK, lw=1.2, zorder=9.1)
+            trail = at + self.larger * away[max(k - TRAIL, 0) : k + 1]
+            sheet.line(trail, color=ORANGE, lw=1.2, zorder=9.2)
+            sheet.ax.plot(*trail[-1], ls="", marker="o", ms=5, color=VERMILION, mec=INK, mew=0.8, zorder=9.3)
+
+    def _panel(self, name: str, k: int, count: int) -> Running:
+        """Axes for the force of a joint: the whole curve faint, the ideal one, and room for the one that runs."""
+        height = 0.76 / count
+        ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
+        found = force_from(self.result, self.reference, name, self.first)
+        most = max(float(found.force.max()), 0.0 if found.ideal is None else float(found.ideal[1].max()))
+        factor, unit = scale_of(most, "N")
+        ax.plot(found.x, factor * found.force, color=BLUE, lw=0.8, alpha=0.25, zorder=2)
+        if found.ideal is not None:
+            ax.plot(found.ideal[0], factor * found.ideal[1], color=VERMILION, lw=1.2, zorder=3, label="ideal joints")
+            if k == 0:
+                ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderpad=0.0, fontsize=9)
+        ax.set_title(f"joint {name}", fontsize=10)
+        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * most), xlim=_limits(found.x))
+        if k == count - 1:
+            ax.set_xlabel(axis_title(self.result))
+        else:
+            ax.tick_params(labelbottom=False)
+        if self.result.crank is not None and not self.result.record.static and 300.0 < abs(found.x[-1] - found.x[0]) <= 361.0:
+            ax.set_xticks(np.arange(60.0 * math.ceil(min(found.x) / 60.0 - 1e-6), max(found.x) + 1e-6, 60.0))
+        ax.set_autoscale_on(False)
+        return Running(ax, found.x, factor * found.force)
+
+
+def _limits(x: Array) -> tuple[float, float]:
+    low, high = float(min(x)), float(max(x))
+    return (low, high) if high > low else (low - 0.5, high + 0.5)

@@ -1,0 +1,128 @@
+"""Films as files: GIF by Pillow, MP4 by the ffmpeg that imageio-ffmpeg brings; whole or not there."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO, TYPE_CHECKING, cast
+
+from PIL import Image, ImageColor
+
+from ..errors import StorageError, VfifeError
+from ..results.whole import whole
+from .film import Film
+from .style import BODIES, FAINT, GREY, INK, ORANGE, VERMILION
+
+if TYPE_CHECKING:
+    from ..results.view import View
+
+Told = Callable[[int, int], None]  # frames that are done, and all of them
+FILMS = (".gif", ".mp4")
+PIXELS = {".gif": 96.0, ".mp4": 128.0}  # an inch: 960 by 540 and 1280 by 720
+MOST_FRAMES = 3000
+EXTRA = 'MP4 is written by imageio-ffmpeg, which is not installed here: pip install "vfife[video]", or write .gif'
+NEAR_WHITE = 240  # of 255: what is lighter is white, or paper would be grey where colours are looked up coarsely
+SHADES = 8  # of each colour in the palette of a GIF, for soft edges
+
+
+def animate(
+    result: View, path: Path, frames: int = 240, rate: float = 25.0, turns: float = 1.0, told: Told | None = None, reference: View | None = None
+) -> int:
+    """Writes a film of the last ``turns`` turns, of the whole run without a crank, at ``rate`` frames a second; returns how many it has.
+
+    It has as many ``frames`` as are asked for, or as the run has outputs. ``told`` is called after each. Raises VfifeError for another ending,
+    numbers out of range, and MP4 without imageio-ffmpeg; StorageError or OSError where the file cannot be written.
+    """
+    kind = path.suffix.lower()
+    if kind not in FILMS:
+        raise VfifeError(f'{path}: no film is written as "{path.suffix or path.name}"; endings that say a format are {", ".join(FILMS)}')
+    for name, value, low, high in (("frames", frames, 2, MOST_FRAMES), ("frames a second", rate, 1, 50), ("turns", turns, 1e-3, 1e4)):
+        if not low <= value <= high:
+            raise VfifeError(f"{path}: {name}: {value:g} is not between {low:g} and {high:g}")
+    program = _ffmpeg(path) if kind == ".mp4" else ""
+    if len(result.record.steps) < 2:
+        raise VfifeError(f"{path}: this run has one output, so that nothing moves; run it for longer")
+    film = Film(result, reference if reference is not None else result.reference, frames, turns, PIXELS[kind])
+    with whole(path) as part:
+        if kind == ".gif":
+            _gif(film, part, rate, told)
+        else:
+            _mp4(film, path, part, rate, told, program)
+    return film.frames
+
+
+def _ffmpeg(path: Path) -> str:
+    try:
+        import imageio_ffmpeg
+    except ImportError:
+        raise VfifeError(f"{path}: {EXTRA}") from None
+    try:
+        return str(imageio_ffmpeg.get_ffmpeg_exe())
+    except RuntimeError as error:
+        raise VfifeError(f"{path}: imageio-ffmpeg finds no ffmpeg here ({error}); write .gif") from error
+
+
+def _mp4(film: Film, path: Path, part: Path, rate: float, told: Told | None, program: str) -> None:
+    """H.264 in the colours that every player shows. Ctrl-C does not reach the encoder: it is ended here."""
+    width, height = film.size
+    given = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-", "-an"]
+    wanted = ["-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"]
+    with TemporaryFile() as said:
+        line = [program, "-y", "-v", "error", *given, *wanted, str(part.absolute())]
+        encoder = subprocess.Popen(line, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True)
+        try:
+            with suppress(BrokenPipeError), cast("IO[bytes]", encoder.stdin) as pipe:  # broken: it ended, and why is told below
+                for k, picture in enumerate(film.pictures(), 1):
+                    pipe.write(picture.data)
+                    if told is not None:
+                        told(k, film.frames)
+            code = encoder.wait()
+        except BaseException:
+            encoder.kill()
+            encoder.wait()
+            raise
+        if code:
+            raise StorageError(f"{path}: ffmpeg could not write the film: {_last_line(said)}.")
+
+
+def _last_line(said: IO[bytes]) -> str:
+    said.seek(0)
+    lines = said.read().decode("utf-8", "replace").split("\n")
+    return next((line.strip().rstrip(".") for line in reversed(lines) if line.strip()), "it ended without a word")
+
+
+def _gif(film: Film, part: Path, rate: float, told: Told | None) -> None:
+    """Frames with one palette; a GIF counts time in hundredths of a second."""
+    palette = _palette()
+
+    def frames() -> Iterator[Image.Image]:
+        for k, picture in enumerate(film.pictures(), 1):
+            image = Image.frombuffer("RGBA", film.size, picture, "raw", "RGBA", 0, 1).convert("RGB")
+            yield image.quantize(palette=palette, dither=Image.Dither.NONE)
+            if told is not None:
+                told(k, film.frames)
+
+    every = frames()
+    lasting = 10 * max(2, round(100.0 / rate))  # ms; less than two hundredths are shown slowly
+    next(every).save(part, format="GIF", save_all=True, append_images=every, duration=lasting, loop=0, optimize=False)
+
+
+def _palette() -> Image.Image:
+    """The colours that figures are drawn in, in shades towards white, and those of bodies towards ink."""
+    colours: list[tuple[int, ...]] = []
+    for name in dict.fromkeys((INK, GREY, FAINT, ORANGE, VERMILION, *BODIES)):
+        colours += _shades(ImageColor.getrgb(name), (255, 255, 255))
+    for name in BODIES:
+        colours += _shades(ImageColor.getrgb(name), ImageColor.getrgb(INK))
+    image = Image.new("P", (1, 1))
+    told = [(255, 255, 255), *(colour for colour in dict.fromkeys(colours) if min(colour) < NEAR_WHITE)]
+    flat = [part for colour in told for part in colour]
+    image.putpalette((flat + [255] * 768)[:768])
+    return image
+
+
+def _shades(of: tuple[int, ...], towards: tuple[int, ...]) -> list[tuple[int, ...]]:
+    return [tuple(round(a + (b - a) * k / SHADES) for a, b in zip(of, towards, strict=True)) for k in range(SHADES + 1)]

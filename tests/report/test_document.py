@@ -1,0 +1,125 @@
+"""The report of a run: what it says is what was found, names are text, and nothing is fetched."""
+
+import re
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import vfife
+from vfife import gallery
+from vfife.cli import report as command
+from vfife.cli.app import app
+from vfife.modelfile import dump, load
+from vfife.report.document import as_given, document, found, trust
+from vfife.result import Result
+
+NAME = "<script>alert(1)</script> & <b>bold</b> </iframe>"
+
+
+class Page(HTMLParser):
+    """What a browser makes of it: elements, their attributes, texts by element."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: dict[str, list[str]] = {}
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.open.append(tag)
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        while self.open and self.open.pop() != tag:
+            pass
+
+    def handle_data(self, data: str) -> None:
+        self.texts.setdefault(self.open[-1] if self.open else "", []).append(data)
+
+
+@cache
+def run() -> Result:
+    mechanism = gallery.four_bar_case_c()
+    mechanism.name = NAME
+    return vfife.simulate(mechanism, turns=0.25, outputs=90, companions=0)
+
+
+@cache
+def page() -> Page:
+    return Page(document(run(), {NAME: "<img alt='' src='data:,'>"}, f"<p>{NAME}</p>", None))
+
+
+def words(of: Page) -> str:
+    return " ".join(" ".join(one) for one in of.texts.values())
+
+
+def test_names_with_markup_are_text() -> None:
+    assert page().texts["h1"] == [NAME] and page().texts["figcaption"] == [NAME] and page().texts["title"] == [f"{NAME}: report"]
+    assert {"script", "b"}.isdisjoint(tag for tag, _ in page().elements)
+
+
+def test_the_page_in_the_page_is_whole_and_kept_apart() -> None:
+    (frame,) = (attributes for tag, attributes in page().elements if tag == "iframe")
+    assert frame["srcdoc"] == f"<p>{NAME}</p>" and "allow-same-origin" not in frame["sandbox"]
+
+
+def test_nothing_is_fetched() -> None:
+    for _, attributes in page().elements:
+        assert all((attributes.get(key) or "data:").startswith(("data:", "#")) for key in ("src", "href", "action"))
+    assert not re.search(r"@import|url\(", "".join(page().texts["style"]))
+
+
+def test_peaks_ledger_and_onsets_are_those_of_the_channels() -> None:
+    """The largest of the recorded extremes, the open part of the ledger, the deepest first contact."""
+    result, said = run(), words(page())
+    forces = result.channels["joint_force_max"].values[1:].max(axis=0)
+    cells = page().texts["td"]
+    for name, force in zip(result.data.joint.values, forces, strict=True):
+        told = float(cells[cells.index(str(name)) + 1].removesuffix(" kN").removesuffix(" N").replace(",", ""))
+        assert told == pytest.approx(force, rel=1e-4) or told == pytest.approx(1e-3 * force, rel=1e-4)
+    assert f"ledger closes to {result.ledger.error:.1e}" in said and "Depth at which contacts began" in said
+    assert np.isfinite(result.measures["B.landing_depth.max"]) and f"{1e6 * result.measures['B.landing_depth.max']:.4g} µm" in said
+
+
+def test_every_caution_of_the_summary_is_in_it() -> None:
+    items = page().texts["li"]
+    assert items == [*run().summary["warnings"], *run().summary["remarks"]] and items
+
+
+def test_a_fact_stands_where_it_belongs() -> None:
+    """Laws take several lines, of which the first alone has a name; they are derived parameters, and no matter of trust."""
+    told = run().summary | {"remarks": ["a remark on a law"]}
+    assert not any("a remark on a law" in one or "lankarani" in one for one in (found(run(), told), trust(told)))
+    assert "law" in page().texts["th"] and any("Lankarani" in cell for cell in page().texts["td"])
+
+
+def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path) -> None:
+    path = tmp_path / "given.toml"
+    path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
+    kept = dump(load(path))
+    assert "It gives the numbers above." in as_given(kept, str(path))
+    assert "It gives other numbers" in as_given(kept.replace("0.15", "0.16"), str(path))
+    assert "not there any more" in as_given(kept, str(tmp_path / "gone.toml")) and as_given(kept, None) == ""
+
+
+def test_equilibria_have_a_report() -> None:
+    result = vfife.simulate(gallery.toggle_press())
+    said = Page(document(result, {}, None, None))
+    assert "load factor" in " ".join(said.texts["pre"]).lower() and "Trust" not in said.texts["h2"]
+
+
+def test_the_command_writes_one_file_and_replaces_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run().save(tmp_path / "run.sqlite")
+    line = ["report", str(tmp_path), "-o", str(tmp_path / "r.html")]
+    monkeypatch.setattr(command, "running", lambda result: "x" * 4_000_000)
+    said = CliRunner().invoke(app, line)
+    assert said.exit_code == 0 and "left out" in said.stderr and (tmp_path / "r.html").stat().st_size < 4_000_000
+    titles = Page((tmp_path / "r.html").read_text("utf-8")).texts["h2"]
+    assert titles == ["Found", "Cautions", "Trust", "Figures", "Inputs", "Derived parameters"]
+    again = CliRunner().invoke(app, line)
+    assert again.exit_code == 2 and "--force" in again.stderr
