@@ -183,7 +183,7 @@ def a_spring(draw: st.DrawFn, called: str, pins: tuple[str, str], turned: tuple[
 @st.composite
 def mechanisms(draw: st.DrawFn) -> Mechanism:
     names = draw(st.lists(name, min_size=1, max_size=3, unique=True))
-    model = Mechanism(draw(st.text(max_size=20)), draw(st.text(max_size=40)), draw(point))
+    model = Mechanism(draw(st.text(max_size=20).filter(str.isprintable)), draw(st.text(max_size=40).filter(str.isprintable)), draw(point))
     model.points = draw(st.dictionaries(name, point, min_size=1, max_size=3))
     model.bodies = {body: draw(a_body(body)) for body in names}
     static = draw(st.booleans())

@@ -23,6 +23,7 @@ from vfife.kinematics.initial import ideal_motion
 from vfife.kinematics.system import equations
 from vfife.laws import Ambrosio, Coulomb, Frictionless, LankaraniNikravesh
 from vfife.model.bodies import RigidBody, Section
+from vfife.model.carriers import carrier_of
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
@@ -224,7 +225,8 @@ def gaps(record: Record) -> float:
         if kind == "Weld" or (kind == "Slider" and not joint.turning):
             worst = max(worst, float(np.ptp(turn)))
     for gear in m.gears.values():
-        worst = max(worst, float(np.ptp(pose(gear.second)[2] - gear.ratio * pose(gear.first)[2])))
+        arm = pose(carrier_of(m, gear))[2]  # what is drawn may hang both wheels on a third body
+        worst = max(worst, float(np.ptp(pose(gear.second)[2] - arm - gear.ratio * (pose(gear.first)[2] - arm))))
     return worst
 
 

@@ -106,9 +106,13 @@ def sentences(name: str) -> Iterator[None]:
 
 @contextmanager
 def writing(name: str, kept: str = "") -> Iterator[None]:
-    """Ends with exit code 5 where something cannot be written: what, why, bytes that are free, and what is ``kept``."""
+    """Ends with exit code 5 where something cannot be written: what, why, bytes that are free, and what is ``kept``; with 2 where no file can be."""
     try:
         yield
+    except (FileNotFoundError, IsADirectoryError, NotADirectoryError) as error:
+        at = Path(name)
+        remedy = f"Make the folder {at.parent} first, or name another place" if not at.parent.is_dir() else "Name a file"
+        fail(f"{name}: {error.strerror or error}. {remedy}. {kept}".rstrip())
     except (OSError, MemoryError) as error:
         from ..results.tables import free_bytes
 
