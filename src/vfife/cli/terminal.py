@@ -106,7 +106,7 @@ def sentences(name: str) -> Iterator[None]:
 
 @contextmanager
 def writing(name: str, kept: str = "") -> Iterator[None]:
-    """Ends with exit code 5 where something cannot be written: what, why, bytes that are free, and what is ``kept``; with 2 where no file can be."""
+    """Ends with exit code 5 where something cannot be written: what, why, free bytes, and what is ``kept``; with 2 where no file can be."""
     try:
         yield
     except (FileNotFoundError, IsADirectoryError, NotADirectoryError) as error:
