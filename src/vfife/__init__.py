@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from .study.compare import compare
     from .study.stepped import Simulation
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
