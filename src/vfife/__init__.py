@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from .study.compare import compare
     from .study.stepped import Simulation
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
@@ -89,7 +89,7 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 
 _above.ANSWERS |= {
     "to_toml": _later("modelfile", "dump"),
-    "check": _later("report.checked", "checked"),
+    "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
 }

@@ -164,7 +164,7 @@ def _text(text: str, unit: str) -> float:
         raise _Wrong(_no_number(tidy))
     digits, written = Fraction(match[1]), match[2] or unit
     if not _UNIT.fullmatch(written):
-        raise _Wrong(f'whose unit "{written}" cannot be read (write units as in "N/m^1.5" or "kg m^2")')
+        raise _Wrong(f'a text whose unit "{written}" cannot be read (write units as in "N/m^1.5" or "kg m^2")')
     (exact, rough, pi), exponents = _measure(written)
     if exponents != _measure(unit)[1]:
         raise _Wrong(dimension_of(written)[0])
@@ -221,6 +221,12 @@ def _named(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]
     return _through_pint(name)
 
 
+SPELT = (  # names that people write out, all of them known to pint
+    *("meter", "metre", "millimeter", "millimetre", "micrometer", "micrometre", "centimeter", "centimetre", "inch", "kilogram", "gram", "second"),
+    *("millisecond", "microsecond", "radian", "degree", "newton", "kilonewton", "pascal", "megapascal", "gigapascal", "hertz", "watt", "joule"),
+)
+
+
 @functools.lru_cache(maxsize=1)
 def _registry() -> Any:
     import pint  # takes 0.3 s, and everyday units do without
@@ -237,10 +243,10 @@ def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fractio
         base = (1.0 * _registry().parse_units(name)).to_base_units()
         units = dict(base.unit_items())
     except Exception:  # pint raises what its tokenizer or its arithmetic happens to raise
-        near = difflib.get_close_matches(name, UNITS, 1, 0.4)
+        near = difflib.get_close_matches(name, SPELT, 1, 0.8) or difflib.get_close_matches(name, UNITS, 1, 0.4)
         hint = f' (did you mean "{near[0]}"?)' if near else ""
-        raise _Wrong(f'whose unit "{name}" is unknown{hint}') from None
+        raise _Wrong(f'a text whose unit "{name}" is unknown{hint}') from None
     exponents = tuple(Fraction(units.pop(key, 0)) for key in ("meter", "kilogram", "second", "radian"))
     if units:
-        raise _Wrong(f'whose unit "{name}" measures no length, mass, time or angle')
+        raise _Wrong(f'a text whose unit "{name}" measures no length, mass, time or angle')
     return (Fraction(1), float(base.magnitude), 0), exponents

@@ -2,12 +2,15 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from support import TURN, four_bar, go, journal_in_bearing, largest_alpha, largest_force, onsets, with_settings, within
 from vfife.analysis import influence, last_turn, lip, measures
+from vfife.analysis.forces import shares
+from vfife.report.digits import plain
 
 STEP = 2e-6
 
@@ -82,3 +85,17 @@ def test_measures_of_numbers_that_blew_up_are_left_out(record) -> None:
     rows = record.rows.copy()
     rows[-1] = math.nan
     assert all(map(math.isfinite, measures(dataclasses.replace(record, source=rows)).values()))
+
+
+def test_a_share_of_the_time_is_not_below_zero_by_rounding() -> None:
+    blocks = {"contact_onsets": np.zeros((1, 1)), "contact_duration": np.array([[1000 * 1e-6 * (1.0 + 1e-12)]])}
+    held = SimpleNamespace(steps=np.array([999]), block=blocks.__getitem__, assembly=SimpleNamespace(choice=SimpleNamespace(step=1e-6)))
+    assert shares(held)["free_flight"] == 0.0
+
+
+def test_contacts_that_began_are_told_whole() -> None:
+    told = {
+        "measures": {"C.impacts": 45.0, "C.force.max": 45.0},
+        "ranges": {name: {"low": 40.0, "high": 52.0} for name in ("C.impacts", "C.force.max")},
+    }
+    assert (plain(told, "C.impacts"), plain(told, "C.force.max")) == ("45", "40")

@@ -144,6 +144,14 @@ def test_a_bouncing_journal_loses_its_restitution() -> None:
     assert first.energy == pytest.approx(0.5 * 0.7**2 * (1.0 - 0.64), rel=5e-3)
 
 
+def test_a_joint_that_never_strikes_has_no_entry() -> None:
+    """Beside others that do, and alone: a journal at 0.5 m/s is still on its way across."""
+    assert impacts(go(journal_in_bearing(0.5, friction=Frictionless()), 1e-6, duration=1e-4, outputs=10)).entries == ()
+    record = go(slider_crank_loose_guide(), 2e-6, turns=0.1)  # two corners of its block have not struck yet
+    struck = record.block("contact_onsets")[-1]
+    assert 0 < np.count_nonzero(struck) < 4 and impacts(record).count == int(struck.sum())
+
+
 def test_a_run_without_play_has_no_impacts() -> None:
     assert impacts(go(four_bar(""), 1e-4, turns=0.1)).entries == ()
 

@@ -95,6 +95,17 @@ def test_all_that_check_knows_is_told_with_long(command: Callable) -> None:
     assert all(f"{value:.4g} s  {name}" in long for name, value in found["step"]["limits"].items())
 
 
+def test_long_tables_are_told_with_long(command: Callable) -> None:
+    chain = 'name = "chain"\n[run]\nduration = 0.1\n[ground]\nO = [0, 0]\n'
+    for k in range(33):
+        bearing = f"l{k - 1}.end" if k else "ground.O"
+        chain += f'[body.l{k}]\nlength = 0.1\nmass = 0.1\nangle = -1.2\n[joint.j{k}]\nbearing = "{bearing}"\njournal = "l{k}.start"\n'
+    Path("chain.toml").write_text(chain)
+    short, long = (command("check", "chain.toml", *words).stdout for words in ([], ["--long"]))
+    assert "and 3 more bodies; --long lists them." in short and "and 3 more joints" in short and " l32 " not in short and " j29 " in short
+    assert " l32 " in long and " j32 " in long and "more bodies" not in long
+
+
 def test_a_long_ideal_reference_is_forecast_and_not_run(command: Callable) -> None:
     """One slow turn of it would take hours for a stiff spring, though the run itself is short."""
     Path("m.toml").write_text(CASE_C.read_text() + '[spring.s]\nfirst = "ground.D"\nsecond = "coupler.end"\nstiffness = 1e9\nfree_length = 0.46\n')

@@ -114,6 +114,8 @@ BROKEN = {
     "speed beyond numbers": (CRANK.replace("speed = 100", "speed = 1e200"), ["[driver.crank] speed", "too large for any mechanism", "unit"]),
     "gravity beyond numbers": (BALL.replace("-9.81", "-1e200"), ["gravity", "too large for any mechanism", "unit"]),
     "step beyond numbers": (BALL.replace("duration = 0.05", "duration = 1\nstep = 1e-300"), ["1e-300", "[run] step", "too small for any"]),
+    "mass below numbers": (BALL.replace("mass = 1\n", "mass = 1e-300\n"), ["[body.ball] mass", "too small for any mechanism", "1e-18 kg"]),
+    "inertia below numbers": (BALL.replace("inertia = 0.01", "inertia = 1e-300"), ["[body.ball] inertia", "too small for any mechanism"]),
     "stiffness beyond numbers": (
         BALL.replace("[body.ball]\n", "[body.ball]\npins = { p = [0, 1] }\n")
         + '[spring.s]\nfirst = "ground.O"\nsecond = "ball.p"\nstiffness = 1e300\n',

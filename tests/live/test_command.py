@@ -45,3 +45,8 @@ def test_what_cannot_be_a_page_is_told_in_a_sentence(tmp_path):
         assert said in " ".join((done.output + done.stderr).split()), done.output
         assert "Traceback" not in done.output
     assert not (tmp_path / "page.html").exists()
+
+
+def test_a_folder_that_is_not_there_is_told_before_the_work(tmp_path):
+    done = told(tmp_path / "no.toml", "-o", tmp_path / "away" / "page.html")
+    assert done.exit_code == 2 and f"there is no folder {tmp_path / 'away'}; make it first" in done.output.replace("\n", "")

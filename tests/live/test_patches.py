@@ -93,7 +93,7 @@ def test_positions_that_no_model_may_have_are_left_out():
     radius = mechanism.joints["C"].bearing_radius
     (slide,) = found.slides
     assert slide.values[-1] < radius
-    assert "joint.C.clearance" in found.notes[0] and "left out" in found.notes[0]
+    assert "joint.C.clearance" in found.notes[0] and "left out, as the last of them: " in found.notes[0]
 
 
 def test_ranges_are_read_with_their_units():

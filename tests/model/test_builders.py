@@ -11,6 +11,7 @@ import pytest
 
 import vfife
 from vfife.modelfile import dump, loads
+from vfife.simulation import Asked, prepare
 
 HEAD = 'name = "machine"\n'
 # What a builder is given; the same as a table of a model file.
@@ -136,6 +137,12 @@ def test_a_mechanism_is_checked_drawn_and_shown() -> None:
     page = m._repr_html_()
     assert "data:image/png;base64," in page and "<b>&" not in page.replace("<b>Bodies", "") and "&lt;b&gt;&amp;" in page
     assert all(f">{name}<" in page for name in (*m.bodies, *m.joints))
+
+
+def test_the_step_that_check_tells_is_that_with_which_a_run_begins() -> None:
+    m = vfife.gallery.four_bar()
+    begun = prepare(m, Asked()).assembly.choice
+    assert (m.check().step, m.check().set_by) == (begun.step, begun.culprit)
 
 
 def test_a_mechanism_with_faults_is_shown_with_them() -> None:

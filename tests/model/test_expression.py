@@ -80,11 +80,12 @@ def test_what_is_none_is_refused_where_it_goes_wrong(text):
     [
         ("2[kN]*sin(x)^2", ()), ("1e5*(0.1/(0.1 + x))^1.4", ()), ("max(0, sin(30*x))", ()), ("sqrt(x)", ()), ("x^3 - x", ()),
         ("abs(x - 0.3)^0.5", ()),
+        ("exp(-((x - 0.74)/2e-4)^2)", ()),  # between all places of a piece as long as the range
         ("step(x - 0.1)*exp(-(x - 0.1)/0.05)", (0.1,)), ("min(x, 0.4) + 3*step(x - 0.7)", (0.7,)), ("7", ()),
     ],
 )  # fmt: skip
 def test_pieces_are_right_to_a_billionth_of_the_largest_value(text, kinks):
-    function, x = held(sampled(text, 0.0, 2.0)), np.random.default_rng(3).uniform(0.0, 2.0, 5000)
+    function, x = held(sampled(text, 0.0, 2.0)), np.append(np.random.default_rng(3).uniform(0.0, 2.0, 5000), 0.74)
     wanted = python(text, x)
     assert np.abs(function.sampled(x)[:, 0] - wanted).max() <= 3e-9 * np.abs(wanted).max()
     assert function.kinks == pytest.approx(kinks, abs=1e-15), "it leaps there, and nowhere else"
@@ -95,3 +96,15 @@ def test_pieces_are_right_to_a_billionth_of_the_largest_value(text, kinks):
 def test_what_cannot_be_followed_is_told_with_its_place(text):
     with pytest.raises(SamplingError, match="x ="):
         sampled(text, 0.0, 2.0)
+
+
+def test_a_power_of_python_and_a_name_that_is_none_are_told_once() -> None:
+    with pytest.raises(ExpressionError) as power:
+        parse("x**2")
+    assert "write ^ for a power" in power.value.remedy
+    with pytest.raises(ExpressionError) as name:
+        parse("qqq(x)")
+    assert name.value.remedy.count("there are") == 1 and "a unit goes in brackets" in name.value.remedy
+    with pytest.raises(ExpressionError) as near:
+        parse("sqr(x)")
+    assert 'did you mean "sqrt"' in near.value.remedy

@@ -73,7 +73,17 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     "a misspelt path": (lambda: vfife.load(EXAMPLES / "slider_crank.toml", {"run.turn": 2}), ("run.turn", "no 'turn' in run", "run.turns")),
     "a file that is not there": (lambda: vfife.load("nowhere.toml"), ("nowhere.toml", "cannot be read", "check the name")),
     "a misspelt figure": (lambda: result().plot("force"), ("no figure", 'mean "forces"')),
+    "names in a list": (lambda: result().to_dataframe(["pivot"]), ("is a list", "one by one")),  # type: ignore[arg-type]
+    "a torque where a speed is": (lambda: machine().drive("rod", torque=1.0), ("no such keyword", "use torque() for it")),  # type: ignore[call-arg]
+    "a body where nothing is set": (lambda: vfife.Simulation(machine()).set("rod", 1.0), ("no such input", "add a torque", "steered=")),
+    "a unit spelt wrong": (lambda: machine().link("bar", length="3 milimeter", mass=1.0), ("this is a text whose unit", 'mean "millimeter"')),
+    "a step too long": (lambda: vfife.simulate(vfife.gallery.slider_crank(), turns=1, step=1.0), ("too large", "force_step=True")),
     "a misspelt joint of a result": (lambda: result().joint("pivott"), ("no joint", 'mean "pivot"')),
+    "a folder that is not there": (lambda: result().export("nowhere/out.csv"), ("no folder", "nowhere", "make it first")),
+    "a misspelt law to compare": (
+        lambda: vfife.compare(vfife.gallery.journal_in_bearing(), contact=["hertzz"]),
+        ("no contact law", 'mean "hertz"'),
+    ),
     "a format that is not written": (lambda: result().export("out.xlsx"), ("out.xlsx", ".csv", ".parquet")),
 }
 
@@ -95,3 +105,10 @@ def test_a_mistake_is_told_in_words(mistake: str) -> None:
 def test_a_misspelt_keyword_is_a_type_error_too() -> None:
     with pytest.raises(TypeError):
         machine().link("bar", lenght=0.1)  # type: ignore[call-arg]
+
+
+def test_a_misspelt_measure_is_a_key_error_that_reads_as_a_sentence() -> None:
+    with pytest.raises(KeyError) as told:
+        result().measures["pivot.force.mx"]
+    assert str(told.value) == str(told.value).strip("'\"") and 'did you mean "pivot.force.max"' in str(told.value)
+    assert result().measures.get("pivot.force.mx") is None and "pivot.force.mx" not in result().measures

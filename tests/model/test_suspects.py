@@ -1,5 +1,6 @@
 """What may be a mistake though it could be meant: told once, with the likely cause; nothing is said of mechanisms that are meant."""
 
+import dataclasses
 import math
 
 import pytest
@@ -76,6 +77,14 @@ def test_a_suspect_is_told(mechanism, words):
 @pytest.mark.parametrize("name", gallery.__all__)
 def test_nothing_is_said_of_what_is_meant(name):
     assert suspects(getattr(gallery, name)()) == ()
+
+
+@pytest.mark.parametrize(("factor", "radius"), [(1e-6, "0.02887 mm"), (1e6, "2.887e+04 mm")])
+def test_an_inertia_in_another_unit_is_told_with_its_radius(factor, radius):
+    m = linkage()
+    m.bodies["coupler"] = dataclasses.replace(m.bodies["coupler"], length=0.1, mass=2.0, inertia=factor * 2.0 * 0.1**2 / 12.0)
+    (told,) = suspects(m)
+    assert "body.coupler.inertia" in told and radius in told and "check its unit" in told
 
 
 def test_python_hears_of_it_too():

@@ -68,9 +68,11 @@ FAULTS = {
     "too few": (TABLE.replace("90, 1.5", "90"), "line 4 has 1 values"),
     "descends": (TABLE.replace("180", "80"), "line 6, column 1 (angle (deg)): this is not above the value before it"),
     "a unit that does not fit": (TABLE.replace("kN", "mm"), "line 1, column 2: its unit is that of a length"),
+    "an unknown unit": (TABLE.replace("kN", "kiloNewtn"), 'gas.csv, line 1, column 2: its unit "kiloNewtn" is unknown'),
     "no such column": (TABLE.replace("force", "forze"), 'Did you mean "force"'),
     "twice": (TABLE.replace("angle (deg), force (kN)", "force (kN), force (kN)"), "names a column twice"),
     "no head": ("0, 0\n1, 2\n", "line 1, column 1: this names no column"),
+    "a head of many spaces": ("angle" + " " * 3000 + "!, force\n0, 0\n", "line 1, column 1: this names no column"),  # hours, by a careless pattern
     "one row": ("angle (deg), force (kN)\n0, 0\n", "has 1 rows of numbers"),
     "empty": ("", "does not name two columns"),
     "not UTF-8": (TABLE.encode() + b"\xff\xfe", "line 8 is not UTF-8"),

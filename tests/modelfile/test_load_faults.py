@@ -70,3 +70,9 @@ def test_loads_are_read_and_written():
     assert (gas.travels, gas.pressure_back, gas.values) == ((0.15, 0.25), (1e5, 5e5), (0.0, 4e5))
     assert gas.unit == pytest.approx(-1.9634954e-3) and p.repeats and p.over == "angle" and gas.over == "travel"
     assert loads(dump(m)) == m
+
+
+def test_places_that_do_not_ascend_are_told_once_for_both_ways():
+    with pytest.raises(ModelError, match="must ascend") as told:
+        loads(MODEL + GAS + "travels = [1, 0]\nforce = [1, 2]\nforce_back = [1, 2]\n")
+    assert len(told.value.faults) == 1

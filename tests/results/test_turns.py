@@ -20,6 +20,7 @@ from vfife.errors import ModelError, VfifeError
 from vfife.report.digits import amount, decimals, measured, percent, plain, prefixed
 from vfife.report.summary import show
 from vfife.report.trust import verdict
+from vfife.report.turns import stray
 from vfife.result import Result
 
 OUTPUTS = 200
@@ -110,6 +111,18 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
     told = result.summary
     assert told["turns"]["motion"] == "not periodic" and verdict(told).startswith("This motion is not periodic: single turns of ")
     assert told["warnings"][0] == verdict(told)
+
+
+def test_the_force_that_varies_is_named_with_digits() -> None:
+    """Not the largest one, whose turns lie "-0 to +0 %" from their mean; nor a small one, whatever it does."""
+    ranges = {
+        f"{name}.force.max": {"lowest": low, "highest": high} for name, low, high in (("A", 998.0, 1001.0), ("B", 400.0, 515.0), ("C", 0.0, 9.0))
+    }
+    told = {"turns": {"motion": "not periodic", "first": 7, "last": 12}, "trust": {}, "ranges": ranges}
+    told["measures"] = {"A.force.max": 1000.0, "B.force.max": 500.0, "C.force.max": 3.0}
+    assert stray(told).startswith("This motion is not periodic: single turns of B.force.max lie -20 to +3 % from their mean. ")
+    del ranges["B.force.max"]
+    assert "A.force.max lie -0.2 to +0.1 % from" in stray(told)
 
 
 def test_means_of_a_chaotic_motion_hold_where_single_turns_do_not() -> None:

@@ -130,4 +130,4 @@ def shares(record: Record) -> dict[str, Array]:
     steps = float(record.steps[-1] + 1)
     impact = record.block("contact_onsets")[-1] / steps
     lasting = record.block("contact_duration")[-1] / (steps * record.assembly.choice.step)
-    return dict(zip(MODES, (1.0 - impact - lasting, impact, lasting), strict=True))
+    return dict(zip(MODES, (np.maximum(1.0 - impact - lasting, 0.0), impact, lasting), strict=True))

@@ -73,7 +73,7 @@ def impacts(record: Record) -> Impacts:
         began = np.diff(onsets[:, k], prepend=0.0)
         at = np.flatnonzero(began > 0.0)
         before += float(work[at[0] - 1, k]) if len(at) and at[0] > 0 else 0.0 if len(at) else float(work[-1, k])
-        for row, following in zip(at.tolist(), [*at[1:].tolist(), len(time)], strict=True):
+        for row, following in zip(at.tolist(), [*at.tolist(), len(time)][1:], strict=True):  # none, where a contact never began
             spent = work[following - 1, k] - (work[row - 1, k] if row else 0.0)
             mean = None if speeds is None else float((speeds[row, k] - (speeds[row - 1, k] if row else 0.0)) / began[row])
             angle = None if crank is None else float(crank[row])

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
+from ..errors import suggestion
+
 FORMER = {"deep": "deep_landings", "deepest": "landing_depth.max", "fastest": "approach_speed.max"}  # endings of names as they were before
 
 
@@ -58,6 +60,13 @@ class Measured(float):
         return self.highest - self.lowest
 
 
+class MissingMeasure(KeyError):
+    """A name that no measure has. It reads as a sentence, where a KeyError is shown in quotes."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
 class Measures(dict[str, Measured]):
     """Measures by name, ``<joint or body>.<quantity>.<statistic>``: ``C.force.max``, ``C.force.lip``; counts have none, ``C.impacts``.
 
@@ -72,7 +81,7 @@ class Measures(dict[str, Measured]):
     def __missing__(self, name: str) -> Measured:
         new = self._present(name)
         if new is None:
-            raise KeyError(name)
+            raise MissingMeasure(f"there is no measure {name!r} here: {suggestion(str(name), self, 'their names are those of result.measures')}")
         return self[new]
 
     def __contains__(self, name: object) -> bool:

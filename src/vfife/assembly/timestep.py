@@ -86,7 +86,7 @@ def choose_step(
         if size > SAFETY * stable and not force_step:
             raise StepError(
                 f"a step of {size:.4g} s is too large: {culprit} allows {stable:.4g} s, and {SAFETY} of it ({SAFETY * stable:.4g} s) is the most "
-                f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step)'
+                f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step; in Python force_step=True)'
             )
         _refuse_long(size, length, force_step)
         every = _divisor(max(1, round((turn or length) / size)), per)

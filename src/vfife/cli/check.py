@@ -16,8 +16,11 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-LongOption = Annotated[bool, typer.Option("--long", help="With all that was filled in by default, and all limits of the step.")]
+LongOption = Annotated[
+    bool, typer.Option("--long", help="With all that was filled in by default, all limits of the step, and all rows of long tables.")
+]
 LIMITS = 3  # of the step that are told at once
+ROWS = 30  # of a table
 
 
 def check(model: ModelArgument, set_: SetOption = None, laws: LawsOption = None, long: LongOption = False, as_json: JsonOption = False) -> None:
@@ -83,8 +86,9 @@ def show(console: Console, found: Mapping[str, Any], long: bool = False) -> None
         if note:
             console.print(Text(note.strip(), style="yellow"))
     console.print()
-    show_bodies(console, found["bodies"])
-    show_joints(console, found["joints"])
+    most = None if long else ROWS
+    show_bodies(console, found["bodies"], most)
+    show_joints(console, found["joints"], most)
     show_couplings(console, found["couplings"])
     lasting = (*statics(found), *told(found["estimate"])) if found["load_factors"] else (*steps(found, long), *cost(found))
     for sentence in (*freedom(found["degrees_of_freedom"]), *lasting):
@@ -95,10 +99,10 @@ def show(console: Console, found: Mapping[str, Any], long: bool = False) -> None
         console.print(Text(f"{len(found['defaults'])} values that the file does not give are taken by default; --long lists them."))
 
 
-def show_bodies(console: Console, bodies: list[dict[str, Any]]) -> None:
-    """Table of bodies."""
+def show_bodies(console: Console, bodies: list[dict[str, Any]], most: int | None = None) -> None:
+    """Table of bodies, the first ``most`` of them."""
     table = grid("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver", right=(2, 3))
-    for body in bodies:
+    for body in bodies[:most]:
         elements = f", {body['elements']} elements" if body["elements"] > 1 else ""
         center = f"({body['center'][0]:.6g}, {body['center'][1]:.6g})"
         row(
@@ -111,24 +115,33 @@ def show_bodies(console: Console, bodies: list[dict[str, Any]]) -> None:
             body["driver"] or "",
         )
     console.print(table)
+    left_out(console, len(bodies), most, "bodies")
 
 
-def show_joints(console: Console, joints: list[dict[str, Any]]) -> None:
-    """Table of joints, then the laws of those with clearance; joints with the same laws share their lines."""
+def left_out(console: Console, count: int, most: int | None, what: str) -> None:
+    """A line on what a table does not list."""
+    if most is not None and count > most:
+        console.print(f"and {count - most:,} more {what}; --long lists them.\n", highlight=False)
+
+
+def show_joints(console: Console, joints: list[dict[str, Any]], most: int | None = None) -> None:
+    """Table of joints, the first ``most`` of them, then the laws of those with clearance; joints with the same laws share their lines."""
     from rich.text import Text
 
     table = grid("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N", right=(4, 5, 6))
     laws: dict[str, list[str]] = {}
-    for joint in joints:
+    for k, joint in enumerate(joints):
         clear = "contact" in joint
         sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
         force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
-        row(table, joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force)
+        if most is None or k < most:
+            row(table, joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force)
         for kind in ("contact", "friction") if clear else ():
             laws.setdefault(law(kind, joint[kind]), []).append(joint["name"])
     console.print(table)
+    left_out(console, len(joints), most, "joints")
     for text, names in laws.items():
-        console.print(Text(f"{', '.join(names)}: {text}"))
+        console.print(Text(f"{', '.join(names[:most])}{'' if most is None or len(names) <= most else ', ...'}: {text}"))
     if laws:
         console.print()
 

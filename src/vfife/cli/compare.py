@@ -165,7 +165,8 @@ def show(found: Comparison, place: Path) -> None:
 
     console = output()
     headings = ("force, N", "LIP(F), %", "LIP(a), %", "deepest, µm", "impacts", "contact, %", "lost, J", "wall, s")
-    table = grid("contact", "friction", *headings, title=f"{found.mechanism}: joints {', '.join(found.joints)}", right=tuple(range(2, 10)))
+    title = f"{found.mechanism}: joint{'s' * (len(found.joints) > 1)} {', '.join(found.joints)}"
+    table = grid("contact", "friction", *headings, title=title, right=tuple(range(2, 10)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     for one in found.rows:
         lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]

@@ -110,7 +110,7 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for event in found["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
     if part := (found["summary"] or {}).get("part"):
-        yield "Measures", f"{part}; counts, shares and energies are those of the whole run"
+        yield "Measures", f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %"
     from ..report.digits import plain
 
     for name in (found["summary"] or {}).get("measures") or {}:

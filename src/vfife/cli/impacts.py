@@ -40,17 +40,23 @@ def show(found: Impacts, count: int) -> None:
     console = output()
     together = found.count - found.alone
     more = f", {together} of them between the same two outputs as others" if together else ""
-    console.print(Text(f"{found.count} contacts began{more}. They lost {sum(one.energy for one in found.entries):.4g} J in all."))
     if not found.entries:
+        console.print(Text("No contact began in this run."))
         return
-    table = grid("joint", "time, ms", "crank, deg", "began", "speed, m/s", "lost, J", "depth, µm", right=(1, 2, 3, 4, 5, 6))
-    for one in found.hardest(count):
+    hardest = found.hardest(count)
+    most = f" The hardest {len(hardest)} (--count for more):" if len(hardest) < len(found.entries) else ""
+    lost = sum(one.energy for one in found.entries)
+    console.print(Text(f"{found.count} contact{'s' * (found.count != 1)} began{more}. They lost {lost:.4g} J in all.{most}"))
+    crank = any(one.crank is not None for one in found.entries)
+    heads = ("joint", "time, ms", *(("crank, deg",) if crank else ()), "began", "speed, m/s", "lost, J", "depth, µm")
+    table = grid(*heads, right=tuple(range(1, len(heads))))
+    for one in hardest:
         row(table, one.joint, *cells(one))
     console.print(table)
 
 
 def cells(one: Impact) -> tuple[str, ...]:
     """Numbers of an entry; the time is that of the output that shows it."""
-    crank = "" if one.crank is None else f"{one.crank:.1f}"
+    crank = () if one.crank is None else (f"{one.crank:.1f}",)
     speed = "" if one.speed is None else f"{one.speed:.4g}"
-    return f"{1e3 * one.time:.4f}", crank, str(one.count), speed, f"{one.energy:.4g}", f"{1e6 * one.depth:.4g}"
+    return f"{1e3 * one.time:.4f}", *crank, str(one.count), speed, f"{one.energy:.4g}", f"{1e6 * one.depth:.4g}"

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import LawsOption, SetOption, overrides, take_laws
-from .terminal import amount_of_bytes, sentences, tell, writing
+from .terminal import amount_of_bytes, fail, sentences, tell, writing
 
 Source = Annotated[Path, typer.Argument(metavar="MODEL|RUN", help="Model file, or the folder of a run, whose step it takes.", show_default=False)]
 Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="The page.", show_default="MODEL.html")]
@@ -25,6 +25,8 @@ def live(
     It steps with the bits of vfife run --companions 0. Sliders change every clearance, the speed of drivers, friction and restitution,
     unless --slide names others.
     """
+    if out is not None and not out.absolute().parent.is_dir():
+        fail(f"-o {out}: there is no folder {out.absolute().parent}; make it first")
     with sentences(str(source)):
         from ..live import asked_slides, default_slides, model_of
         from ..live.page import LARGEST, written

@@ -69,7 +69,7 @@ def show(mechanism: Mechanism, found: Modes) -> None:
     from rich.text import Text
 
     console, crank = output(), turns_a_second(mechanism)
-    console.print(Text.assemble((mechanism.name, "bold"), f": {found.count} natural vibrations"))
+    console.print(Text.assemble((mechanism.name, "bold"), f": {found.count or 'no'} natural vibration{'s' * (found.count != 1)}"))
     console.print(Text(NOTE))
     if not found.count:
         console.print(Text("Drivers and joints leave nothing that could vibrate: rigid links, and a drive that holds them. See --released."))

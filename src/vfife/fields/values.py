@@ -28,6 +28,7 @@ SIZES = {
     "m/s": (1e-15, 3e8),
     "": (1e-40, 1e40),
 }
+WEIGHED = ("kg", "kg m^2")  # none or a sound one: nobody's mass is left over from rounding
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Measure(Value):
         except QuantityError as error:
             remedy = error.remedy if error.remedy.startswith("give") else f"write {error.remedy}"
             raise Refused(f"this is {error.what}", shown(value), error.limit + other, remedy) from None
-        if fault := beyond(result, self.unit, self.above == 0.0):
+        if fault := beyond(result, self.unit, self.above == 0.0 or self.unit in WEIGHED):
             remedy = f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")' if self.unit != "1" else "correct the value"
             raise Refused(f"this is {fault[0]} for any mechanism", shown(value), fault[1], remedy)
         if not self.allows(result):
@@ -222,7 +223,7 @@ class Switch(Value):
 def beyond(value: float, unit: str, sized: bool) -> tuple[str, str] | None:
     """What is wrong with the size of a quantity of a unit, and what is allowed; None where it can be meant.
 
-    What may be zero may be as small as rounding leaves it; what is ``sized`` may not.
+    What may be zero may be as small as rounding leaves it; what is ``sized`` may not (nor a mass, beside zero).
     """
     least, most = SIZES.get(unit, SIZES[""])
     size, said = abs(value), "" if unit == "1" else f" {unit}"

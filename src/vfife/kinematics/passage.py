@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..model.mechanism import Mechanism
 from .initial import Motion, ideal_motion
 from .nearest import nearest, sensitive, widest
-from .opened import FELT, closing_joint
+from .opened import FELT, Parted, closing_joint
 from .sweep import Follower, Passage
 from .ways import TURN, Way, followed, ways_of
 
@@ -71,10 +71,11 @@ def passage(mechanism: Mechanism, duration: float, motion: Motion | None = None,
             passed.setdefault(tuple(round(value % TURN, 3) for value in one.aims), one)
         if found.jammed and found.stressed is not None:
             joint = closing_joint(system, found.stressed)
-            if joint is not None and widest(follower, joint, way, found)[0] <= NEGLIGIBLE * follower.extent:
+            gap = None if joint is None else widest(follower, joint, way, found)
+            if gap is not None and gap[0] <= NEGLIGIBLE * follower.extent:
                 aims = told(motion, way.aims(found.reached))
                 return None, (*passed.values(), Singular(aims, way.time(found.reached), names(motion, found.stressed)))
-            return _jam(mechanism, motion, follower, way, found, duration if lengths else 0.0), tuple(passed.values())
+            return _jam(mechanism, motion, way, found, joint, gap, duration if lengths else 0.0), tuple(passed.values())
     return None, tuple(passed.values())
 
 
@@ -89,15 +90,22 @@ def names(motion: Motion, stress: Array) -> tuple[str, ...]:
     return tuple(one.name for k, one in enumerate(system.joints) if stress[system.rows(k)].max(initial=0.0) > FELT)
 
 
-def _jam(mechanism: Mechanism, motion: Motion, follower: Follower, way: Way, found: Passage, duration: float) -> Jam:
+def _jam(
+    mechanism: Mechanism,
+    motion: Motion,
+    way: Way,
+    found: Passage,
+    joint: int | None,
+    widest_gap: tuple[float, float, Parted] | None,
+    duration: float,
+) -> Jam:
     system, stress = motion.system, np.zeros(0) if found.stressed is None else found.stressed
-    joint = closing_joint(system, stress)
     part = names(motion, stress)
     bodies = {system.names[body] for one in system.joints if one.name in part for body in (one.body_a, one.body_b)} - {"ground"}
     here = told(motion, way.aims(found.reached))
-    if joint is None:
+    if joint is None or widest_gap is None:
         return Jam(here, way.time(found.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part)
-    gap, place, opened = widest(follower, joint, way, found)
+    gap, place, opened = widest_gap
     jam = Jam(
         here, way.time(found.reached), system.joints[joint].name, gap, told(motion, way.aims(place)),
         tuple(name for name in mechanism.bodies if name in bodies), part,

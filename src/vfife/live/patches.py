@@ -102,6 +102,9 @@ class Patched:
         return {"slides": slides, "groups": groups, "notes": list(self.notes), "texts": self.texts}
 
 
+OTHERWISE = "it has other parts, or other outputs, than the page; over turns, in place of a duration, a speed keeps its outputs"
+
+
 class Settings:
     """Settings of sliders, and what assembly gives for each of them with one number of steps between outputs."""
 
@@ -116,6 +119,7 @@ class Settings:
         self.base = together(mechanism, step, force=self.given is not None, known=self.ideals)
         self.every = self.base.own.choice.outputs_every
         self.known: dict[tuple[Any, ...], Together | None] = {}
+        self.why = ""  # the last of those that no model may have cannot be run
 
     @property
     def here(self) -> tuple[int, ...]:
@@ -161,9 +165,11 @@ class Settings:
                 turn, ideal = turn_of(mechanism), self.base.ideal
                 steps = turned(self.base.own, turn), None if ideal is None else turned(ideal, turn)
                 found = together(mechanism, *steps, force=self.given is not None, known=self.ideals)
-                self.known[key] = found if self.base.same_kind(found) else None
-            except VfifeError:
-                self.known[key] = None
+                fits = self.base.same_kind(found)
+                self.known[key] = found if fits else None
+                self.why = self.why if fits else OTHERWISE
+            except VfifeError as error:
+                self.known[key], self.why = None, str(error).split("\n", 1)[0]
         return self.known[key]
 
 
@@ -177,7 +183,7 @@ def patched(mechanism: Mechanism, slides: Sequence[Slide], step: float | None = 
         settings = thinned(settings, groups)
         found = Patched(settings.base, settings.slides, tuple(group(settings, sliders) for sliders in groups), tuple(notes))
         if len(groups) < 2 or differing(found, settings) is None:
-            notes += [f"{' and '.join(found.slides[s].name for s in one.sliders)} move one at a time" for one in found.groups if one.singly]
+            notes += [f"{', '.join(found.slides[s].name for s in one.sliders)}: these move one at a time" for one in found.groups if one.singly]
             found = replace(found, notes=tuple(notes))
             return replace(found, texts=all(found.written(positions) == dump(one.own.mechanism) for positions, one in checked(found, settings)))
         groups = [tuple(sorted(itertools.chain(*groups)))]
@@ -188,9 +194,13 @@ def usable(settings: Settings) -> tuple[Settings, list[str]]:
     """Sliders without the positions that no model may have; a sentence for each that lost some."""
     kept, notes = [], []
     for s, slide in enumerate(settings.slides):
+        settings.why = ""
         good = [k for k in range(len(slide.values)) if settings.at(settings.moved({s: k})) is not None]
         if len(good) < len(slide.values):
-            notes.append(f"{slide.name}: {len(slide.values) - len(good)} of {len(slide.values)} positions cannot be run and are left out")
+            notes.append(
+                f"{slide.name}: {len(slide.values) - len(good)} of {len(slide.values)} positions cannot be run and are left out"
+                + (f", as the last of them: {settings.why}" if settings.why else "")
+            )
         if len(good) > 1:
             kept.append(with_positions(slide, good))
     return again(settings, kept), notes

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Arguments = ParamSpec("Arguments")
 Noun = TypeVar("Noun")
 TARGETS = ("body", "slider", "point")  # what a driver is called after, where it has no name
+BUILDERS: dict[str, dict[str, list[str]]] = {}  # of each section, with their keywords
 
 
 def adds(section: str, noun: type[Noun]) -> Callable[[Callable[Arguments, Noun]], Callable[Arguments, Noun]]:
@@ -34,6 +35,7 @@ def adds(section: str, noun: type[Noun]) -> Callable[[Callable[Arguments, Noun]]
         leading = [one.name for one in wanted if one.kind is one.POSITIONAL_OR_KEYWORD]
         needed = [one.name for one in wanted if one.default is one.empty]
 
+        BUILDERS.setdefault(section, {})[signed.__name__] = names
         signed.__doc__ = f"{signed.__doc__}\n\n{keywords(noun, names)}"
 
         @functools.wraps(signed)
@@ -74,7 +76,9 @@ def strange(path: Path, names: list[str], leading: list[str], places: list[Any],
     found = []
     for key, value in given.items():
         if key not in names:
-            found.append(Fault(place((*path, key)), "there is no such keyword", shown(value), "", suggestion(key, names, "remove it")))
+            others = [f"{name}()" for name, keys in BUILDERS.get(str(path[0]), {}).items() if key == name or key in keys]
+            advice = f"use {' or '.join(others[:3])} for it" if others else "remove it"
+            found.append(Fault(place((*path, key)), "there is no such keyword", shown(value), "", suggestion(key, names, advice)))
         elif key in leading[: len(places)]:
             found.append(Fault(place((*path, key)), "this is given twice", shown(value), "", "give it once"))
     if len(places) > len(leading):

@@ -195,7 +195,8 @@ class _Parser:
             self.close()
             return found
         if token.kind != "name":
-            self.refuse("a number, a variable or a function", "complete the expression")
+            again = self.here.text == "*"
+            self.refuse("a number, a variable or a function", "write ^ for a power, as in x^2" if again else "complete the expression")
         self.take()
         if token.text == "pi":
             return Node("number", math.pi)
@@ -203,9 +204,9 @@ class _Parser:
             return self.function(token, depth)
         if token.text not in VARIABLES:
             known = (*FUNCTIONS, *VARIABLES, "pi")
-            raise ExpressionError(
-                token.column, f'there is no "{token.text}"', suggestion(token.text, known, f"there are {', '.join(known)}; a unit goes in brackets")
-            )
+            near = suggestion(token.text, known, "")
+            remedy = near if near.startswith("did you mean") else f"there are {', '.join(known)}; a unit goes in brackets"
+            raise ExpressionError(token.column, f'there is no "{token.text}"', remedy)
         if self.variable not in ("", token.text):
             what = f"{token.text} and {self.variable} in one expression"
             raise ExpressionError(token.column, what, "a load depends on one of t, angle, x and v; make two loads of it")

@@ -44,6 +44,7 @@ def sampled(text: str, first: float, last: float) -> Pieces:
     while pending:
         low, high = pending.pop()
         row, missed = fitted(expression, low, high)
+        missed = max(missed, missed_between(row, low, grid, values, *np.searchsorted(grid, (low, high)).tolist()))
         ended = high - low <= 8.0 * float(np.spacing(max(abs(low), abs(high))))
         if missed <= RIGHT * size or (ended and missed <= ROUGH * size):
             starts.append(low)
@@ -80,6 +81,14 @@ def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tup
     wanted: Array = expression(low + width * checks)
     missed = float(np.abs(np.subtract(powers @ row, wanted)).max())
     return tuple(float(value) for value in row / width ** np.arange(COUNT)), missed if np.isfinite(missed) else np.inf
+
+
+def missed_between(row: tuple[float, ...], low: float, grid: Array, values: Array, first: int, last: int) -> float:
+    """By how much a polynomial from ``low`` on misses values of the grid within its piece: a pulse may lie between those of :func:`fitted`."""
+    import numpy as np
+
+    inside = slice(first + (grid[first] == low), last)
+    return float(np.abs(np.polynomial.polynomial.polyval(grid[inside] - low, row) - values[inside]).max(initial=0.0))
 
 
 def breaks(expression: Expression, grid: Array) -> list[float]:

@@ -1,4 +1,4 @@
-"""What a mechanism may have by mistake though it could be meant: lengths out of scale, angles of many turns, loose parts, chains left open."""
+"""What a mechanism may have by mistake, or mean: lengths and inertias out of scale, angles of many turns, loose parts, open chains."""
 
 from __future__ import annotations
 
@@ -6,17 +6,18 @@ import math
 from collections.abc import Iterator
 from statistics import median
 
-from .bodies import Link, PointMass
+from .bodies import Link, PointMass, RigidBody
 from .mechanism import Mechanism
 
 OUT_OF_SCALE = 100.0  # of the median of the others: metres for millimetres are a thousand
 HUGE = 50.0  # m
+GYRATION = 50.0  # radii of gyration to a size, or the other way: 0.29 of a rod
 WHOLE_TURN = 2.0 * math.pi
 
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
     """Cautions, likely causes first; nothing where all looks meant."""
-    return (*_lengths(mechanism), *_angles(mechanism), *_loose(mechanism), *_open(mechanism))
+    return (*_lengths(mechanism), *_inertias(mechanism), *_angles(mechanism), *_loose(mechanism), *_open(mechanism))
 
 
 def _lengths(mechanism: Mechanism) -> Iterator[str]:
@@ -38,6 +39,22 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
     largest = max(sizes, key=lambda key: sizes[key], default="")
     if largest and not told and sizes[largest] > HUGE and mechanism.settings.analysis != "static":
         yield f"{largest} is {sizes[largest]:.6g} m long. Numbers without a unit are metres: is this meant, and not mm?"
+
+
+def _inertias(mechanism: Mechanism) -> Iterator[str]:
+    """Radii of gyration, (I/m)^(1/2), fifty times larger or smaller than the body: kg mm^2 for kg m^2 is a factor of a thousand."""
+    for name, body in mechanism.bodies.items():
+        if not isinstance(body, Link | RigidBody):
+            continue
+        size = body.length if isinstance(body, Link) else max((math.hypot(*pin) for pin in body.pins.values()), default=0.0)
+        if not (body.mass and body.inertia and size):
+            continue
+        radius = math.sqrt(body.inertia / body.mass)
+        if not 1.0 / GYRATION < radius / size < GYRATION:
+            yield (
+                f"body.{name}.inertia is {body.inertia:.4g} kg m^2, a radius of gyration of {1e3 * radius:.4g} mm for a body of "
+                f"{1e3 * size:.4g} mm: check its unit."
+            )
 
 
 def _angles(mechanism: Mechanism) -> Iterator[str]:

@@ -18,13 +18,14 @@ from ..units import number
 from .tables import CSV, Raw, entries, target_of
 
 LARGEST, MOST_ROWS = 8_000_000, 100_000  # bytes; rows
+LONGEST_HEAD = 200  # characters
 AXES = {"times": "s", "angles": "rad", "travels": "m", "speeds": "m/s"}
 VALUES = {"factors": "1", "force": "N", "pressure": "Pa"}
 COLUMNS: dict[str, dict[str, str]] = {  # keys of a section, with their units
     "load": {**AXES, **VALUES, **{f"{key}_back": unit for key, unit in VALUES.items()}},
     "driver": {**AXES, "torque": "N m", "force": "N"},
 }
-HEAD = re.compile(r"\s*([A-Za-z_ ]+?)\s*(?:[(\[]\s*([^()\[\]]+?)\s*[)\]])?\s*")
+HEAD = re.compile(r"([A-Za-z_ ]{1,40})(?:[(\[]([^()\[\]]{1,40})[)\]])?\s*")
 Broken = tuple[Path, Refused]
 
 
@@ -44,6 +45,8 @@ def expand(raw: Raw, file: str | None) -> list[Broken]:
                     if key in holder:
                         raise Refused(f"{told} has a column for {key}, which the model has too", "", "", "remove one of the two")
             except Refused as refused:
+                if refused.value and refused.value != shown(told):  # the text of a cell: the file it stands in is told as well
+                    refused.what = f"{told}, {refused.what}"
                 refused.value = refused.value or shown(told)
                 broken.append((path, refused))
             else:
@@ -133,8 +136,8 @@ def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
 def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     """The key and the unit that a column's head names. Raises Refused."""
     where = f"line 1, column {column}"
-    match = HEAD.fullmatch(text)
-    if match is None:
+    match = HEAD.fullmatch(text.strip()) if len(text) < LONGEST_HEAD else None
+    if match is None or not match[1].strip():
         raise Refused(f"{where}: this names no column", shown(text), "", 'write it as in "force (kN)"')
     name = match[1].strip().lower().replace(" ", "_")
     key = next((one for one in columns if name in (one, one.removesuffix("s"), one.replace("s_back", "_back"))), "")
@@ -143,10 +146,12 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
         remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
         raise Refused(f"{where}: there is no column {shown(name)} here", shown(text), "", remedy)
     try:
-        number(f"1 {match[2] or columns[key]}", columns[key])
+        unit = (match[2] or columns[key]).strip()
+        number(f"1 {unit}", columns[key])
     except QuantityError as error:
-        raise Refused(f"{where}: its unit is that of {error.what}", shown(text), error.limit, f"for example ({columns[key]})") from None
-    return key, match[2] or columns[key]
+        what = error.what.removeprefix("a text whose ") if error.what.startswith("a text whose ") else f"unit is that of {error.what}"
+        raise Refused(f"{where}: its {what}", shown(text), error.limit, f"for example ({columns[key]})") from None
+    return key, unit
 
 
 def cell_of(text: str, unit: str, dimension: str, where: str) -> float:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
-from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..assembly.possible import outlook
 from ..model.mechanism import Mechanism
-from ..model.validate import validate
 from . import described
 
 
@@ -46,16 +42,8 @@ class Checked:
     __repr__ = __str__
 
 
-def checked(mechanism: Mechanism) -> Checked:
-    """Examines a mechanism. Raises ModelError with every fault, AssemblyError where no position satisfies its joints or it jams on its way."""
-    validate(mechanism)
-    seen = outlook(mechanism)
-    found = told(assemble(mechanism))
-    return dataclasses.replace(found, notes=(*found.notes, *seen.notes))
-
-
 def told(assembly: Assembly) -> Checked:
-    """The same of one that is assembled."""
+    """What is known of a mechanism that is assembled."""
     mechanism, freedom = assembly.mechanism, described.freedom(assembly)
     return Checked(
         name=mechanism.name, bodies=len(mechanism.bodies), joints=len(mechanism.joints), free=freedom["free"],

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+COUNTED = (".impacts", ".grazing", ".deep_landings")
+
 
 def spread_of(told: dict[str, Any], name: str) -> float:
     """What a measure of a summary varies by, or is not known to, the larger of both; 0 where nobody knows.
@@ -21,6 +23,8 @@ def spread_of(told: dict[str, Any], name: str) -> float:
 def plain(told: dict[str, Any], name: str) -> str:
     """A measure of a summary as a bare number of six digits at the most, no finer than what is known of it."""
     value = told["measures"][name]
+    if name.endswith(COUNTED):
+        return f"{value:.0f}"  # as the tables of a summary have it: 45 contacts are 45, though companions may have 41
     spread = spread_of({"ranges": told.get("ranges") or {}, "turns": told.get("turns") or {}}, name)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
         told_of = spread > 0.0 and value and math.isfinite(value / spread)

@@ -64,14 +64,24 @@ def stray(told: dict[str, Any]) -> str:
     found = told["turns"]
     if not found or found["motion"] != "not periodic":
         return ""
-    name = told["trust"].get("measure") or max(
-        (name for name in told["measures"] if name.endswith(".force.max")), key=lambda name: told["measures"][name], default=""
-    )
+    name = told["trust"].get("measure") or _widest(told)
     if not name or name not in told["ranges"]:
         return ""
-    one, value = told["ranges"][name], told["measures"][name]
-    low, high = ((100.0 * (one[key] / value - 1.0) if value else 0.0) for key in ("lowest", "highest"))
+    low, high = (f"{apart:+.0f}" if abs(apart) >= 10.0 else f"{apart:+.2g}" for apart in _astray(told, name))
     return (
-        f"This motion is not periodic: single turns of {name} lie {low:+.0f} to {high:+.0f} % from their mean. "
+        f"This motion is not periodic: single turns of {name} lie {low} to {high} % from their mean. "
         f"What is told are means over turns {found['first']} to {found['last']}, which hold where single turns do not."
     )
+
+
+def _widest(told: dict[str, Any]) -> str:
+    """Of the largest forces, less those below a tenth of the largest of all, the one whose turns differ most."""
+    forces = {name: value for name, value in told["measures"].items() if name.endswith(".force.max") and name in told["ranges"]}
+    large = [name for name, value in forces.items() if value >= 0.1 * max(forces.values())]
+    return max(large, key=lambda name: _astray(told, name)[1] - _astray(told, name)[0], default="")
+
+
+def _astray(told: dict[str, Any], name: str) -> tuple[float, float]:
+    """By how much the lowest and the highest turn of a measure lie from its mean, in per cent."""
+    one, value = told["ranges"][name], told["measures"][name]
+    return tuple(100.0 * (one[key] / value - 1.0) if value else 0.0 for key in ("lowest", "highest"))  # type: ignore[return-value]

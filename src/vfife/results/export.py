@@ -28,6 +28,8 @@ def export(view: View, path: Path) -> None:
     if write is None:
         known = f"{', '.join(list(FORMATS)[:-1])} and {list(FORMATS)[-1]}"
         raise VfifeError(f'{path}: no data are written as "{path.suffix or path.name}"; endings that say a format are {known}')
+    if not path.absolute().parent.is_dir():
+        raise VfifeError(f"{path}: there is no folder {path.absolute().parent}; make it first")
     write(view, path)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import VfifeError, shown, suggestion
+from ..errors import VfifeError, kind_of, shown, suggestion
 from .channels import entities
 from .series import PREFIXES, of_the_ground
 
@@ -71,6 +71,10 @@ def columns(view: View, names: Collection[str] = (), fine: bool = False) -> Iter
     there = entities(view.record)
     known = dict.fromkeys(one for entity, every in there.items() if entity not in FINE for one in every)
     for name in names:
+        if not isinstance(name, str):
+            raise VfifeError(
+                f'{shown(name)} is {kind_of(name)}, no name of a joint, body or spring; write them one by one, as in to_dataframe("C", "crank")'
+            )
         if name not in known and not any(numbered(one, name) for one in known):
             raise VfifeError(f"there is no joint, body or spring {shown(name)} in this result: {suggestion(str(name), known, 'name one')}")
     static = view.record.static

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..assembly.possible import outlook
-from ..errors import suggestion
+from ..errors import VfifeError, suggestion
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
 from ..result import Result
@@ -46,7 +46,7 @@ def compare(
     if left out. ``progress`` receives the name of each run before it starts and may return a call for :func:`~vfife.simulate`; the others are
     arguments of that; without companions, which are none unless asked for, an automatic step is the finer one that nobody has to look at.
     Ctrl-C ends with the runs that are complete. In a ``folder`` (there already) they are kept until all are, so that the same comparison, broken
-    off or killed, goes on after them. Raises ValueError with every law that cannot be used, before the first run, and StorageError where a run
+    off or killed, goes on after them. Raises VfifeError with every law that cannot be used, before the first run, and StorageError where a run
     cannot be kept.
     """
     given = Arguments("compare")
@@ -78,23 +78,23 @@ def compare(
 
 
 def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[str, ...]:
-    """Joints whose laws are changed. Raises ValueError for one without clearance."""
+    """Joints whose laws are changed. Raises VfifeError for one without clearance."""
     known = mechanism.clearances
     if not known:
-        raise ValueError('no joint of this mechanism has clearance, so there is no law to compare; give one kind = "clearance"')
+        raise VfifeError('no joint of this mechanism has clearance, so there is no law to compare; give one kind = "clearance"')
     names = tuple(dict.fromkeys(joints)) if joints is not None else tuple(known)
     for name in names:
         if name in mechanism.joints and name not in known:
-            raise ValueError(f"joint {name} is ideal and has no law; joints with clearance are {', '.join(known)}")
+            raise VfifeError(f"joint {name} is ideal and has no law; joints with clearance are {', '.join(known)}")
         if name not in known:
-            raise ValueError(f"there is no joint {name!r}. {suggestion(name, known, 'Name one with clearance')}")
+            raise VfifeError(f"there is no joint {name!r}. {suggestion(name, known, 'Name one with clearance')}")
     return names
 
 
 def varied(mechanism: Mechanism, contact: Sequence[Choice], friction: Sequence[Choice], joints: Sequence[str]) -> Iterator[tuple[str, Mechanism]]:
     """Name and mechanism of every pair of laws; None in place of a law keeps the joint's own."""
     if not contact and not friction:
-        raise ValueError("name contact laws, friction laws or both; `vfife laws` lists them")
+        raise VfifeError("name contact laws, friction laws or both; `vfife laws` lists them")
     contacts: list[Law | type[Law] | None] = [law_of(one, ContactLaw, "contact") for one in contact] or [None]
     frictions: list[Law | type[Law] | None] = [law_of(one, FrictionLaw, "friction") for one in friction] or [None]
     for normal in contacts:
@@ -109,14 +109,15 @@ def varied(mechanism: Mechanism, contact: Sequence[Choice], friction: Sequence[C
 
 
 def law_of(one: Choice, base: type[Law], kind: str) -> Law | type[Law]:
-    """The law that is meant. Raises ValueError for a name that no law has, and for a law of the other kind."""
+    """The law that is meant. Raises VfifeError for a name that no law has, and for a law of the other kind."""
     if isinstance(one, str):
         if one not in base.registry:
-            raise ValueError(f"no {kind} law is called {one!r}. {suggestion(one, base.registry, f'Name a {kind} law').capitalize()}")
+            remedy = suggestion(one, base.registry, f"name a {kind} law")
+            raise VfifeError(f"no {kind} law is called {one!r}. {remedy[0].upper()}{remedy[1:]}")
         return base.registry[one]
     kind_of_it: Any = one if isinstance(one, type) else type(one)
     if not issubclass(kind_of_it, base):
-        raise ValueError(f"{one!r} is no {kind} law")
+        raise VfifeError(f"{one!r} is no {kind} law")
     return one
 
 
@@ -132,11 +133,11 @@ def carried(old: Law, new: Law | type[Law] | None) -> Law:
     try:
         return new(**values)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"the law {new.name!r} cannot take the place of {old.name!r}: {error}; give it in Python as an instance") from None
+        raise VfifeError(f"the law {new.name!r} cannot take the place of {old.name!r}: {error}; give it in Python as an instance") from None
 
 
 def prepared(variants: Sequence[tuple[str, Mechanism]], reference: Result | None, asked: Asked) -> list[tuple[str, Prepared]]:
-    """Every variant, ready to run. Raises ValueError with all that cannot be run."""
+    """Every variant, ready to run. Raises VfifeError with all that cannot be run."""
     faults, ready = [], []
     for label, variant in variants:
         try:
@@ -144,7 +145,7 @@ def prepared(variants: Sequence[tuple[str, Mechanism]], reference: Result | None
         except ValueError as error:
             faults.append(f"{label}: {error}")
     if faults:
-        raise ValueError("\n".join(dict.fromkeys(faults)))
+        raise VfifeError("\n".join(dict.fromkeys(faults)))
     return ready
 
 

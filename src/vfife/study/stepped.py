@@ -26,6 +26,11 @@ from ..solvers.steered import Input, Table, inputs_of, steerable
 from ..solvers.transient import choose_loop
 from ..units import number
 
+NOTHING_TO_SET = (
+    'the mechanism has nothing that can be set: before the Simulation, add a torque, as in mechanism.torque("rotor", value=0.0), a load, or name '
+    "drivers in steered=..."
+)
+
 
 class Nowhere(NamedTuple):
     """An array of no rows, as machine code asks for it: its address is looked up once."""
@@ -228,7 +233,7 @@ class Simulation:
         """
         found = self._inputs.get(name)
         if found is None:
-            remedy = suggestion(str(name), self._inputs, "sim.inputs has their names")
+            remedy = suggestion(str(name), self._inputs, "name one" if self._inputs else NOTHING_TO_SET)
             raise ModelError([Fault("name", "there is no such input", shown(name), "", remedy)], "set()")
         one, tables = found
         if type(value) is not float:

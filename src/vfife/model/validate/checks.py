@@ -44,7 +44,9 @@ class Checks:
     def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
         """One fault more, with the value that stands at the path."""
         value = self.written(path) if path[-1] != "" else ""
-        self.faults.append(Fault(self.where(path), what, value, limit, remedy))
+        fault = Fault(self.where(path), what, value, limit, remedy)
+        if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
+            self.faults.append(fault)
 
     def told(self, path: Path) -> bool:
         """Whether what stands at a path was refused already, or a part of it."""
