@@ -352,3 +352,18 @@ def test_packing_keeps_every_bit(shape: tuple[int, ...]) -> None:
     again = unpacked(packed(values))
     assert again.shape == shape
     assert again.tobytes() == values.tobytes()
+
+
+def test_a_damaged_index_leads_to_no_other_row(tmp_path: Path) -> None:
+    """A name in an index, overwritten by zeros: the row it leads to is whole, and is that of another name."""
+    path, changed = small(tmp_path / "a"), tmp_path / "b.sqlite"
+    whole = path.read_bytes()
+    with RunFile.open(path) as file:
+        meta = file.meta
+    name = next(one for one in (f"meta.{key}".encode() for key in sorted(meta)) if whole.count(one) == 2)  # in the table and in its index
+    at = whole.find(name)
+    for place in (at, whole.find(name, at + 1)):
+        changed.write_bytes(whole[: place + 5] + bytes(len(name) - 5) + whole[place + len(name) :])
+        with RunFile.open(changed) as file:
+            assert set(file.meta) == set(meta)
+            assert all("\0" not in one for one in file.lost)

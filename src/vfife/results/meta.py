@@ -56,7 +56,7 @@ def read(connection: sqlite3.Connection, lose: Callable[[str], None]) -> dict[st
     if names is None and (found or lost):
         lose("the list of what it says")
     for name in sorted((lost | set(names or ())) - set(found) - {KEYS}):
-        lose(f"its {name}")
+        lose(f"its {name}" if name.isprintable() else "an entry of what it says")
     found.pop(COUNTED, None)
     return found
 

@@ -65,7 +65,9 @@ def sound(connection: sqlite3.Connection, table: str, key: Any) -> tuple[Any, ..
         if _of_storage(error):
             raise
         return None
-    return None if row is None or seal(table, *row[:-1]) != row[-1] else tuple(row[:-1])
+    if row is None or row[0] != key:  # a damaged index leads to the row of another key, whole as that may be
+        return None
+    return None if seal(table, *row[:-1]) != row[-1] else tuple(row[:-1])
 
 
 def keys(connection: sqlite3.Connection, table: str) -> list[Any]:
