@@ -15,6 +15,7 @@ from ..kernels.blocks import BLOCKS
 from ..kernels.topology import CURRENT
 from ..model.bodies import PointMass
 from ..model.joints import Gear
+from ..model.outlines import loose_pins
 from ..model.strokes import PairSeen
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
@@ -82,13 +83,12 @@ def _body(assembly: Assembly, body: BodyMap) -> Json:
     mass = [1.0 / float(value) if value > 0.0 else 0.0 for value in inverse]
     held = sum(value == 0.0 for value in mass)
     left = (body.mass - sum(mass)) / held if held else 0.0
-    held_at = outlines.attached(assembly, body.name)
-    pins = noun.points if not body.elements else [pin for pin in ("start", "end") if pin in noun.points]
+    loose = loose_pins(assembly.mechanism, body.name, bool(body.elements))
     return {
         "name": body.name, "chord": bool(body.elements), "particles": list(body.particles), "masses": [value or left for value in mass],
         "centre": outlines.centre_of(assembly, body.name), "driven": body.driven, "row": body.row,
         "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0), "outline": outlines.drawn(assembly, body),
-        "loose": [outlines.pin_of(assembly, f"{body.name}.{pin}") for pin in pins if pin != outlines.CENTER and pin not in held_at],
+        "loose": [outlines.pin_of(assembly, f"{body.name}.{pin}") for pin in loose],
     }  # fmt: skip
 
 
