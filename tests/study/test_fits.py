@@ -48,9 +48,9 @@ def test_grades_are_the_formula_rounded() -> None:
     factors = (7, 10, 16, 25, 40, 64, 100)
     for mean, row in zip(means(STEPS), GRADES, strict=True):
         i = 0.45 * mean ** (1 / 3) + 0.001 * mean
-        exact = [0.8 + 0.02 * mean, *(factor * i for factor in factors)]
-        for value, have in zip(exact, (row[0], *row[4:]), strict=True):
-            assert have == pytest.approx(value, rel=0.16 if mean < 2 else 0.13, abs=0.6), (mean, have, value)
+        assert row[0] == pytest.approx(0.8 + 0.02 * mean, rel=0.25)  # less for large sizes
+        for factor, have in zip(factors, row[4:], strict=True):
+            assert have == pytest.approx(factor * i, rel=0.16 if mean < 2 else 0.1, abs=0.6), (mean, have, factor * i)
         assert all(low < high for low, high in pairwise(row))
         for low, have, high in zip(row, row[1:4], row[2:5], strict=False):  # IT2 to IT4 between their neighbours, nearly in a geometric series
             assert have == pytest.approx(math.sqrt(low * high), rel=0.2)
