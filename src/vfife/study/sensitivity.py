@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 
@@ -64,14 +63,14 @@ def morris_effects(parameters: Sequence[str], places: Array, values: Array, seed
     """
     analyze, count = salib().morris, len(parameters)
     groups = whole_groups(values, count + 1)
-    kept: np.ndarray[Any, np.dtype[np.bool_]] = np.isfinite(values.reshape(-1, count + 1)).all(axis=1)
+    kept = np.flatnonzero(np.isfinite(values.reshape(-1, count + 1)).all(axis=1))
     levels = (places.reshape(-1, count + 1, count)[kept] * LEVELS - 0.5) / (LEVELS - 1)
     rows = levels.reshape(-1, count)
     found = analyze.analyze(problem(parameters), rows, groups.ravel(), num_levels=LEVELS, num_resamples=RESAMPLED, conf_level=CONFIDENCE, seed=seed)
     # SALib's effects are over the whole grid, three of its steps; ours are over the jump of two.
     over = JUMP / (LEVELS - 1)
     told = zip(parameters, found["mu"], found["mu_star"], found["mu_star_conf"], found["sigma"], strict=True)
-    return [Effect(name, *(over * float(one) for one in row)) for name, *row in told], len(kept) - len(groups)
+    return [Effect(name, *(over * float(one) for one in row)) for name, *row in told], len(values) // (count + 1) - len(groups)
 
 
 def whole_groups(values: Array, size: int) -> Array:
