@@ -111,8 +111,7 @@ class Stream:
     def _alone(self, count: int) -> int:
         """The same with one lane in a loop that knows no streams."""
         runner, n, last = self.alone, self.done, self.done + count
-        assert runner is not None
-        while n < last:
+        while runner is not None and n < last:
             runner.states[:], runner.done = self.states, n
             piece = int(min(last, self.due[0])) - n
             runner.functions[:] = self.T

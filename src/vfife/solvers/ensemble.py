@@ -156,8 +156,9 @@ class _Lane:
     def end(self) -> None:
         """It is as it is."""
 
-    def start(self, row: Array) -> None:
+    def start(self, state: Array) -> None:
         """The output of step 0."""
+        row = state[self.kept]
         self.summaries.append(row)
         self.rows = row[None, :]
 

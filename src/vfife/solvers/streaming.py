@@ -11,9 +11,9 @@ import queue
 import threading
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,15 @@ SECONDS, FIRST, GROWTH = 0.25, 1000, 4  # of a call between two looks at the clo
 PATIENCE = 0.2  # s between two looks at signals
 
 
-class Member(Protocol):
+class Ending(Protocol):
+    """What may have ended."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether it needs no more."""
+
+
+class Member(Ending, Protocol):
     """A simulation for a lane: it takes the rows ``handed`` after ``every`` of its steps, ``outputs`` of them at a time, until it has ``ended``."""
 
     assembly: Assembly
@@ -40,18 +48,17 @@ class Member(Protocol):
     outputs: int
     loop: str
 
-    @property
-    def ended(self) -> bool:
-        """Whether it needs no more."""
-
-    def start(self, row: Array) -> None:
-        """What is handed out of its first step."""
+    def start(self, state: Array) -> None:
+        """The state after its first step, (rows,)."""
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
         """Outputs, shape (outputs, handed), fewer where it broke after so many of its steps (-1: it did not), and its present state, (rows,)."""
 
     def end(self) -> Member | None:
         """Its last word: what takes its place, where it has to be made again."""
+
+
+Found: TypeAlias = "queue.SimpleQueue[Ending | BaseException | None]"
 
 
 def kind(member: Member, loops: dict[Any, str]) -> tuple[Any, ...]:
@@ -67,7 +74,8 @@ def kind(member: Member, loops: dict[Any, str]) -> tuple[Any, ...]:
 class Waiting:
     """Members that wait for a lane, by their kinds; they are made when they are asked for."""
 
-    source: Iterator[Member]
+    source: Iterator[Member | Ending]
+    found: Found
     share: int  # that one thread takes at first, so that few members are shared fairly
     lock: threading.Lock = field(default_factory=threading.Lock)
     queues: dict[tuple[Any, ...], deque[Member]] = field(default_factory=dict)
@@ -80,6 +88,10 @@ class Waiting:
                 if waiting and wanted in (None, found):
                     return found, waiting.popleft()
             for member in self.source:
+                if member.ended:
+                    self.found.put(member)
+                    continue
+                member = cast(Member, member)
                 found = kind(member, self.loops)
                 if wanted in (None, found):
                     return found, member
@@ -88,15 +100,18 @@ class Waiting:
 
 
 def stepped(
-    members: Iterable[Member], count: int, *, lanes: int | None = None, workers: int | None = None, stop: threading.Event | None = None
-) -> Iterator[Member]:
-    """Steps members, ``count`` of them or so, and gives each when it has ended; with ``stop`` set, no more.
+    members: Iterable[Member | Ending], count: int, *, lanes: int | None = None, workers: int | None = None, stop: threading.Event | None = None
+) -> Iterator[Ending]:
+    """Steps members, ``count`` of them or so, and gives each when it has ended, what had ended before as it is; with ``stop`` set, no more.
 
     ``lanes``: side by side in one vector register, as many as this machine's hold if not given; ``workers``: threads, one a core if not given.
     """
-    stop, workers = stop or threading.Event(), max(1, min(workers or os.cpu_count() or 1, count))
-    waiting, found = Waiting(iter(members), -(-count // workers)), queue.SimpleQueue[Member | BaseException | None]()
-    threads = [threading.Thread(target=_work, args=(waiting, found, lanes or widest(), stop), daemon=True) for _ in range(workers)]
+    found: Found = queue.SimpleQueue()
+    ended, stop = threading.Event(), stop or threading.Event()
+    workers = max(1, min(workers or os.cpu_count() or 1, count))
+    waiting = Waiting(iter(members), found, -(-count // workers))
+    arguments = waiting, found, lanes or widest(), lambda: ended.is_set() or stop.is_set()
+    threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
     for thread in threads:
         thread.start()
     try:
@@ -112,16 +127,16 @@ def stepped(
             else:
                 yield one
     finally:
-        stop.set()
+        ended.set()
         for thread in threads:
             thread.join()
 
 
-def _work(waiting: Waiting, found: queue.SimpleQueue[Member | BaseException | None], lanes: int, stop: threading.Event) -> None:
+def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool]) -> None:
     """One thread: lanes of one kind after the other, until no member is left."""
     try:
-        while not stop.is_set() and (first := waiting.next(None)) is not None:
-            Lanes(*first, waiting, found, lanes).run(stop)
+        while not halted() and (first := waiting.next(None)) is not None:
+            Lanes(*first, waiting, found, lanes).run(halted)
         found.put(None)
     except BaseException as error:
         found.put(error)
@@ -130,9 +145,7 @@ def _work(waiting: Waiting, found: queue.SimpleQueue[Member | BaseException | No
 class Lanes:
     """The lanes of a thread, and who is in them."""
 
-    def __init__(
-        self, shared: tuple[Any, ...], first: Member, waiting: Waiting, found: queue.SimpleQueue[Member | BaseException | None], lanes: int
-    ) -> None:
+    def __init__(self, shared: tuple[Any, ...], first: Member, waiting: Waiting, found: Found, lanes: int) -> None:
         topology, loop, tables, parts, outputs, _ = shared
         self.kind, self.waiting, self.found = shared, waiting, found
         self.lanes = lanes if loop == "generated" else 1
@@ -150,9 +163,9 @@ class Lanes:
         found = self.waiting.next(self.kind)
         return None if found is None else found[1]
 
-    def run(self, stop: threading.Event) -> None:
+    def run(self, halted: Callable[[], bool]) -> None:
         """Until all have ended and no other waits."""
-        while (self.members or any(self.next.values())) and not stop.is_set():
+        while (self.members or any(self.next.values())) and not halted():
             if self.next and self.stream.beat == 0:
                 self._fill()
             self._advance()
@@ -164,7 +177,7 @@ class Lanes:
             if member is not None:
                 assembly = member.assembly
                 simulation = self.starter.begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
-                member.start(simulation.state[member.handed] + 0.0)
+                member.start(simulation.state + 0.0)
                 self.members[lane], self.begins[lane] = member, self.stream.done - 1
                 self.stream.put(lane, simulation, member.every, member.outputs)
         self.next.clear()
