@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
+    from .study.derivatives import sensitivity
     from .study.stepped import Simulation
 
 __version__ = "0.2.0"
@@ -60,6 +61,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "modes": "analysis.modes",
     "resume": "simulation",
     "save_model": "modelfile.files",
+    "sensitivity": "study.derivatives",
     "simulate": "simulation",
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
@@ -170,6 +172,7 @@ __all__ = [
     "quantity",
     "resume",
     "save_model",
+    "sensitivity",
     "simulate",
 ]
 if TYPE_CHECKING:

@@ -24,6 +24,7 @@ from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .sensitivity import sensitivity
 from .signals import NOW, Signals
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
@@ -76,6 +77,7 @@ for command in (
     check,
     modes,
     compare,
+    sensitivity,
     info,
     impacts,
     plot,
