@@ -26,6 +26,7 @@ from .run import run
 from .schema import schema
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
+from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
 
@@ -92,3 +93,4 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.add_typer(study, name="study", rich_help_panel=None)

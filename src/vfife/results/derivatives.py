@@ -41,10 +41,8 @@ class Sensitivity:
     part: str = "last turn"
 
     def __repr__(self) -> str:
-        of, by = len(self.measures), len(self.derivatives)
-        return (
-            f"<Sensitivity of {of} measures of {self.mechanism!r} to {by} numbers; see .ranked(measure), .derivative(measure, path), .write_csv()>"
-        )
+        what = f"{len(self.measures)} measures of {self.mechanism!r} to {len(self.derivatives)} numbers"
+        return f"<Sensitivity of {what}; see .ranked(measure), .derivative(measure, path), .write_csv()>"
 
     def derivative(self, measure: str, path: str) -> float:
         """Derivative of a measure by a number, in their SI units. Raises KeyError where there is none."""
@@ -65,6 +63,11 @@ class Sensitivity:
         low, high = sorted(self._relative(one, measure, slope) for slope in one.ranges[measure])
         return low, high
 
+    def known(self, measure: str, path: str) -> bool:
+        """Whether all displaced runs agree on its sign, and the run's companions on the measure."""
+        low, high = self._by(path).ranges[measure]
+        return measure not in self.doubtful and low * high >= 0.0
+
     def _by(self, path: str) -> Derivative:
         return next(one for one in self.derivatives if one.path == path)
 
@@ -80,7 +83,8 @@ class Sensitivity:
         return [
             {
                 "measure": measure, "value": self.measures[measure], "number": path, "model": self._by(path).value,
-                "derivative": self.derivative(measure, path), "elasticity": elastic, "meaningless": measure in self.doubtful,
+                "derivative": self.derivative(measure, path), "elasticity": elastic,
+                "from": self.span(measure, path)[0], "to": self.span(measure, path)[1], "meaningless": not self.known(measure, path),
             }
             for measure in self.measures for path, elastic in self.ranked(measure)
         ]  # fmt: skip
@@ -88,7 +92,7 @@ class Sensitivity:
     def write_csv(self, path: str | Path) -> None:
         """Writes :meth:`rows` as a table of commas."""
         stream = io.StringIO(newline="")
-        table = csv.DictWriter(stream, ["measure", "value", "number", "model", "derivative", "elasticity", "meaningless"])
+        table = csv.DictWriter(stream, ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"])
         table.writeheader()
         table.writerows(self.rows())
         written(Path(path), stream.getvalue(), newline="")

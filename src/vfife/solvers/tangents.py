@@ -1,6 +1,6 @@
-"""A run and how it changes with numbers of its model: the derivative of every step is carried along with it, several directions in each lane.
+"""A run and how it changes with numbers of its model: each step carries its derivatives along, in several directions in each lane.
 
-What a direction changes at the start is known from two assemblies, a little to both sides of the model. The run itself has the bits that it has alone.
+What a direction changes at the start is known from two assemblies, a little to both sides of the model. The run has the bits that it has alone.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def rates(assembly: Assembly) -> Array:
 
 
 def changes(assembly: Assembly, one: Neighbours) -> Array:
-    """The tables of the functions' change with a number, at a fixed argument; where pieces begin later, they begin so much earlier in themselves."""
+    """The tables of the functions' change with a number, at a fixed argument: a piece that begins later is so much earlier in itself."""
     T = assembly.tables.copy()
     for start in assembly.topology.function_start:
         first, count = _first(T, start), abs(int(T[start]))
@@ -92,7 +92,7 @@ def _derived(coefficients: Array) -> Array:
 def tangents(
     assembly: Assembly, every: Sequence[Neighbours], shares: Sequence[float] = (0.0,), lanes: int | None = None
 ) -> Iterator[list[tuple[Record, Record]]]:
-    """Of each neighbourhood the records of its two models, as far as first derivatives tell them: the run of ``assembly`` plus and minus its change.
+    """Of each neighbourhood the records of its two models, as far as first derivatives tell them: the run plus and minus its change.
 
     There is a pair for each of ``shares``, first steps (1) by which a run is displaced; that of 0 is the run itself. Every neighbourhood has to be
     :func:`comparable`. What the two differ by, over ``apart``, is the derivative of whatever is taken of a record. Ctrl-C is heard within a quarter

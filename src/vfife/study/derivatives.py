@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from statistics import median
 from typing import Any, TypeAlias
 
 from ..analysis.measures import OVER_TURN, Measure, last_turn, over_turn
@@ -54,9 +55,10 @@ def sensitivity(
 ) -> Sensitivity:
     """How measures ``of`` a run depend on numbers of its model, ``to``: patterns of names and of paths, ``"*.force.max"``, ``"joint.C.*"``.
 
-    The run is that of :func:`~vfife.simulate` with these arguments; derivatives are of its measures over the last turn, at the steps that it took:
-    where an onset would fall into another step, or a law pass a kink, they are those from one side. A number that the model has as zero is left out,
-    and so are those that nothing depends on. Derivatives of a measure that the run's companions do not agree on mean nothing, and are marked.
+    The run is that of :func:`~vfife.simulate` with these arguments; derivatives are of its measures over the last turn, at the steps that it
+    took. Where an onset falls in its step is decided by the steps, and leaves each derivative an error of first order in them: with contact it is
+    the median over four displaced runs, with their range. A number that the model has as zero is left out, and so are those that nothing depends on.
+    Derivatives of a measure that the run's companions do not agree on mean nothing, and are marked.
     Raises ModelError for patterns that fit nothing, and what simulate raises.
     """
     given = Arguments("sensitivity")
@@ -84,7 +86,7 @@ def matching(name: str, patterns: Sequence[str], known: dict[str, float]) -> dic
         if not any(fnmatchcase(one, pattern) for one in known)
     ]
     if faults:
-        raise ModelError("sensitivity", faults)
+        raise ModelError(faults, "sensitivity")
     return {one: value for one, value in known.items() if any(fnmatchcase(one, pattern) for pattern in patterns)}
 
 
@@ -145,15 +147,17 @@ def paired(assembly: Assembly, ways: list[Way]) -> Iterator[tuple[Way, Pairs]]:
 
 
 def derivatives(way: Way, pairs: Pairs, names: dict[str, float], every: tuple[Measure, ...]) -> Derivative:
-    """The change of measures between two records, by that of the number: the mean over displaced runs, and from the least to the largest."""
+    """The change of measures between two records, by that of the number: the median over displaced runs, which one with another largest
+    peak does not move, and from the least to the largest.
+    """
     found: dict[str, list[float]] = {}
     for pair in pairs:
         up, down = (over_turn(record, last_turn(record), every) for record in pair)
         for name in names:
             if name in up and name in down:
                 found.setdefault(name, []).append((up[name] - down[name]) / way.near.apart)
-    mean = {name: math.fsum(values) / len(values) for name, values in found.items()}
-    return Derivative(way.path, way.value, mean, {name: (min(values), max(values)) for name, values in found.items()})
+    middle = {name: median(values) for name, values in found.items()}
+    return Derivative(way.path, way.value, middle, {name: (min(values), max(values)) for name, values in found.items()})
 
 
 def doubtful(result: Result, names: dict[str, float]) -> frozenset[str]:
