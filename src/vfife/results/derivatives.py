@@ -16,13 +16,18 @@ from .folder import written
 class Derivative:
     """By one number, ``path``, whose ``value`` the model has (SI): the derivatives of measures, in their unit over its own.
 
-    Those of a mechanism with contact are means over displaced runs; ``ranges`` says from the least to the largest of them.
+    Those of a mechanism with contact are medians over displaced runs; ``ranges`` says from the least to the largest of them.
     """
 
     path: str
     value: float
     values: Mapping[str, float]
     ranges: Mapping[str, tuple[float, float]]
+
+    @property
+    def displaced(self) -> bool:
+        """Whether it was taken of several runs."""
+        return any(low < high for low, high in self.ranges.values())
 
 
 @dataclass

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -25,7 +24,7 @@ from ..solvers.companions import SENSITIVE
 from ..solvers.progress import Progress
 from ..solvers.record import Record
 from ..solvers.tangents import Neighbours, comparable, tangents
-from ..solvers.transient import run
+from ..solvers.transient import choose_loop, run
 
 NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
@@ -57,25 +56,38 @@ def sensitivity(
 
     The run is that of :func:`~vfife.simulate` with these arguments; derivatives are of its measures over the last turn, at the steps that it
     took. Where an onset falls in its step is decided by the steps, and leaves each derivative an error of first order in them: with contact it is
-    the median over four displaced runs, with their range. A number that the model has as zero is left out, and so are those that nothing depends on.
-    Derivatives of a measure that the run's companions do not agree on mean nothing, and are marked.
+    the median over four displaced runs, with their range; without ``companions``, of the run alone. A number that the model has as zero is left
+    out, and so are those that nothing depends on. Derivatives of a measure that the run's companions do not agree on mean nothing, and are marked.
     Raises ModelError for patterns that fit nothing, and what simulate raises.
     """
     given = Arguments("sensitivity")
     given.mechanism(mechanism)
     given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=False, companions=companions)
     given.tell()
+    refuse_unfit(mechanism)
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
     result = simulate(mechanism, turns=turns, duration=duration, step=step, companions=companions, progress=progress)
     assembly = result.record.assembly
+    if choose_loop(assembly, "auto") != "generated":
+        elements = len(assembly.topology.frame_nodes)
+        what = f"its {elements} elements are stepped by the data-driven loop, which carries no derivatives along"
+        raise ModelError([Fault("body", what, "", "", "use fewer elements, or vary the number with vfife study")], mechanism.name)
     names = matching("of", of, over_turn(result.record, last_turn(result.record)))
     every = tuple(one for one in OVER_TURN if names.keys() & over_turn(result.record, last_turn(result.record), (one,)).keys())
     ways, refused = neighbours(text, chosen, assembly)
-    found = [derivatives(way, pair, names, every) for way, pair in paired(assembly, ways)]
+    displaced = bool(assembly.contacts) and result.record.companions is not None
+    found = [derivatives(way, pair, names, every) for way, pair in paired(assembly, ways, displaced)]
     told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names))
     told.derivatives = [one for one in found if any(abs(told.elasticity(name, one.path)) > NOTHING for name in one.values)]
     return told
+
+
+def refuse_unfit(mechanism: Mechanism) -> None:
+    """Raises ModelError for a mechanism whose steps have no derivatives."""
+    if mechanism.settings.analysis == "static":
+        what, remedy = "a static analysis has no steps that carry derivatives along", "vary the number with vfife study instead"
+        raise ModelError([Fault("run.analysis", what, "static", "dynamic", remedy)], mechanism.name)
 
 
 def matching(name: str, patterns: Sequence[str], known: dict[str, float]) -> dict[str, float]:
@@ -134,13 +146,13 @@ def placed(text: str, path: str, value: float, assembly: Assembly) -> Assembly:
     return assemble(mechanism, choice.step * scale, outputs=outputs, force_step=True, **length)
 
 
-def paired(assembly: Assembly, ways: list[Way]) -> Iterator[tuple[Way, Pairs]]:
+def paired(assembly: Assembly, ways: list[Way], displaced: bool) -> Iterator[tuple[Way, Pairs]]:
     """Of each number the records to both sides: by the derivatives of steps, or by two runs where functions of time have other pieces.
 
-    A mechanism with contact is run displaced as well.
+    By steps also of ``displaced`` runs.
     """
     smooth = [way for way in ways if comparable(assembly, way.near)]
-    yield from zip(smooth, tangents(assembly, [way.near for way in smooth], SHARES if assembly.contacts else SHARES[:1]), strict=True)
+    yield from zip(smooth, tangents(assembly, [way.near for way in smooth], SHARES if displaced else SHARES[:1]), strict=True)
     for way in ways:
         if way not in smooth:
             yield way, [(run(way.near.up), run(way.near.down))]
