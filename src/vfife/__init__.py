@@ -98,6 +98,7 @@ _above.ANSWERS |= {
     "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
+    "figures": _later("plots.study", "figures"),
 }
 
 
