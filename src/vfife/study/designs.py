@@ -25,7 +25,7 @@ DESIGNS = ("saltelli", "morris")
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What a measure hangs on: an index or an effect for each parameter, and how many groups of the design were left out for a member without it."""
+    """What a measure hangs on: an index or an effect for each parameter, and how many groups were left out for a member without it."""
 
     measure: str
     unit: str
