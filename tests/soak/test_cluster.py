@@ -1,4 +1,4 @@
-"""A study of five hundred members on a cluster of processes of which one is killed every five seconds; and a member that kills each of its workers."""
+"""Five hundred members on a cluster of which a process is killed every five seconds; and a member that kills each of its workers."""
 
 from __future__ import annotations
 
