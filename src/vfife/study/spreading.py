@@ -22,7 +22,7 @@ SECONDS = 2.0  # that a batch should take
 FIRST = 8  # members of the first batches
 LOOK = 0.25  # s between looks at who is there
 PATIENCE = 60.0  # s without any worker
-HAND_OVER = 10.0  # s that a worker may take to hand over what it has
+HAND_OVER = 1.0  # s that are waited for what a worker has
 
 Work = Callable[[Question, Sequence[Numbers], int | None], Answer]
 
@@ -112,10 +112,16 @@ class Spread:
 
     def outcomes(self, batch: Batch) -> Iterator[tuple[int, Outcome]]:
         """What a batch came to; a worker may be gone before it could say so."""
-        killed: tuple[type[BaseException], ...] = (imported().KilledWorker, TimeoutError, imported().TimeoutError)
         try:
             answer: Answer = batch.future.result(timeout=HAND_OVER)
-        except killed:
+        except (TimeoutError, imported().TimeoutError):
+            self.look()
+            if batch.worker in self.threads:  # it has much to do
+                self.running[batch.future.key] = batch
+                self.done.put(batch.future.key)
+            else:
+                yield from self.died(batch)
+        except imported().KilledWorker:
             yield from self.died(batch)
         except VfifeError:
             raise
