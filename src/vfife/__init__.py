@@ -96,6 +96,8 @@ _above.ANSWERS |= {
     "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
+    "live": _later("live.cell", "live"),
+    "report": _later("live.cell", "report"),
 }
 
 
