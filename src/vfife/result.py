@@ -165,7 +165,7 @@ class Result(View):
     def live(self, slide: Iterable[str] | None = ()) -> Live:
         """A page in which its mechanism runs with its step: in a notebook's cell, as its last line, and where that is exported to.
 
-        ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, here none by default. Raises VfifeError for what has no motion.
+        ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, none by default. Raises VfifeError for what has no motion.
         """
         assembly = self.record.assembly
         found: Live = answered("live", assembly.mechanism, slide, assembly.choice.step)
