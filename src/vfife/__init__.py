@@ -100,6 +100,7 @@ _above.ANSWERS |= {
     "html": _later("plots.notebook", "mechanism_html"),
     "live": _later("live.cell", "live"),
     "report": _later("live.cell", "report"),
+    "figures": _later("plots.study", "figures"),
 }
 
 
