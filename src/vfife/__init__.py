@@ -100,6 +100,8 @@ _above.ANSWERS |= {
     "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
+    "live": _later("live.cell", "live"),
+    "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
 }
 
