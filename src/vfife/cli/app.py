@@ -25,6 +25,7 @@ from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
 from .study import study
@@ -82,6 +83,7 @@ for command in (
     sensitivity,
     info,
     impacts,
+    optimise,
     plot,
     animate,
     report,
