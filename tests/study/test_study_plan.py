@@ -118,6 +118,7 @@ def test_all_faults_at_once_with_their_places(tmp_path: Path) -> None:
         ('method = "sobol"\n[vary.x]\npath = "joint.C.clearance"\nfrom = 1e-5\nto = 1e-4\n', "count: this key is missing"),
         ('[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n[[point]]\ny = 1\n', "no parameter is called so"),
         ('last = 20\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n', "more turns than a member makes"),
+        ('step = "1 ms"\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n', "step = 0.001 s: too large for the model"),
         ('[set]\n"joint.Q.clearance" = 1\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n', "there is no joint 'Q'"),
     ],
 )
