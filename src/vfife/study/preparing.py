@@ -165,7 +165,7 @@ class Preparing:
                 return None
             reference = over_turn(record, last_turn(record), PEAKS)
         expected = {name.removesuffix(".force.max"): value for name, value in (reference or {}).items() if name.endswith(".force.max")}
-        asked: dict[str, Any] = {"turns": turns, "force_step": wanted.step is not None}
+        asked: dict[str, Any] = {"turns": turns}
         assembly = assemble(mechanism, wanted.step, expected=expected, **asked)
         if not streams(assembly):
             return None
