@@ -17,10 +17,12 @@ from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
 from ..laws import Pair
+from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
 from ..model.springs import AnySpring
 from ..model.surfaces import surfaces
+from ..model.touching import Touching
 from .assembled import BodyMap
 from .numbering import Numbering, Place
 from .prestress import PrestressedState
@@ -224,7 +226,7 @@ class Filler:
 
 def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
     """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
-    values = touch_values(touch, surfaces(mechanism, touch.joint))
+    values = touch_values(touch.joint, touch.touching, surfaces(mechanism, touch.joint))
     return [(layout.row(block, index), own) for block, own in zip(TOUCHED, values, strict=True)]
 
 
@@ -234,9 +236,8 @@ TOUCHED = (
 )  # fmt: skip
 
 
-def touch_values(touch: Touch, pair: Pair) -> tuple[tuple[float, ...], ...]:
+def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[float, ...], ...]:
     """The values of the blocks TOUCHED, of a contact between such surfaces."""
-    joint, touching = touch.joint, touch.touching
     arms = touching.centred if joint.friction_moment == "off" or joint.contact.film else touching.arms
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
     return (

@@ -73,8 +73,7 @@ class Refit:
             if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
                 return None
             pair = dataclasses.replace(joint.pair(*self.materials[name]), effective_mass=self.masses[name])
-            touch = touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0]
-            for row, values in zip(self.rows[name], touch_values(touch, pair), strict=True):
+            for row, values in zip(self.rows[name], touch_values(joint, joint.touchings(0.0)[0], pair), strict=True):
                 if len(values) == 1:
                     state[row] = values[0]
                 else:

@@ -87,7 +87,7 @@ class Preparing:
     def member(self, k: int, numbers: Numbers) -> Stepped | Unstepped:
         """One of them. Raises VfifeError where it cannot be assembled."""
         play = {path: value for path, value in numbers.items() if self.of_play(path)}
-        rest = {path: value for path, value in numbers.items() if path not in play}
+        rest = {path: value for path, value in numbers.items() if path not in play} if len(play) < len(numbers) else {}
         try:
             made = self.made(rest)
         except VfifeError:
