@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..analysis.forces import KINDS, joint_rows
+from ..analysis.forces import KINDS, joint_rows, peaks
 from ..assembly.assembled import Assembly, BodyMap
-from ..kernels.arrays import BLOCKS
+from ..kernels.blocks import BLOCKS
 from ..kernels.topology import CURRENT
 from ..model.bodies import PointMass
 from ..model.joints import Gear
@@ -55,7 +55,9 @@ def stepped(assembly: Assembly) -> Json:
     """What it takes to step an assembly and to find its numbers: rows by block, those that are kept, those that begin anew."""
     layout, topology = assembly.layout, assembly.topology
     rows = {block.name: layout[block.name].tolist() for block in BLOCKS if (block.role in ROLES or block.name in ALSO) and len(layout[block.name])}
-    own = {name: {"block": block, "at": at} for name, (block, at) in joint_rows(_record(assembly)).items()}
+    record = _record(assembly)
+    most = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}
+    own = {name: {"block": block, "at": at, "most": most[name]} for name, (block, at) in joint_rows(record).items()}
     return {
         "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows, "joints": own,
         "kept": recorded_rows(assembly).tolist(), "extremes": layout.of("extreme"), "free": list(topology.free), "driven": list(topology.driven),

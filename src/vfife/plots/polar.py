@@ -40,7 +40,7 @@ def polar(result: View, reference: View | None = None) -> Figure:
     panels = Panels([(SIDE, SIDE)] * len(names), 2 if len(names) == 4 else COLUMNS, across=1.0, down=0.95)
     for ax, name in zip(panels.axes, names, strict=True):
         own, ideal = bearing_force(result, name)[over.first : over.last + 1], _ideal(reference, name)
-        told = result.measures.get(f"{name}.force.max") if len(joint_rows(result.record)[name][1]) == 1 else None  # no peak of a corner
+        told = result.measures.get(f"{name}.force.max")
         most = max(float(np.hypot(*own.T).max()), 0.0 if ideal is None else float(np.hypot(*ideal.T).max()), 0.0 if told is None else float(told))
         factor, unit = scale_of(most, "N")
         if told is not None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.forces import contact_force, joint_force, joint_force_max, joint_moment, joint_rows
+from ..analysis.forces import joint_force, joint_force_max, joint_moment, joint_rows
 from ..analysis.guides import slider_motion, sliders
 from ..solvers.record import Record
 
@@ -100,29 +100,12 @@ def titled(result: View, name: str) -> str:
 
 
 def _force(result: View, name: str) -> Quantity:
-    rows = joint_rows(result.record)[name]
-    if rows[0] == "contact" and len(rows[1]) > 1:  # extremes are kept of each corner alone
-        return Quantity(titled(result, name), "force on a corner", "N", _corner(name), _column(joint_force_max, name), f"{name}.force.max")
-
     def size(record: Record) -> Array:
         force = joint_force(record)[:, list(joint_rows(record)).index(name)]
         return np.asarray(np.hypot(force[:, 0], force[:, 1]), dtype=float)
 
     most = None if result.record.static else _column(joint_force_max, name)
     return Quantity(titled(result, name), "force", "N", size, most, f"{name}.force.max")
-
-
-def _corner(name: str) -> Callable[[Record], Array]:
-    """The largest force of a block's corners; of a reference, which has none, that of the block."""
-
-    def size(record: Record) -> Array:
-        kind, rows = joint_rows(record)[name]
-        if kind != "contact":
-            return np.asarray(np.hypot(*joint_force(record)[:, list(joint_rows(record)).index(name)].T), dtype=float)
-        force = contact_force(record)[:, rows]
-        return np.asarray(np.hypot(force[..., 0], force[..., 1]).max(axis=1), dtype=float)
-
-    return size
 
 
 def _carrying(result: View, found: dict[str, Quantity], beside: float) -> dict[str, Quantity]:
