@@ -112,7 +112,9 @@ class Commands(Directive):
         first = next((k for k, line in enumerate(lines) if line.lstrip().startswith(begin)), None) if begin else 0
         if first is None:
             raise self.error(f"no line begins with {begin!r} in\n{text}")
-        last = next((k for k in range(first + 1, len(lines)) if lines[k].lstrip().startswith(end)), len(lines)) if end else len(lines)
+        last = next((k for k in range(first + 1, len(lines)) if lines[k].lstrip().startswith(end)), None) if end else len(lines)
+        if last is None:
+            raise self.error(f"no line after that begins with {end!r} in\n{text}")
         kept = "\n".join(lines[first:last]).strip("\n")
         return ("[...]\n" if first else "") + kept + ("\n[...]" if last < len(lines) else "")
 

@@ -46,7 +46,7 @@ SHOWN
 
 ```console
 $ vfife run examples/NAME.toml --figures
-$ vfife live examples/NAME.toml
+$ vfife live examples/NAME.toml -o NAME.html
 ```
 
 In Python it is `vfife.gallery.NAME()`, with its numbers as parameters.

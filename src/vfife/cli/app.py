@@ -24,7 +24,9 @@ from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .sensitivity import sensitivity
 from .signals import NOW, Signals
+from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
 
@@ -76,6 +78,7 @@ for command in (
     check,
     modes,
     compare,
+    sensitivity,
     info,
     impacts,
     plot,
@@ -90,3 +93,4 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.add_typer(study, name="study", rich_help_panel=None)

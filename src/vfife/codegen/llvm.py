@@ -14,6 +14,7 @@ from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
+from .tangent import Tangents, named, of_size, of_time, tangent
 from .trace import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
@@ -157,6 +158,10 @@ class Lane(Writer):
         result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 {table}, double {x})")
         return tuple(self.fresh(f"extractvalue {ANSWER} {result}, {k}") for k in range(4))
 
+    def along(self, own: str, rate: str, slope: str) -> str:
+        """Change of a function whose table changes by ``own`` and whose argument by ``slope``."""
+        return self.fresh(f"fadd double {own}, {self.fresh(f'fmul double {rate}, {slope}')}")
+
 
 def literal(x: float) -> str:
     """A constant by its bits."""
@@ -238,24 +243,44 @@ never:
 """
 
 
-def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int]) -> str:
-    """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them."""
+def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int], directions: int = 0) -> str:
+    """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them.
+
+    With ``directions`` the tables of a lane are followed by those of their derivatives, and these by the derivatives of its numbers in each.
+    """
     w = Lane(width, moving)
+    if directions:
+        w.out.append(f"  %length = udiv i64 %stride, {directions + 2}")
     dt, shift = (w.fresh(f"load double, ptr {w.row(layout.row(name))}, align 8") for name in ("step", "shift"))
     for name, n in (("time", "nd"), ("after", "md")):
         w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double %{n}, {shift}')}, {dt}")
     w.out.append(f"  %ahead = select i1 %start, double 0.0, double {dt}")
     for number, f in enumerate(found):
-        w.mark, w.truths = f"f{number}", frozenset(Trace(f.operations, {}).truths)
-        for name in rows_used(f.operations):
+        run = Tangents(layout.rows, directions)
+        run.slopes |= of_time(layout.row("step"))(run) if directions else {}
+        run.run(f.operations)
+        slopes = run.slope(f.argument), run.slope("after")
+        operations = run.tape.needed([run.value(f.argument), *slopes[0], *slopes[1]]) if directions else f.operations
+        w.mark, w.truths = f"f{number}", frozenset(Trace(operations, {}).truths)
+        for name in rows_used(operations):
             w.load(int(name[1:]))
-        for operation in f.operations:
+        for operation in operations:
             w.operation(operation)
         table = w.fresh(f"add i64 %shift, {f.table}")
-        values = w.polynomial(table, w.value(f.argument))
-        values += (w.polynomial(table, "%after")[0] if f.of_time else values[0],)
-        for row, value in zip(f.rows, values, strict=True):
+        argument = w.value(named(run.value(f.argument)) if directions else f.argument)
+        values = w.polynomial(table, argument)
+        later = w.polynomial(table, "%after") if f.of_time else values
+        for row, value in zip(f.rows, (*values, later[0]), strict=True):
             w.out.append(f"  store double {value}, ptr {w.row(row)}, align 8")
+        third = w.polynomial(w.fresh(f"add i64 {table}, %length"), argument)[2] if directions else ""
+        for k in range(directions):
+            own = w.fresh(f"add i64 {table}, {w.fresh(f'mul i64 %length, {k + 2}')}")
+            slope, after = (w.value(named(one[k])) for one in slopes)
+            parts = w.polynomial(own, argument)
+            found_slopes = [w.along(part, rate, slope) for part, rate in zip(parts[:3], (values[1], values[2], third), strict=True)]
+            next_slope = w.along(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else found_slopes[0]
+            for row, value in zip(f.rows, (*found_slopes, w.value(0.0), next_slope), strict=True):
+                w.out.append(f"  store double {value}, ptr {w.row(row + (k + 1) * layout.rows)}, align 8")
     body = "\n".join(w.out)
     return f"""define internal {FUNCTIONS} noinline {{
 entry:
@@ -306,10 +331,14 @@ def lanes(width: int) -> str:
     )  # fmt: skip
 
 
-def written(topology: Topology, width: int) -> str:
-    """Text of a module with ``advance``, which ``driver.ll`` describes."""
+def written(topology: Topology, width: int, directions: int = 0) -> str:
+    """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
     w, found, layout, step = Writer(width), functions(topology), Layout(topology), trace(topology)
-    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": width, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows}
+    steps, change = [step, trace(topology, True)], resizing(topology)
+    if directions:
+        steps = [tangent(one, layout.rows, directions) for one in steps]
+        change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
+    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": width, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows * (directions + 1)}
     words |= {f"{name.upper()}_ROW": layout.row(name) * width for name in ("step", "shift", "event")}
     driver = DRIVER.read_text()
     for word, value in words.items():
@@ -317,10 +346,12 @@ def written(topology: Topology, width: int) -> str:
     return "\n".join(
         [
             *(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")),
-            searched(found, width, layout, step.stores) if found else f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n",
-            lean(step, width, bool(found)),
-            whole(trace(topology, True), width, bool(found), bool(step.rare)),
-            resize(resizing(topology), width),
+            searched(found, width, layout, steps[0].stores, directions)
+            if found
+            else f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n",
+            lean(steps[0], width, bool(found)),
+            whole(steps[1], width, bool(found), bool(step.rare)),
+            resize(change, width),
             lanes(width),
             driver,
         ]

@@ -1,0 +1,101 @@
+"""Assemblies that differ from another one in the numbers of its revolute joints with clearance: what :func:`assemble` gives, without closing anew.
+
+A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the step; nothing else of an assembly whose
+journals start centred.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from copy import copy
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.topology import Topology
+from ..laws import Material
+from ..model.joints import ClearanceRevolute
+from ..model.mechanism import Mechanism
+from ..model.surfaces import surfaces
+from .assembled import Assembly, StepChoice
+from .entities import touches_of
+from .fill import touch_rows
+from .timestep import choose_step, coarse
+
+NOWHERE = (0, (0.0, 0.0))
+MOST_CHOICES = 4096  # steps that are remembered
+
+
+class Refit:
+    """Makes such assemblies from one, which ``assemble`` made with the same ``step``, ``expected`` and ``run``."""
+
+    def __init__(self, assembly: Assembly, step: float | str | None, expected: Mapping[str, float], **run: Any) -> None:
+        self.assembly, self.step, self.expected, self.run = assembly, step, expected, run
+        mechanism, layout = assembly.mechanism, assembly.layout
+        self.places = {name: k for k, name in enumerate(assembly.contact_joints) if isinstance(mechanism.contacts[name], ClearanceRevolute)}
+        self.usable = mechanism.start.journals == "centred" and len(self.places) == len(assembly.contacts)
+        self.masses = {name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places}
+        self.materials = {
+            name: [mechanism.bodies[body].material if body != "ground" else Material() for body, _ in mechanism.contacts[name].sides]
+            for name in self.places
+        }
+        self.apart = {name: self._apart(k) for name, k in self.places.items()}
+        self.row = layout.row("step")
+        self.slots = layout.rows_of("contact_slots")
+        self.choices: dict[bytes, tuple[StepChoice, Topology]] = {assembly.state[self.slots].tobytes(): (assembly.choice, assembly.topology)}
+
+    def _apart(self, index: int) -> float:
+        """Distance of a journal from its bearing at the start (m)."""
+        topology, layout, state = self.assembly.topology, self.assembly.layout, self.assembly.state
+
+        def seen(side: str) -> tuple[float, float]:
+            particle = getattr(topology, f"contact_{side}")[index]
+            x, y = (float(state[layout.row(f"contact_{side}_{axis}", index)]) for axis in "xy")
+            px, py, angle = (float(state[layout.row(f"particle_{axis}", particle)]) for axis in ("x", "y", "theta"))
+            c, s = math.cos(angle), math.sin(angle)
+            return px + c * x - s * y, py + s * x + c * y
+
+        return math.dist(seen("bearing"), seen("journal"))
+
+    def with_joints(self, joints: Mapping[str, ClearanceRevolute]) -> Assembly | None:
+        """The assembly with some of its joints replaced by others of the same laws; None where it has to be made anew, or cannot be."""
+        old, layout = self.assembly, self.assembly.layout
+        if not self.usable or not joints.keys() <= self.places.keys():
+            return None
+        state = old.state.copy()
+        for name, joint in joints.items():
+            former, index = old.mechanism.contacts[name], self.places[name]
+            alike = (joint.sides, type(joint.contact), type(joint.friction)) == (former.sides, type(former.contact), type(former.friction))
+            if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
+                return None
+            pair = dataclasses.replace(joint.pair(*self.materials[name]), effective_mass=self.masses[name])
+            touch = touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0]
+            for row, values in touch_rows(old.mechanism, layout, touch, index, pair):
+                state[row : row + len(values)] = values
+        if not np.isfinite(state[self.slots]).all():
+            return None
+        mechanism = copy(old.mechanism)
+        mechanism.joints = {**old.mechanism.joints, **joints}
+        choice, topology = self._stepped(mechanism, state)
+        state[self.row] = choice.step
+        return dataclasses.replace(old, mechanism=mechanism, state=state, choice=choice, topology=topology)
+
+    def _stepped(self, mechanism: Mechanism, state: NDArray[np.float64]) -> tuple[StepChoice, Topology]:
+        """The step, and the topology that it makes, which hang on the laws of contact alone."""
+        key = state[self.slots].tobytes()
+        if key not in self.choices:
+            touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()]
+            owners = [name for name, body in self.assembly.bodies.items() for _ in body.elements]
+            mobility = 0 if self.assembly.mobility is None else self.assembly.mobility.after_drives
+            layout, topology = self.assembly.layout, self.assembly.topology
+            names = (touches, self.step, self.expected, owners, self.assembly.ideals)
+            choice = choose_step(mechanism, layout, state, topology, *names, free=mobility, **self.run)
+            if self.assembly.ideals:
+                topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, layout, state))
+            if len(self.choices) < MOST_CHOICES:
+                self.choices[key] = choice, topology
+            return choice, topology
+        return self.choices[key]
