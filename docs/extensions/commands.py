@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import os
 import re
 import shlex
 import shutil
@@ -186,7 +185,7 @@ def drawn(path: Path, alt: str) -> nodes.Node:
 def begin_page(app: Any, docname: str, source: list[str]) -> None:
     """An empty folder for a page that runs something."""
     if re.search(r"^\s*[`:]{3,}\{(commands|script|file)\}", source[0], re.M):
-        os.environ.setdefault("MPLBACKEND", "Agg")
+        app.env.note_dependency(str(Path(app.srcdir) / "_made" / "made-of"))  # which is new where the package has changed
         CURRENT[docname] = Workshop(Path(app.srcdir) / "_made" / "work" / docname.replace("/", "-"))
 
 

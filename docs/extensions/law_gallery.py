@@ -67,7 +67,8 @@ def section(law: dict[str, Any]) -> str:
         shown = ["derived" if one is None else f"{one:g}" if isinstance(one, float) else str(one) for one in default]
         told_of = zip(law["parameters"], shown, strict=True)
         rows = [(f"`{one['name']}`", cell(one["meaning"]), cell(one["unit"]), limits(one), text) for one, text in told_of]
-        parts.append(grid(("parameter", "what it is", "unit", "limits", "default"), rows))
+        head = ("parameter", "what it is", "unit", "limits", "default")
+        parts.append(f"::::{{container}} keys\n{grid(head, rows)}\n::::")
     return "\n\n".join([*parts, f"*Source*: {cell(law['source'])}"])
 
 
@@ -82,6 +83,8 @@ def page() -> str:
 def fill(app: Any, docname: str, source: list[str]) -> None:
     """Puts them into their page before that is read."""
     if docname == PAGE:
+        app.env.note_dependency(str(Path(app.srcdir) / "_made" / "made-of"))
+        app.env.note_dependency(__file__)
         source[0] = source[0].replace("@LAWS@", page())
 
 

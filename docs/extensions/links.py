@@ -10,9 +10,6 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from sphinx.util import logging
-
-LOG = logging.getLogger(__name__)
 LOADED = {("img", "src"), ("script", "src"), ("iframe", "src"), ("link", "href"), ("source", "src"), ("video", "src")}  # without a click
 RELATIONS = ("stylesheet", "icon", "preload", "modulepreload")
 
@@ -58,9 +55,11 @@ def fault(path: Path, led: tuple[str, str, str], pages: dict[Path, Page], folder
 
 def follow(app: Any, error: Exception | None) -> None:
     """Each fault is a warning, and so an error of the build."""
+    from sphinx.util import logging
+
     if error is None and app.builder.name == "html":
         for one in dict.fromkeys(faults(Path(app.outdir).resolve())):
-            LOG.warning("%s", one)
+            logging.getLogger(__name__).warning("%s", one)
 
 
 def setup(app: Any) -> dict[str, bool]:

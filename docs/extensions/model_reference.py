@@ -43,10 +43,16 @@ def meaning(value: dict[str, Any], text: str) -> str:
     return cell(text) if len(words) < 2 else f"{cell(text)}: {', '.join(f'`{json.dumps(word)}`' for word in words)}"
 
 
-def section(head: str, table: dict[str, Any], level: str) -> str:
-    """A table of the file."""
+def section(head: str, table: dict[str, Any]) -> str:
+    """A table of the file: its heading unless it is the only one, how it is begun, its keys."""
     where, _, text = table["description"].partition(": ")
-    return f"{level} {head}\n\n`{where}`\n: {cell(text)}\n\n{grid(HEAD, rows(table))}"
+    title = f"### {head}\n\n" if head else ""
+    return f"{title}`{where}`\n: {cell(text)}\n\n{keys(table)}"
+
+
+def keys(table: dict[str, Any]) -> str:
+    """The keys of a table, in a frame that stands upright on a phone."""
+    return f"::::{{container}} keys\n{grid(HEAD, rows(table))}\n::::"
 
 
 def spoken(name: str, where: str) -> str:
@@ -61,24 +67,28 @@ def page() -> str:
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     definitions, parts, told = schema["definitions"], [], set()
     top = {"properties": {key: value for key, value in schema["properties"].items() if key not in TITLES}}
-    parts.append(f"## At the top\n\n{grid(HEAD, rows(top))}")
+    parts.append(f"## At the top\n\n{keys(top)}")
     for key, title in TITLES.items():
         value = schema["properties"][key]
         names = [one for one in re.findall(r'"#/definitions/(\w+)"', json.dumps(value)) if one.endswith("Table")]
-        parts.append(f"## {title}\n\n{cell(value['description'][0].upper() + value['description'][1:])}.")
+        parts.append(f"## {title}")
         if not names:
-            parts.append(f'```toml\n[{key}]\nNAME = ["1 m", 0]\n```')
-        parts += [section(spoken(name, definitions[name]["description"].partition(": ")[0]), definitions[name], "###") for name in names]
+            parts.append(f'`[{key}]`\n: {cell(value["description"])}, as in `NAME = ["100 mm", 0]`')
+        for name in names:
+            described = definitions[name]["description"]
+            parts.append(section(spoken(name, described.partition(": ")[0]) if len(names) > 1 else "", definitions[name]))
         told.update(names)
     inner = [name for name in definitions if name.endswith("Table") and name not in told]
     parts.append("## Tables within tables")
-    parts += [section(spoken(name, ""), definitions[name], "###") for name in inner]
+    parts += [section(spoken(name, ""), definitions[name]) for name in inner]
     return "\n\n".join(parts)
 
 
 def fill(app: Any, docname: str, source: list[str]) -> None:
     """Puts it into its page before that is read."""
     if docname == PAGE:
+        app.env.note_dependency(str(SCHEMA))
+        app.env.note_dependency(__file__)
         source[0] = source[0].replace("@TABLES@", page())
 
 

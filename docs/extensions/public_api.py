@@ -14,9 +14,12 @@ FOLDER = "api"
 GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at its head
     "running": ("Simulate", "A mechanism goes in, a result comes out; or it is stepped from outside."),
     "mechanism": ("Mechanism and bodies", "What a mechanism is built of. Its builders take numbers in SI units, or texts with their unit."),
-    "joints": ("Joints", "One class for each kind; `Mechanism.revolute`, `.slider`, `.clearance` and so on make them."),
+    "joints": ("Joints", "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance`` and so on make them."),
     "loads": ("Springs, drivers and loads", "What holds, drives and loads the bodies."),
-    "contact": ("Contact laws", "Normal forces. [Laws](../laws.md) has their equations, the [gallery of laws](../laws-gallery.md) their curves."),
+    "contact": (
+        "Contact laws",
+        "Normal forces. :doc:`Laws </laws>` has their equations, :doc:`the laws in pictures </laws-gallery>` their curves.",
+    ),
     "friction": ("Friction laws", "Tangential forces."),
     "own": ("Laws of one's own, materials, errors", "What a law of one's own is made of, and what is raised."),
 }
@@ -60,24 +63,27 @@ def by_group() -> dict[str, list[str]]:
 def entry(name: str, value: Any) -> str:
     """How one name is told."""
     if inspect.isclass(value):
-        members = "" if issubclass(value, BaseException) else ":members:\n:inherited-members: object, str, int\n"
-        return f"```{{autoclass}} vfife.{name}\n{members}```\n"
+        members = "" if issubclass(value, BaseException) else "   :members:\n   :inherited-members: object, str, int\n"
+        return f".. autoclass:: vfife.{name}\n{members}"
     if inspect.ismodule(value):
-        return f"`vfife.{name}`\n: {(value.__doc__ or '').strip().splitlines()[0]}\n"
+        return (value.__doc__ or "").strip().splitlines()[0]
     if callable(value):
-        return f"```{{autofunction}} vfife.{name}\n```\n"
-    return f"`vfife.{name}`\n: {', '.join(map(str, value))}\n"
+        return f".. autofunction:: vfife.{name}"
+    return f"``vfife.{name}``: {', '.join(map(str, value))}"
+
+
+def page(title: str, head: str, names: list[str]) -> str:
+    """A page of names, in reStructuredText, as autodoc writes it."""
+    values = public()
+    told = "\n\n".join(f"{name}\n{'-' * len(name)}\n\n{entry(name, values[name])}" for name in names)
+    return f"{title}\n{'=' * len(title)}\n\n{head}\n\n{told}\n"
 
 
 def write_pages(app: Any) -> None:
     """A page for each group, laid anew where it differs."""
     folder = Path(app.srcdir) / FOLDER
     folder.mkdir(exist_ok=True)
-    values, wanted = public(), {}
-    for group, names in by_group().items():
-        title, head = GROUPS[group]
-        body = "\n".join(f"## {name}\n\n{entry(name, values[name])}" for name in names)
-        wanted[f"{group}.md"] = f"# {title}\n\n{head}\n\n{body}"
+    wanted = {f"{group}.rst": page(*GROUPS[group], names) for group, names in by_group().items()}
     for stale in {path.name for path in folder.iterdir()} - set(wanted):
         (folder / stale).unlink()
     for name, text in wanted.items():
@@ -85,19 +91,48 @@ def write_pages(app: Any) -> None:
             (folder / name).write_text(text, encoding="utf-8")
 
 
-def layout_kept(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Shows a docstring as plain text, whose layout carries meaning: the summary, then the rest as it stands."""
-    text = [line.rstrip() for line in lines]
-    while text and not text[-1]:
-        text.pop()
-    end = text.index("") if "" in text else len(text)
-    summary, rest = text[:end], text[end:]
-    parts = re.split(r"(:\w+:`[^`]+`|``[^`]+``)", " ".join(line.strip() for line in summary))
-    escaped = "".join(part if part.startswith(("``", ":")) and part.endswith("`") else re.sub(r"([\\`*_|])", r"\\\1", part) for part in parts)
-    lines[:] = [escaped, ""]
-    if any(rest):
-        plain = (re.sub(r":\w+:`~?(?:[\w.]+\.)?(\w+)`", r"\1", line) for line in rest)
-        lines += [".. code-block:: text", "", *(f"   {line}" if line else "" for line in plain), ""]
+CODE = re.compile(r"(:\w+:`[^`]+`|``[^`]+``)")
+LAID_OUT = re.compile(r"^\s|\S  +\S|^>>>")  # a line whose blanks mean something, or which is typed
+
+
+NAMED = re.compile(r"(\w+): ")  # a line that says what an argument is
+
+
+def listed(lines: list[str]) -> list[str]:
+    """Lines that say what arguments are, as a list."""
+    items: list[list[str]] = []
+    for line in lines:
+        if NAMED.match(line):
+            items.append([NAMED.sub(r"``\1``: ", line, count=1)])
+        else:
+            items[-1].append(line)
+    return [f"* {paragraph(item)}" for item in items]
+
+
+def paragraph(lines: list[str]) -> str:
+    """Prose, in which signs are signs; code and references stay what they are."""
+    parts = CODE.split(" ".join(line.strip() for line in lines))
+    return "".join(part if k % 2 else re.sub(r"([\\`*_|])", r"\\\1", part) for k, part in enumerate(parts))
+
+
+def read_as_text(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """A docstring is text, whose paragraphs are set as such; what is laid out or typed stands as it is."""
+    parts: list[list[str]] = [[]]
+    for line in lines:
+        if line.strip():
+            parts[-1].append(line.rstrip())
+        elif parts[-1]:
+            parts.append([])
+    told: list[str] = []
+    for k, part in enumerate(part for part in parts if part):
+        if sum(bool(NAMED.match(line)) for line in part) > 1 and NAMED.match(part[0]):
+            told += [*listed(part), ""]
+        elif k and any(LAID_OUT.search(line) for line in part):
+            language = "python" if part[0].startswith(">>>") else "text"
+            told += [f".. code-block:: {language}", "", *(f"   {line}" for line in part), ""]
+        else:
+            told += [paragraph(part), ""]
+    lines[:] = told
 
 
 def found_under_its_import(app: Any, env: Any, node: Any, contnode: Any) -> Any:
@@ -113,6 +148,6 @@ def found_under_its_import(app: Any, env: Any, node: Any, contnode: Any) -> Any:
 
 def setup(app: Any) -> dict[str, bool]:
     app.connect("builder-inited", write_pages)
-    app.connect("autodoc-process-docstring", layout_kept)
+    app.connect("autodoc-process-docstring", read_as_text)
     app.connect("missing-reference", found_under_its_import)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
