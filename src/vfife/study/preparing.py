@@ -25,6 +25,7 @@ from ..model.joints import ClearanceRevolute
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.override import PathFault, parsed, resolve
+from ..results.reductions import Reductions
 from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run
@@ -68,7 +69,8 @@ class Preparing:
         self.base = dataclasses.replace(self.base, settings=settings)
         self.text = dump(self.base)
         self.raw = tomllib.loads(self.text)
-        self.measures = WantedMeasures(self.wanted.measures)
+        reduced = Reductions(self.wanted.measures)
+        self.measures = WantedMeasures(self.wanted.measures, reduced.over if reduced.asked else None)
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | Unstepped]:
         """The members, in their order."""
