@@ -11,15 +11,17 @@ from .. import __version__
 from .animate import animate
 from .check import check
 from .compare import compare
-from .ended import export, info, plot
+from .ended import export, info
 from .impacts import impacts
 from .laws import laws
 from .live import live
+from .map import map_
 from .materials import materials
 from .modes import modes
 from .new import new
 from .paper import paper
 from .plainly import Command, Plainly, UsageError
+from .plot import plot
 from .report import report
 from .resume import resume
 from .run import run
@@ -95,4 +97,5 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.command("map", cls=Command)(map_)
 app.add_typer(study, name="study", rich_help_panel=None)
