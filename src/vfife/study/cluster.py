@@ -64,7 +64,7 @@ def processes_here(distributed: ModuleType, count: int | None) -> Iterator[Any]:
     with (
         dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
         distributed.LocalCluster(
-            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0, silence_logs="CRITICAL"
+            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0, silence_logs="CRITICAL"
         ) as local,
     ):
         yield local
