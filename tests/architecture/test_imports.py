@@ -12,11 +12,13 @@ KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
 NOT_IMPORTED = {
     "h5netcdf": "the engine that xarray is told to write with, by its name",
     "h5py": "what h5netcdf writes with",
+    "nvidia-cuda-nvcc-cu12": "ptxas, a program",
+    "nvidia-cuda-nvdisasm": "a program",
     "pytest-cov": "a plugin of pytest: make coverage",
     "pytest-xdist": "a plugin of pytest: make test",
 }
 # Modules that are not called by the name that they are installed by.
-IMPORTED_AS = {"PIL": "pillow"}
+IMPORTED_AS = {"PIL": "pillow", "cuda": "cuda-bindings"}
 
 
 def test_kernels_import_only_numpy_and_each_other() -> None:
@@ -89,7 +91,7 @@ def imported(folder: str) -> dict[str, str]:
 
 
 def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported() -> None:
-    declared, used = requirements("parquet", "video"), imported("src/vfife")
+    declared, used = requirements("gpu", "parquet", "video"), imported("src/vfife")
     report("Imported, but not among the dependencies:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
     report("Installed, but never imported:", sorted(declared - used.keys() - NOT_IMPORTED.keys()))
 
@@ -102,4 +104,4 @@ def test_what_the_tests_import_is_declared_and_what_is_declared_is_imported() ->
 
 def test_every_extra_is_for_work_on_the_package() -> None:
     """An extra comes with the code that imports what it brings."""
-    assert set(PROJECT["project"]["optional-dependencies"]) == {"dev", "parquet", "test", "video"}
+    assert set(PROJECT["project"]["optional-dependencies"]) == {"dev", "gpu", "parquet", "test", "video"}

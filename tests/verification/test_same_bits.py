@@ -78,6 +78,11 @@ def test_code_with_avx_512(name, code_for):
     assert not FUSED.search(assembly)
 
 
+@pytest.mark.parametrize("name", [name for name in golden.RICH if name not in golden.ON_CARD])
+def test_a_card_at_its_addresses(name):
+    assert golden.digest_on_card(name) == golden.known(name)
+
+
 CHILD = """
 import sys
 sys.path[:0] = [{tests!r}, {tests!r} + "/golden"]

@@ -28,10 +28,11 @@ DRIVER = Path(__file__).with_name("driver.ll")
 
 
 class Writer:
-    """Instructions for W simulations side by side."""
+    """Instructions for W simulations side by side; a row begins ``stride`` numbers after the one before, which is W unless another is given."""
 
-    def __init__(self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = ()) -> None:
+    def __init__(self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = (), stride: int = 0) -> None:
         self.width, self.truths, self.moving = width, frozenset(truths), frozenset(moving)
+        self.stride = stride or width
         self.out: list[str] = []
         self.number = "double" if width == 1 else f"<{width} x double>"
         self.truth = "i1" if width == 1 else f"<{width} x i1>"
@@ -61,7 +62,7 @@ class Writer:
 
     def row(self, row: int, copy: str = "S") -> str:
         """Address of a row in a copy of the state."""
-        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {row * self.width}")
+        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {row * self.stride}")
 
     def load(self, row: int) -> None:
         """The row as it was."""
@@ -139,9 +140,9 @@ class Writer:
 class Lane(Writer):
     """Instructions for lane ``w`` of W alone; ``mark`` keeps names of one function apart from another's."""
 
-    def __init__(self, lanes: int, moving: Iterable[int]) -> None:
-        super().__init__(1, moving=moving)
-        self.lanes, self.mark = lanes, ""
+    def __init__(self, lanes: int, moving: Iterable[int] = ()) -> None:
+        super().__init__(1, moving=moving, stride=lanes)
+        self.mark = ""
 
     def value(self, operand: Operand) -> str:
         """An operand as it is written."""
@@ -150,7 +151,16 @@ class Lane(Writer):
 
     def row(self, row: int, copy: str = "S") -> str:
         """Address of a row in the lane."""
-        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {self.fresh(f'add i64 %w, {row * self.lanes}')}")
+        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {self.fresh(f'add i64 %w, {row * self.stride}')}")
+
+    def function(self, f: Function) -> tuple[str, ...]:
+        """Value, two derivatives, kinks and value one step later of a function."""
+        self.truths = frozenset(Trace(f.operations, {}).truths)
+        for operation in f.operations:
+            self.operation(operation)
+        table = self.fresh(f"add i64 %shift, {f.table}")
+        values = self.polynomial(table, self.value(f.argument))
+        return values + (self.polynomial(table, "%after")[0] if f.of_time else values[0],)
 
     def polynomial(self, table: str, x: str) -> tuple[str, ...]:
         """Value, two derivatives and kinks of a table."""
@@ -221,10 +231,10 @@ def _copied(rows: Iterable[int], width: int) -> Iterable[str]:
     return (line.replace("%x", "%h") for line in w.out)
 
 
-def whole(step: Trace, width: int, searching: bool, wanted: bool) -> str:
+def whole(step: Trace, width: int, searching: bool, wanted: bool, stride: int = 0) -> str:
     """``whole(S, T, stride, n)``: step n, whatever it wants. A long one is taken seldom, so no time is spent on making it fast."""
     care = "noinline" if wanted and len(step.operations) < SHORT else "noinline optnone"
-    w = Writer(width, step.truths)
+    w = Writer(width, step.truths, stride=stride)
     w.begin(searching)
     w.lines(woven(step, streamed(step)))
     body = "\n".join(w.out)
@@ -238,22 +248,20 @@ never:
 """
 
 
-def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int]) -> str:
+def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int] = (), stride: int = 0) -> str:
     """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them."""
-    w = Lane(width, moving)
+    if not found:
+        return f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n"
+    w = Lane(stride or width, moving)
     dt, shift = (w.fresh(f"load double, ptr {w.row(layout.row(name))}, align 8") for name in ("step", "shift"))
     for name, n in (("time", "nd"), ("after", "md")):
         w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double %{n}, {shift}')}, {dt}")
     w.out.append(f"  %ahead = select i1 %start, double 0.0, double {dt}")
     for number, f in enumerate(found):
-        w.mark, w.truths = f"f{number}", frozenset(Trace(f.operations, {}).truths)
+        w.mark = f"f{number}"
         for name in rows_used(f.operations):
             w.load(int(name[1:]))
-        for operation in f.operations:
-            w.operation(operation)
-        table = w.fresh(f"add i64 %shift, {f.table}")
-        values = w.polynomial(table, w.value(f.argument))
-        values += (w.polynomial(table, "%after")[0] if f.of_time else values[0],)
+        values = w.function(f)
         for row, value in zip(f.rows, values, strict=True):
             w.out.append(f"  store double {value}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
@@ -277,9 +285,9 @@ done:
 """
 
 
-def resize(change: Trace, width: int) -> str:
+def resize(change: Trace, width: int, stride: int = 0) -> str:
     """``resize(S, size, shift, repeated)``: the state as steps of another size have it."""
-    w = Writer(width, change.truths)
+    w = Writer(width, change.truths, stride=stride)
     w.lines(woven(change, streamed(change)))
     arguments = ", ".join(f"{w.number} %{name}" for name in ("size", "shift", "repeated"))
     body = "\n".join(w.out)
@@ -306,22 +314,27 @@ def lanes(width: int) -> str:
     )  # fmt: skip
 
 
+def driver(layout: Layout, width: int, stride: int = 0) -> str:
+    """Text of ``advance`` and of what it calls, beside the steps."""
+    w, stride = Writer(width), stride or width
+    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows}
+    words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
+    text = DRIVER.read_text()
+    for word, value in words.items():
+        text = text.replace(word, str(value))
+    declared = (f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))
+    return "\n".join([*declared, lanes(width), text])
+
+
 def written(topology: Topology, width: int) -> str:
     """Text of a module with ``advance``, which ``driver.ll`` describes."""
-    w, found, layout, step = Writer(width), functions(topology), Layout(topology), trace(topology)
-    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": width, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows}
-    words |= {f"{name.upper()}_ROW": layout.row(name) * width for name in ("step", "shift", "event")}
-    driver = DRIVER.read_text()
-    for word, value in words.items():
-        driver = driver.replace(word, str(value))
+    found, layout, step = functions(topology), Layout(topology), trace(topology)
     return "\n".join(
         [
-            *(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")),
-            searched(found, width, layout, step.stores) if found else f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n",
+            searched(found, width, layout, step.stores),
             lean(step, width, bool(found)),
             whole(trace(topology, True), width, bool(found), bool(step.rare)),
             resize(resizing(topology), width),
-            lanes(width),
-            driver,
+            driver(layout, width),
         ]
     )
