@@ -14,7 +14,8 @@ from vfife.assembly.assemble import assemble
 from vfife.codegen.python import straight_line
 from vfife.codegen.source import Gathered, dispatch
 from vfife.errors import SourceError
-from vfife.kernels.arrays import FRICTION_MEMORY, Layout
+from vfife.kernels.arrays import Layout
+from vfife.kernels.blocks import FRICTION_MEMORY
 from vfife.laws import FrictionLaw, LankaraniNikravesh, LuGre, Stribeck, quantity
 from vfife.laws.law import Pair
 from vfife.model.drivers import Torque

@@ -14,7 +14,7 @@ from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
 from vfife.codegen import javascript
 from vfife.codegen.python import straight_line
-from vfife.kernels.arrays import BLOCKS
+from vfife.kernels.blocks import BLOCKS
 
 EIGHT = tuple(k % LANES for k in range(8))
 

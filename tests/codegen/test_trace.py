@@ -16,7 +16,7 @@ from vfife.codegen.source import Gathered, data_driven, dispatch
 from vfife.codegen.straight_line import trace
 from vfife.codegen.trace import Branch
 from vfife.errors import LawError, SourceError
-from vfife.kernels.arrays import CONTACT_SLOTS
+from vfife.kernels.blocks import CONTACT_SLOTS
 from vfife.laws import ContactLaw, LankaraniNikravesh, Pair
 
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")

@@ -11,7 +11,7 @@ from vfife.analysis import ledger
 from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
 from vfife.codegen.python import straight_line
-from vfife.kernels.arrays import BLOCKS
+from vfife.kernels.blocks import BLOCKS
 from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
 from vfife.model.bodies import Member, Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque

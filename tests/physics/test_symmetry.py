@@ -26,7 +26,7 @@ from support import (
     within,
 )  # fmt: skip
 from vfife.assembly.assemble import assemble
-from vfife.kernels.arrays import BY_NAME
+from vfife.kernels.blocks import BY_NAME
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.transient import run

@@ -11,7 +11,7 @@ import vfife
 from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.errors import RunFileError
-from vfife.kernels.arrays import BLOCKS
+from vfife.kernels.blocks import BLOCKS
 from vfife.results import provenance, space
 from vfife.results.runfile import RunFile
 from vfife.solvers.transient import run

@@ -105,10 +105,21 @@ def joint_moment(record: Record) -> Array:
 
 
 def joint_force_max(record: Record) -> Array:
-    """Largest force of each joint in the interval up to an output (N), shape (outputs, joints); of a block in a guide that of one corner."""
-    rows = joint_rows(record)
-    squares = [record.block(f"{block}_force_squared_max")[:, indices].max(axis=1) for block, indices in rows.values()]
+    """Largest force of each joint in the interval up to an output (N), shape (outputs, joints); of a block in a guide that of its corners together.
+
+    A file of a former version has the largest of one corner only.
+    """
+    squares = [record.block(f"{block}_force_squared_max")[:, places].max(axis=1) for block, places in peaks(record).values()]
     return np.sqrt(np.stack(squares, axis=1)) if squares else np.zeros((len(record.steps), 0))
+
+
+def peaks(record: Record) -> dict[str, tuple[str, list[int]]]:
+    """As :func:`joint_rows`, of the extremes of the joints' forces: those of a block in a guide are of its corners together."""
+    guides = [first for first, _ in record.assembly.topology.guides] if record.keeps("guide_force_squared_max") else []
+    return {
+        name: ("guide", [guides.index(places[0])]) if block == "contact" and places[0] in guides else (block, places)
+        for name, (block, places) in joint_rows(record).items()
+    }
 
 
 def modes(record: Record) -> NDArray[np.int8]:

@@ -123,6 +123,7 @@ def topology_of(
         contact_journal=tuple(t.journal[0] for t in parts.touches),
         contact_kind=tuple(t.kind for t in parts.touches),
         contact_path=paths[len(parts.ideals) :],
+        guides=guides_of(parts),
         contact_form=tuple(laws[0].index(t.joint.contact.form()) for t in parts.touches),
         friction_form=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
         joint_bearing=tuple(j.bearing[0] for j in parts.ideals),
@@ -150,6 +151,12 @@ def topology_of(
         contact_laws=laws[0],
         friction_laws=laws[1],
     )
+
+
+def guides_of(parts: Parts) -> tuple[tuple[int, int], ...]:
+    """First contact, and the one after the last, of each joint that has several: the corners of a block in its guide."""
+    joints = [touch.joint.name for touch in parts.touches]
+    return tuple((joints.index(name), joints.index(name) + joints.count(name)) for name in dict.fromkeys(joints) if joints.count(name) > 1)
 
 
 def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np.float64]]:

@@ -20,6 +20,7 @@ from ..kernels.arrays import (
     DRIVEN_INDEX,
     FRAME_INDEX,
     FUNCTION_INDEX,
+    GUIDE_INDEX,
     HEADER,
     JOINT_INDEX,
     LOAD_INDEX,
@@ -189,6 +190,10 @@ class Lists:
             *self.paths(t.contact_path, len(t.contact_bearing)),
         )  # fmt: skip
 
+    def guides(self) -> list[tuple[int, int, int]]:
+        """Blocks in guides with play, with the contacts that are their corners."""
+        return [(self.layout.record("guide", k), first, end) for k, (first, end) in enumerate(self.t.guides)]
+
     def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
         """First row and number of the pieces of the path of each joint or contact, 0 for none."""
         found = self.t.pieces(paths, count)
@@ -240,6 +245,7 @@ SIZES = {
     "tile": TILE_INDEX,
     "frame": FRAME_INDEX,
     "contact": CONTACT_INDEX,
+    "guide": GUIDE_INDEX,
     "joint": JOINT_INDEX,
     "constraint": CONSTRAINT_INDEX,
     "couple": COUPLE_INDEX,
@@ -254,7 +260,7 @@ SIZES = {
 def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that loop's scratch."""
     made, t = Lists(topology), topology
-    lists = {**made.particles(), "contact": made.contacts(), **made.constraints(), **made.others()}
+    lists = {**made.particles(), "contact": made.contacts(), "guide": made.guides(), **made.constraints(), **made.others()}
     integers = np.zeros(HEADER.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
     at = HEADER.SIZE
     for name, values in lists.items():

@@ -14,7 +14,8 @@ from typing import Any, Protocol
 
 from ..errors import SourceError
 from ..kernels import advance as loop
-from ..kernels.arrays import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS, Fields
+from ..kernels.arrays import Fields
+from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
 from .functiontext import function_tree
 from .lock import WRITING
 

@@ -1,7 +1,6 @@
-"""The contract between the rooms: every number a step reads or writes, with its entity, unit and meaning.
+"""Where every number of a step lies, and the records that its loops walk through; what the numbers are is said in :mod:`~vfife.kernels.blocks`.
 
-All of it lies in one array ``S`` of shape ``(rows, lanes)``. Each entity (a particle, an element, a joint ...) has a record of rows, one for each
-of its blocks: state, memory (what only the next step needs), extremes since the last output, parameters, scratch. One array is what lets the
+All of it lies in one array ``S`` of shape ``(rows, lanes)``, entity by entity. One array is what lets the
 compiler see that two rows never overlap, so that four simulations share a vector register; records keep what belongs together in one cache
 line. A particle that no joint, load or driver touches is *plain* and has a shorter record. A checkpoint is this array and the step number, a
 run's record is its state and extremes at each output step.
@@ -11,20 +10,14 @@ The topology reaches the data-driven loop as one array ``I`` of unsigned integer
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .blocks import BLOCKS, BY_NAME, Role
 from .topology import Topology
-
-Role = Literal["state", "memory", "extreme", "parameter", "scratch"]
-
-CONTACT_SLOTS = 8
-FRICTION_SLOTS = 8
-FRICTION_MEMORY = 3
 
 
 class Fields:
@@ -40,266 +33,10 @@ class Fields:
         raise AttributeError(name)
 
 
-@dataclass(frozen=True)
-class Block:
-    """One named quantity: what it is counted over, its unit, its role and its meaning."""
-
-    name: str
-    entity: str
-    unit: str
-    role: Role
-    meaning: str
-    width: int = 1
-
-    @property
-    def field(self) -> str:
-        """Name within the entity's record."""
-        return self.name.removeprefix(f"{self.entity}_")
-
-
-def _blocks(role: Role, entity: str, table: str) -> list[Block]:
-    rows = [[cell.strip() for cell in line.split("|")] for line in table.strip().splitlines()]
-    return [Block(name, entity, unit, role, meaning, int(width[0]) if width else 1) for name, unit, meaning, *width in rows]
-
-
-BLOCKS: tuple[Block, ...] = (
-    *_blocks("state", "particle", """
-        particle_x | m | position at step n
-        particle_y | m | position at step n
-        particle_theta | rad | rotation at step n
-        particle_u | m/s | velocity at step n + 1/2
-        particle_v | m/s | velocity at step n + 1/2
-        particle_w | rad/s | angular velocity at step n + 1/2
-        particle_ax | m/s^2 | acceleration at step n
-        particle_ay | m/s^2 | acceleration at step n
-        particle_aw | rad/s^2 | angular acceleration at step n"""),
-    *_blocks("state", "frame", """
-        frame_axial_force | N | axial force, tension positive, at step n
-        frame_moment_1 | N m | internal moment at the first node at step n
-        frame_moment_2 | N m | internal moment at the second node at step n
-        reference_length | m | length at the start of the path unit"""),
-    *_blocks("memory", "frame", """
-        reference_inverse_length | 1/m | its inverse, or that of the length without forces where stiffness counts on it
-        reference_cosine | 1 | direction at the start of the path unit
-        reference_sine | 1 | direction at the start of the path unit
-        reference_theta_1 | rad | rotation of the first node at the start of the path unit
-        reference_theta_2 | rad | rotation of the second node at the start of the path unit"""),
-    *_blocks("memory", "unit", """
-        reference_axial_force | N | axial force at the start of the path unit
-        reference_moment_1 | N m | moment at the first node at the start of the path unit
-        reference_moment_2 | N m | moment at the second node at the start of the path unit"""),
-    *_blocks("state", "contact", """
-        contact_normal_force | N | normal force F_N at step n
-        contact_friction_force | N | friction force F_T at step n, along t on the journal
-        contact_penetration | m | signed penetration e - c at step n
-        contact_slowness | s/m | inverse of the impact speed at the last onset, 0 in free flight
-        contact_memory | unit of the law | what the friction law remembers: a bristle's deflection, sliding velocities ... | 3
-        contact_damping_power | W | power lost in normal damping at step n
-        contact_friction_power | W | power lost in friction at step n
-        contact_damping_work | J | energy lost in normal damping up to step n + 1/2
-        contact_friction_work | J | energy lost in friction up to step n + 1/2
-        contact_onsets | 1 | contacts that began
-        contact_grazing | 1 | onsets slower than the floor of the impact speed
-        contact_deep | 1 | onsets that landed deeper than the landing depth
-        contact_deepest | m | deepest first landing
-        contact_fastest | m/s | fastest impact
-        contact_approach | m/s | sum of the approach speeds of all contacts that began
-        contact_duration | s | time in contact, but for the first step of each"""),
-    *_blocks("memory", "contact", """
-        contact_regime | 1 | which smooth part of the friction law's curve held at step n"""),
-    *_blocks("state", "joint", """
-        joint_fx | N | force on the journal at step n
-        joint_fy | N | force on the journal at step n
-        joint_moment | N m | moment on the journal's body at step n"""),
-    *_blocks("memory", "constraint", """
-        constraint_force | N or N m | reaction along one constraint at step n
-        constraint_before | N or N m | the same at step n - 1"""),
-    *_blocks("state", "spring", """
-        spring_fx | N | force on the second body at step n
-        spring_fy | N | force on the second body at step n
-        spring_moment | N m | moment on the second body's pin at step n
-        spring_energy | J | elastic energy at step n
-        spring_damping_power | W | power lost in damping at step n
-        spring_damping_work | J | energy lost in damping up to step n + 1/2"""),
-    *_blocks("memory", "spring", """
-        spring_resistance | N or N m | forces along its axes at step n | 3
-        spring_regime | 1 | of a stop: the limit beyond which it was at step n, -1 or 1, else 0"""),
-    *_blocks("state", "driven", """
-        driven_torque | N m | torque of the driver at step n
-        driven_fx | N | force of the ground on the driven body at step n
-        driven_fy | N | force of the ground on the driven body at step n
-        driven_power | W | power of the driver at step n
-        driven_work | J | work of the driver up to step n + 1/2"""),
-    *_blocks("state", "body", """
-        body_alpha | rad/s^2 | angular acceleration of a rigid body or of an elastic link's chord at step n"""),
-    *_blocks("state", "function", """
-        function_value | unit of the table | value at step n
-        function_rate | unit of the table / s | first derivative at step n
-        function_acceleration | unit of the table / s^2 | second derivative at step n
-        function_next | unit of the table | value at step n + 1
-        function_kinks | 1 | kinks before step n"""),
-    *_blocks("memory", "function", """
-        function_passed | 1 | kinks that steps have passed"""),
-    *_blocks("state", "system", """
-        damping_power | W | power lost in mass-proportional damping at step n
-        damping_work | J | energy lost in mass-proportional damping up to step n + 1/2
-        external_power | W | power of time-dependent loads at step n
-        external_work | J | work of time-dependent loads up to step n + 1/2
-        iterations | 1 | iterations that a load factor took in a static analysis
-        unbalanced | 1 | unbalanced force that is left there, over the largest force
-        repeated | 1 | steps that were taken again in smaller ones"""),
-    *_blocks("memory", "system", """
-        event | 1 | whether something begins, ends or changes its regime in step n
-        pivots | 1 | product of the pivots of constraints that close loops, over their diagonals, at step n
-        pivots_before | 1 | the same at step n - 1
-        passing | 1 | 1 where these tell that the mechanism passes a singular position, else 0"""),
-    *_blocks("extreme", "contact", """
-        contact_force_squared_max | N^2 | largest squared joint force since the last output
-        contact_penetration_max | m | largest signed penetration since the last output"""),
-    *_blocks("extreme", "joint", """
-        joint_force_squared_max | N^2 | largest squared joint force since the last output
-        joint_moment_max | N m | largest absolute moment since the last output"""),
-    *_blocks("extreme", "driven", """
-        driven_force_squared_max | N^2 | largest squared ground force since the last output
-        driven_torque_max | N m | largest absolute torque since the last output"""),
-    *_blocks("extreme", "body", """
-        body_alpha_max | rad/s^2 | largest absolute angular acceleration since the last output"""),
-    *_blocks("extreme", "spring", """
-        spring_force_squared_max | N^2 | largest squared force since the last output"""),
-    *_blocks("parameter", "particle", """
-        particle_inverse_mass | 1/kg | 0 where the motion is prescribed
-        particle_inverse_inertia | 1/(kg m^2) | 0 where the rotation is prescribed
-        particle_load_x | N | constant load, weight included
-        particle_load_y | N | constant load, weight included
-        particle_load_m | N m | constant moment"""),
-    *_blocks("parameter", "frame", """
-        frame_axial_stiffness | N | E A
-        frame_bending_stiffness | N m^2 | E I"""),
-    *_blocks("parameter", "contact", """
-        contact_bearing_x | m | bearing centre in its body's frame
-        contact_bearing_y | m | bearing centre in its body's frame
-        contact_journal_x | m | journal centre in its body's frame
-        contact_journal_y | m | journal centre in its body's frame
-        contact_line_x | 1 | on a line: direction into its material, in the bearing's frame
-        contact_line_y | 1 | on a line: direction into its material, in the bearing's frame
-        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing or slot, R_B + R_J outside, -R_J on a line
-        contact_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
-        contact_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
-        contact_arm_overlap | 1 | share of the penetration by which the arms change
-        contact_floor | m/s | least impact speed
-        contact_landing | m | depth at which a first contact may land
-        contact_slots | unit of the law | parameters of the contact law | 8
-        contact_friction_slots | unit of the law | parameters of the friction law | 8"""),
-    *_blocks("parameter", "joint", """
-        joint_bearing_x | m | pin in the bearing body's frame
-        joint_bearing_y | m | pin in the bearing body's frame
-        joint_journal_x | m | pin in the journal body's frame
-        joint_journal_y | m | pin in the journal body's frame
-        joint_direction_x | 1 | direction of a guide, in the bearing body's frame
-        joint_direction_y | 1 | direction of a guide, in the bearing body's frame
-        joint_offset | rad or m | angle, or travel, between the bodies at the start; length of a massless link
-        joint_ratio | 1 | turns of the journal's body for one of the bearing's"""),
-    *_blocks("parameter", "piece", """
-        piece_x | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
-        piece_y | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
-        piece_cosine | 1 | direction there
-        piece_sine | 1 | direction there
-        piece_curvature | 1/m | curvature, positive to the left
-        piece_opens | 1 | 0 where the piece goes on before its begin, else 1
-        piece_end_x | m | end of the piece
-        piece_end_y | m | end of the piece
-        piece_end_cosine | 1 | direction there, 0 where the piece goes on beyond its end
-        piece_end_sine | 1 | direction there, 0 where the piece goes on beyond its end"""),
-    *_blocks("parameter", "spring", """
-        spring_first_x | m | pin in the first body's frame
-        spring_first_y | m | pin in the first body's frame
-        spring_second_x | m | pin in the second body's frame
-        spring_second_y | m | pin in the second body's frame
-        spring_stiffness | N/m or N m/rad | along its axes | 3
-        spring_damping | N s/m or N m s/rad | along its axes | 3
-        spring_free | m or rad | free length, free angle, or lower limit of a stop
-        spring_high | rad | upper limit of a stop"""),
-    *_blocks("parameter", "driven", """
-        driven_angle | rad | angle at t = 0 of a driver of constant speed
-        driven_speed | rad/s | its speed
-        driven_inertia | kg m^2 | inertia about the pivot
-        driven_moment_x | kg m | mass times centre of mass, in the body's frame from the pivot
-        driven_moment_y | kg m | mass times centre of mass, in the body's frame from the pivot
-        driven_weight_x | N/kg | gravity
-        driven_weight_y | N/kg | gravity"""),
-    *_blocks("parameter", "load", """
-        load_x | m | point of attack in the particle's frame
-        load_y | m | point of attack in the particle's frame
-        load_fx | 1 | force per unit of its function
-        load_fy | 1 | force per unit of its function
-        load_m | 1 | moment per unit of its function"""),
-    *_blocks("parameter", "function", """
-        function_first_x | m | pin from which a travel counts, in its particle's frame
-        function_first_y | m | pin from which a travel counts, in its particle's frame
-        function_second_x | m | pin that travels, in its particle's frame
-        function_second_y | m | pin that travels, in its particle's frame
-        function_along_x | 1 | direction of the travel, in the first particle's frame
-        function_along_y | 1 | direction of the travel, in the first particle's frame
-        function_gap | m | by how much the table's part for the way back lies before that for the way out"""),
-    *_blocks("parameter", "system", """
-        step | s | time step
-        shift | 1 | steps, or a part of one, by which the run is ahead of its number of steps
-        damping | 1/s | coefficient of mass-proportional damping
-        size | m | longest arm of an ideal joint"""),
-    *_blocks("scratch", "system", """
-        share | 1 | share of the pivots that is added near a singular position"""),
-    *_blocks("scratch", "particle", """
-        fx | N | force so far at step n
-        fy | N | force so far at step n
-        mz | N m | moment so far at step n"""),
-    *_blocks("scratch", "bound", """
-        c | 1 | cosine of the rotation at step n
-        s | 1 | sine of the rotation at step n
-        vu | m/s | velocity at step n
-        vv | m/s | velocity at step n
-        vw | rad/s | angular velocity at step n
-        step_x | m | displacement from step n to n + 1
-        step_y | m | displacement from step n to n + 1
-        step_turn | rad | rotation from step n to n + 1
-        step_sine | 1 | its sine
-        step_versine | 1 | 1 less its cosine
-        change_x | N | what a correction of the reactions adds to the force
-        change_y | N | what a correction of the reactions adds to the force
-        change_m | N m | what a correction of the reactions adds to the moment
-        touches | 1 | contacts that are solved together and press on it
-        rn | 1/kg | velocities per unit of a joint's normal force | 3
-        rt | 1/kg | velocities per unit of a joint's friction force | 3"""),
-    *_blocks("scratch", "contact", """
-        nx | 1 | direction from bearing to journal centre, or into the line's material
-        ny | 1 | direction from bearing to journal centre, or into the line's material
-        jn | m | lever of the normal force on the journal's body
-        jt | m | lever of the friction force on the journal's body
-        bn | m | lever of the normal force on the bearing's body
-        bt | m | lever of the friction force on the bearing's body
-        elastic | N | elastic part of the normal force
-        damping_coefficient | N s/m | damping coefficient
-        normal | N | normal force to start from
-        friction | N | friction force to start from
-        more | N | change of the normal force in a sweep
-        film_radial | N | force of a film towards the bearing's centre, at rest
-        film_across | N | its force along t on the journal, at rest
-        film_damping | N s/m | damping of that by the velocity along t
-        film_cross | N s/m | force along t by the rate along n, and the reverse"""),
-    *_blocks("scratch", "constraint", """
-        constraint_nx | 1 | direction of the constraint, 0 for an angle
-        constraint_ny | 1 | direction of the constraint, 0 for an angle
-        constraint_jb | m | lever on the bearing's body
-        constraint_jk | m | lever on the journal's body
-        constraint_jc | 1 | lever on the carrier of gears, the other way
-        constraint_turn_x | 1 | change of the direction from step n to n + 1
-        constraint_turn_y | 1 | change of the direction from step n to n + 1
-        constraint_turn_b | m | change of the lever on the bearing's body
-        constraint_turn_k | m | change of the lever on the journal's body
-        constraint_turn_c | 1 | change of the lever on the carrier, which has none"""),
-)  # fmt: skip
-
-BY_NAME: Mapping[str, Block] = {block.name: block for block in BLOCKS}
-ENTITIES = ("system", "particle", "frame", "unit", "contact", "joint", "constraint", "spring", "driven", "load", "body", "function", "piece")
+ENTITIES = (
+    *("system", "particle", "frame", "unit", "contact", "guide", "joint", "constraint"),
+    *("spring", "driven", "load", "body", "function", "piece"),
+)
 
 
 def _fields(*entities: str) -> Fields:
@@ -308,7 +45,7 @@ def _fields(*entities: str) -> Fields:
 
 # Rows of each entity's record; PARTICLE is that of a bound particle, whose first PLAIN rows are those of a plain one.
 RECORDS = {entity: _fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES}
-SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, JOINT, CONSTRAINT, SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE = RECORDS.values()
+SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, GUIDE, JOINT, CONSTRAINT, SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE = RECORDS.values()
 PLAIN = _fields("particle").SIZE
 
 
@@ -321,6 +58,7 @@ CONTACT_INDEX = Fields(
         *("kind", "piece", "pieces"),
     )
 )
+GUIDE_INDEX = Fields((name, 1) for name in ("row", "corners", "corners_end"))
 JOINT_INDEX = Fields(
     (name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces", "carrier")
 )
@@ -341,6 +79,7 @@ LISTS = (
     "tile",
     "frame",
     "contact",
+    "guide",
     "joint",
     "constraint",
     "couple",

@@ -7,7 +7,7 @@ Damping and friction are stiff: both act on the velocity at t_n, which a central
 force in closed form. Joints that share a body are visited in turn, from the last step's forces.
 """
 
-from .arrays import CONTACT, CONTACT_INDEX, HEADER, PARTICLE, SYSTEM
+from .arrays import CONTACT, CONTACT_INDEX, GUIDE, GUIDE_INDEX, HEADER, PARTICLE, SYSTEM
 from .central_difference import larger
 from .constraint import apply_response, joint_compliance
 from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
@@ -270,6 +270,22 @@ def account(S, j, span, lost, rubbed):
     at = j + CONTACT.force_squared_max
     S[at] = larger(S[at], normal * normal + tangential * tangential)
     S[j + CONTACT.penetration_max] = larger(S[j + CONTACT.penetration_max], S[j + CONTACT.penetration])
+
+
+def guides(S, I):
+    """Extremes of blocks in guides with play: the corners' forces -F_N n + F_T t together, which no corner alone has."""
+    for g in range(I[HEADER.guide_count]):
+        r = I[HEADER.guide] + GUIDE_INDEX.SIZE * g
+        fx = 0.0
+        fy = 0.0
+        for m in range(I[r + GUIDE_INDEX.corners], I[r + GUIDE_INDEX.corners_end]):
+            j = I[I[HEADER.contact] + CONTACT_INDEX.SIZE * m + CONTACT_INDEX.row]
+            nx = S[j + CONTACT.nx]
+            ny = S[j + CONTACT.ny]
+            fx -= S[j + CONTACT.normal_force] * nx + S[j + CONTACT.friction_force] * ny
+            fy += S[j + CONTACT.friction_force] * nx - S[j + CONTACT.normal_force] * ny
+        at = I[r + GUIDE_INDEX.row] + GUIDE.force_squared_max
+        S[at] = larger(S[at], fx * fx + fy * fy)
 
 
 def change_regime(S, I, r, free, sliding, normal):

@@ -28,7 +28,7 @@ from .arrays import (
 from .central_difference import chord_acceleration, coefficients, driven_reaction, larger
 from .closing import close, hold
 from .constraint import reaction
-from .contact import contact_geometry, solve_contacts, velocities
+from .contact import contact_geometry, guides, solve_contacts, velocities
 from .elementary import sincos
 from .frame import axial, bending, bending_released, chord, nodal_force, step_turn, turn
 from .geometry import arm, seldom
@@ -365,6 +365,7 @@ def joints(S, I, start, span, central):
     if I[HEADER.contact_count] > 0:
         velocities(S, I, p, h)
         solve_contacts(S, I, span, central)
+        guides(S, I)
     if I[HEADER.close_again] != 0:
         close(S, I, dt, b, k)
 

@@ -24,7 +24,8 @@ class Topology:
 
     Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per entity.
     ``contact_path`` and ``joint_path`` are indices of
-    paths, -1 for none; ``path_pieces`` the number of pieces of each.
+    paths, -1 for none; ``path_pieces`` the number of pieces of each. ``guides`` are the first contact and the one after the last of each block in
+    a guide with play, whose corners are contacts of their own.
     """
 
     particles: int
@@ -37,6 +38,7 @@ class Topology:
     contact_journal: tuple[int, ...] = ()
     contact_kind: tuple[int, ...] = ()
     contact_path: tuple[int, ...] = ()
+    guides: tuple[tuple[int, int], ...] = ()
     contact_form: tuple[int, ...] = ()
     friction_form: tuple[int, ...] = ()
     joint_bearing: tuple[int, ...] = ()
@@ -119,6 +121,7 @@ class Topology:
             "frame": len(self.frame_nodes),
             "unit": len(self.frame_nodes) if self.path_unit > 1 else 0,
             "contact": len(self.contact_bearing),
+            "guide": len(self.guides),
             "joint": len(self.joint_bearing),
             "constraint": self.constraint_starts[-1],
             "spring": len(self.spring_first),

@@ -18,7 +18,7 @@ from ..codegen.source import data_driven
 from ..codegen.trace import Symbol, Tape
 from ..codegen.traceable import Traceable
 from ..errors import LawError, SourceError
-from ..kernels.arrays import CONTACT_SLOTS, FRICTION_SLOTS
+from ..kernels.blocks import CONTACT_SLOTS, FRICTION_SLOTS
 from .law import ContactLaw, Law, Pair, built_in
 from .text import REMEDY, faults_of_text, place
 

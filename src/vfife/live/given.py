@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..analysis.forces import KINDS, joint_rows
+from ..analysis.forces import KINDS, joint_rows, peaks
 from ..assembly.assembled import Assembly, BodyMap
-from ..kernels.arrays import BLOCKS
+from ..kernels.blocks import BLOCKS
 from ..kernels.topology import CURRENT
 from ..model.bodies import PointMass
 from ..model.joints import Gear
+from ..model.outlines import loose_pins
 from ..model.strokes import PairSeen
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
@@ -54,7 +55,9 @@ def stepped(assembly: Assembly) -> Json:
     """What it takes to step an assembly and to find its numbers: rows by block, those that are kept, those that begin anew."""
     layout, topology = assembly.layout, assembly.topology
     rows = {block.name: layout[block.name].tolist() for block in BLOCKS if (block.role in ROLES or block.name in ALSO) and len(layout[block.name])}
-    own = {name: {"block": block, "at": at} for name, (block, at) in joint_rows(_record(assembly)).items()}
+    record = _record(assembly)
+    most = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}
+    own = {name: {"block": block, "at": at, "most": most[name]} for name, (block, at) in joint_rows(record).items()}
     return {
         "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows, "joints": own,
         "kept": recorded_rows(assembly).tolist(), "extremes": layout.of("extreme"), "free": list(topology.free), "driven": list(topology.driven),
@@ -80,13 +83,12 @@ def _body(assembly: Assembly, body: BodyMap) -> Json:
     mass = [1.0 / float(value) if value > 0.0 else 0.0 for value in inverse]
     held = sum(value == 0.0 for value in mass)
     left = (body.mass - sum(mass)) / held if held else 0.0
-    held_at = outlines.attached(assembly, body.name)
-    pins = noun.points if not body.elements else [pin for pin in ("start", "end") if pin in noun.points]
+    loose = loose_pins(assembly.mechanism, body.name, bool(body.elements))
     return {
         "name": body.name, "chord": bool(body.elements), "particles": list(body.particles), "masses": [value or left for value in mass],
         "centre": outlines.centre_of(assembly, body.name), "driven": body.driven, "row": body.row,
         "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0), "outline": outlines.drawn(assembly, body),
-        "loose": [outlines.pin_of(assembly, f"{body.name}.{pin}") for pin in pins if pin != outlines.CENTER and pin not in held_at],
+        "loose": [outlines.pin_of(assembly, f"{body.name}.{pin}") for pin in loose],
     }  # fmt: skip
 
 

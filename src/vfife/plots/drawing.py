@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.outlines import loose_pins
 from .jointsigns import joint_names, joint_signs, seen
-from .outlines import Outline, loose_pins, outline
+from .outlines import Outline, outline
 from .sheet import Sheet
 from .springsigns import gear_seen, gear_signs, load_signs, spring_signs, tails
 from .style import BODIES, heading, length_unit, panels
@@ -39,14 +40,10 @@ def drawing(result: View) -> Figure:
     for name, one in outlines.items():
         for k in later:
             sheet.line(factor * one.path[k], color=colours[name], lw=1.0, alpha=0.28, zorder=1)
-        for pin in loose_pins(result, name) if not result.record.static else ():
+        elastic = bool(result.record.assembly.bodies[name].elements)
+        for pin in loose_pins(mechanism, name, elastic) if not result.record.static else ():
             sheet.line(sheet.path(name, pin), color=colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
-    for name, one in outlines.items():
-        body_sign(sheet, name, one)
-    gear_signs(sheet)
-    joint_signs(sheet)
-    spring_signs(sheet)
-    load_signs(sheet)
+    signs(sheet, outlines)
     middle = np.nanmean(np.concatenate([factor * one.path[shown] for one in outlines.values()]), axis=0)
     joint_names(sheet, middle)
     handles, labels = ax.get_legend_handles_labels()
@@ -59,6 +56,16 @@ def drawing(result: View) -> Figure:
     ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
     heading(figure, f"{mechanism.name} {_when(result, shown, bool(later))}")
     return figure
+
+
+def signs(sheet: Sheet, outlines: dict[str, Outline]) -> None:
+    """Bodies, gears, joints, springs and loads as they are at the output that is shown."""
+    for name, one in outlines.items():
+        body_sign(sheet, name, one)
+    gear_signs(sheet)
+    joint_signs(sheet)
+    spring_signs(sheet)
+    load_signs(sheet)
 
 
 def _when(result: View, shown: int, faint: bool) -> str:

@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 
 from ..analysis.motion import pin_path
 from .curves import abscissa, axis_title, force_from, loaded_joints, one_turn
-from .drawing import body_sign, extent
-from .jointsigns import joint_names, joint_signs
+from .drawing import extent, signs
+from .jointsigns import joint_names
 from .moments import first_output, moments, places_between
 from .outlines import Outline, outline
 from .sheet import Sheet
-from .springsigns import gear_signs, load_signs, spring_signs
 from .stage import Drawn, Notes, Stage
 from .style import BLUE, BODIES, INK, ORANGE, STYLE, VERMILION, heading, length_unit, scale_of
 
@@ -144,12 +143,7 @@ class Film:
         """What there is to draw of the mechanism at a frame."""
         notes: Any = Notes()
         sheet.ax, sheet.shown = notes, k
-        for name, one in outlines.items():
-            body_sign(sheet, name, one)
-        gear_signs(sheet)
-        joint_signs(sheet)
-        spring_signs(sheet)
-        load_signs(sheet)
+        signs(sheet, outlines)
         every = np.concatenate([one.path.reshape(-1, 2) for one in outlines.values()])
         joint_names(sheet, sheet.factor * np.nanmean(every, axis=0), BESIDE if self.larger > 1.0 else 0.0)
         self._play(sheet, k)

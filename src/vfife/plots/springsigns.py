@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.carriers import carrier_of
-from ..model.joints import Contact, Gear
+from ..model.joints import Gear
 from ..model.loads.load import Push
+from ..model.outlines import axis_between, wheels_at
 from ..model.springs import AnySpring
 from ..model.strokes import PairSeen
 from .sheet import Sheet
@@ -41,27 +41,15 @@ def gear_signs(sheet: Sheet) -> None:
 
 def gear_seen(sheet: Sheet, gear: Gear) -> PairSeen:
     """A gear as the sheet shows it: where its wheels turn."""
-    carrier = carrier_of(sheet.mechanism, gear)
-    if carrier != "ground":
-        ends = [axis_of(sheet, "ground", carrier) if wheel == "ground" else axis_of(sheet, carrier, wheel) for wheel in (gear.first, gear.second)]
-        return PairSeen(ends[0], ends[1], 0.0, sheet.size)
-    one, two = axis_of(sheet, "ground", gear.first), axis_of(sheet, gear.first, gear.second)
-    if np.allclose(one, two):
-        two = axis_of(sheet, "ground", gear.second)
+    one, two = wheels_at(sheet.mechanism, gear, lambda first, second: axis_of(sheet, first, second), lambda a, b: bool(np.allclose(a, b)))
     return PairSeen(one, two, 0.0, sheet.size)
 
 
 def axis_of(sheet: Sheet, first: str, second: str) -> Array:
-    """Where two bodies turn against each other: their common pin, else the pivot of the second, else its centre of mass."""
-    pins = [joint for joint in sheet.mechanism.joints.values() if joint.revolves and not isinstance(joint, Contact)]
-    for wanted in ({first, second}, {"ground", second}):
-        for joint in pins:
-            if {joint.sides[0][0], joint.sides[1][0]} == wanted:
-                return sheet.at(joint.bearing)
-    for other in sheet.mechanism.joints.values():
-        for (body, _), end in zip(other.sides, (other.bearing, other.journal), strict=True):
-            if body == second:
-                return sheet.at(end)
+    """Where two bodies turn against each other: at a pin, else at the centre of mass of the second."""
+    end = axis_between(sheet.mechanism, first, second)
+    if end is not None:
+        return sheet.at(end)
     column = list(sheet.result.record.assembly.bodies).index(second)
     return sheet.factor * np.array([sheet.result.channels[f"body_{axis}"].values[sheet.shown, column] for axis in "xy"])
 

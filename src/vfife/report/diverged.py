@@ -58,7 +58,7 @@ def first_infinite(record: Record) -> tuple[int, str]:
 
 def named(assembly: Assembly, rows: Any) -> str:
     """What stands in these rows, the most telling of them, and whose it is."""
-    from ..kernels.arrays import BLOCKS
+    from ..kernels.blocks import BLOCKS
 
     found = []
     for block in BLOCKS:

@@ -10,7 +10,7 @@ import numpy as np
 from ..analysis import forces, guides, motion, stress
 from ..analysis.energy import Ledger
 from ..analysis.equilibria import displacement
-from ..kernels.arrays import BY_NAME
+from ..kernels.blocks import BY_NAME
 from ..solvers.record import Record
 from .channel import GLOBAL, Channel
 from .designed import elastic_channels, ground_channels, slider_channels, stress_channels, wear_channels

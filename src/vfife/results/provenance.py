@@ -14,7 +14,7 @@ from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly, StepChoice
 from ..codegen.runner import compiler_of
 from ..errors import RunFileError
-from ..kernels.arrays import BY_NAME
+from ..kernels.blocks import BY_NAME
 from ..laws.stored import kept as kept_laws
 from ..laws.stored import standing_in
 from ..model.mechanism import Mechanism

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..assembly.timestep import MOST_STEPS
 from ..errors import ResumeError
-from ..kernels.arrays import BLOCKS
+from ..kernels.blocks import BLOCKS
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
 from ..solvers.record import Record

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from ..assembly.assemble import forms
 from ..assembly.assembled import Assembly, BodyMap, StepChoice
 from ..errors import RunFileError
-from ..kernels.arrays import BY_NAME, Layout
+from ..kernels.arrays import Layout
+from ..kernels.blocks import BY_NAME
 from ..kernels.topology import Topology
 from ..kinematics.mobility import Mobility
 from ..laws import ContactLaw, FrictionLaw

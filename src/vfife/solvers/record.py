@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..kernels.arrays import BLOCKS, Layout
+from ..kernels.arrays import Layout
+from ..kernels.blocks import BLOCKS
 from .status import Status
 
 if TYPE_CHECKING:

@@ -157,10 +157,10 @@ class Reader {
     return Math.hypot(...this.force(data, at, name));
   }
 
-  // Largest force of a joint since the output before (N), of the steps in between; of a block in a guide that of one corner. Or largest torque.
+  // Largest force of a joint since the output before (N), of the steps in between. Or largest torque.
   forceMax(data, at, name) {
     if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque_max")[this.sim.torques[name.slice(TORQUE.length)]]];
-    const { block, at: places } = this.sim.joints[name];
+    const { block, at: places } = this.sim.joints[name].most;
     this.squares[name] ??= Int32Array.from(places, (k) => this.of(`${block}_force_squared_max`)[k]);
     let most = 0;
     for (const column of this.squares[name]) most = Math.max(most, data[at + column]);

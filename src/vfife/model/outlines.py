@@ -1,0 +1,106 @@
+"""What a drawing shows of bodies: which of their pins, in which order a line runs through them, and about which pins they turn.
+
+Names and orders only: where a pin is at a moment is for those to say who draw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
+
+from .bodies import Link
+from .carriers import carrier_of
+from .joints import Contact, Gear
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from .mechanism import Mechanism
+
+Place = TypeVar("Place")
+FEW = 30  # nodes of an elastic link that are still shown as dots
+CENTER = "center"
+COLLINEAR = 1e-9  # width over length below which points lie on a line
+
+
+def attached(mechanism: Mechanism, name: str) -> set[str]:
+    """Pins of a body that a joint or spring takes hold of."""
+    ends = [end for joint in mechanism.joints.values() for end in (joint.bearing, joint.journal)]
+    ends += [end for spring in mechanism.springs.values() for end in (spring.first, spring.second)]
+    return {pin for body, _, pin in (end.partition(".") for end in ends) if body == name}
+
+
+def drawn_pins(mechanism: Mechanism, name: str) -> list[str]:
+    """Pins of a rigid body that are drawn: its own, and those that something is fixed to; the centre of mass where there is but one pin."""
+    noun, held = mechanism.bodies[name], attached(mechanism, name)
+    own = ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.points if pin != CENTER]
+    pins = list(dict.fromkeys([*own, *(pin for pin in noun.points if pin in held)]))
+    if len(pins) == 1 and any(noun.points[pins[0]]) and CENTER in noun.points and pins != [CENTER]:
+        pins.append(CENTER)
+    return pins
+
+
+def loose_pins(mechanism: Mechanism, name: str, elastic: bool) -> list[str]:
+    """Pins of a body that nothing takes hold of: feet, pens and ends, whose paths are worth seeing; of an ``elastic`` one its ends only."""
+    noun, held = mechanism.bodies[name], attached(mechanism, name)
+    own = [pin for pin in ("start", "end") if pin in noun.points] if elastic else noun.points
+    return [pin for pin in own if pin != CENTER and pin not in held]
+
+
+def corners(points: NDArray[np.float64]) -> tuple[list[int], bool]:
+    """The order in which a line runs through points, shape (points, 2), and whether it encloses an area: it is their hull then, and closed."""
+    import numpy as np
+
+    if len(points) < 3:
+        return list(range(len(points))), False
+    away = points - points.mean(axis=0)
+    spread = np.linalg.svd(away, compute_uv=False)
+    if spread[-1] <= COLLINEAR * spread[0]:
+        along = away @ away[np.argmax(np.linalg.norm(away, axis=1))]
+        return [int(k) for k in np.argsort(along)], False
+    found = _hull(points)
+    return [*found, found[0]], True
+
+
+def _hull(points: NDArray[np.float64]) -> list[int]:
+    """Corners of the convex hull, anticlockwise, by Andrew's chain."""
+    order = sorted(range(len(points)), key=lambda k: (float(points[k, 0]), float(points[k, 1])))
+
+    def turn(a: int, b: int, c: int) -> float:
+        (ux, uy), (vx, vy) = points[b] - points[a], points[c] - points[a]
+        return float(ux * vy - uy * vx)
+
+    def half(indices: list[int]) -> list[int]:
+        chain: list[int] = []
+        for k in indices:
+            while len(chain) > 1 and turn(chain[-2], chain[-1], k) <= 0.0:
+                chain.pop()
+            chain.append(k)
+        return chain[:-1]
+
+    return half(order) + half(order[::-1])
+
+
+def axis_between(mechanism: Mechanism, first: str, second: str) -> str | None:
+    """The pin about which two bodies turn against each other: their common one, else the pivot of the second, else any pin of it; None without."""
+    joints = mechanism.joints.values()
+    for wanted in ({first, second}, {"ground", second}):
+        for joint in joints:
+            if joint.revolves and not isinstance(joint, Contact) and {joint.sides[0][0], joint.sides[1][0]} == wanted:
+                return joint.bearing
+    for joint in joints:
+        for (body, _), end in zip(joint.sides, (joint.bearing, joint.journal), strict=True):
+            if body == second:
+                return end
+    return None
+
+
+def wheels_at(mechanism: Mechanism, gear: Gear, axis: Callable[[str, str], Place], same: Callable[[Place, Place], bool]) -> tuple[Place, Place]:
+    """Where the two wheels of a gear turn, by the place of the ``axis`` between two bodies; ``same`` says whether two places are one."""
+    carrier = carrier_of(mechanism, gear)
+    if carrier != "ground":
+        one, two = (axis("ground", carrier) if wheel == "ground" else axis(carrier, wheel) for wheel in (gear.first, gear.second))
+        return one, two
+    one, two = axis("ground", gear.first), axis(gear.first, gear.second)
+    return (one, axis("ground", gear.second)) if same(one, two) else (one, two)
