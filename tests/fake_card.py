@@ -132,4 +132,4 @@ def on_card(assemblies: Sequence[Assembly], parts: int = 8, driver: FakeDriver |
     first = assemblies[0]
     states, tables = np.stack([a.state for a in assemblies], axis=1), np.stack([a.tables for a in assemblies])
     card = Card(driver or FakeDriver(first.topology))
-    return DeviceRunner(first.topology, states, tables, "generated", recorded_rows(first), parts=parts, card=card, **options)
+    return DeviceRunner(first.topology, states, tables, "generated", recorded_rows(first), parts=parts, own=card, **options)

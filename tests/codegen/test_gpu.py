@@ -7,12 +7,15 @@ import pytest
 
 from fake_card import FakeDriver, on_card
 from lane_models import one_clearance, rigid_bars, swing
-from support import bits, lanes
+from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble
+from vfife.codegen import cuda
 from vfife.codegen.cuda import Card
 from vfife.codegen.gpu import TILE
 from vfife.codegen.runner import LOOK, Watched
 from vfife.errors import DeviceError
+from vfife.laws import LankaraniNikravesh
+from vfife.solvers.ensemble import ensemble
 
 
 def placed(members: int, model=rigid_bars):
@@ -89,6 +92,22 @@ def test_a_watched_member_that_breaks_stops_no_other():
     assert there.broken.tolist() == [0.0, LOOK, -1.0]
     assert (bits(rows[:, :, 0]) == bits(expected[:, :, 0])).all()
     assert (bits(rows[0]) == bits(expected[0])).all()
+
+
+def test_an_ensemble_on_a_card_is_one_on_the_processor(monkeypatch):
+    """Members that settle, one that goes on to the last turn, one that breaks."""
+    made = [four_bar("BCD", clearance=c, speed=500.0) for c in (1e-4, 3e-4)]
+    made.append(four_bar("BCD", speed=500.0, contact=LankaraniNikravesh(restitution=0.9, stiffness=6.6e14)))
+    options = {"step": 5e-6, "turns": 2, "outputs": 20, "tolerance": 0.3}
+    here = ensemble(made, **options)
+    monkeypatch.setattr(cuda, "_bindings", lambda: FakeDriver(here[0].assembly.topology))
+    cuda.card.cache_clear()
+    there = ensemble(made, **options, device="cuda")
+    cuda.card.cache_clear()
+    assert [one.status for one in there] == [one.status for one in here] and {one.status for one in here} == {"complete", "diverged"}
+    for ours, theirs in zip(there, here, strict=True):
+        assert (bits(ours.last.rows) == bits(theirs.last.rows)).all() and (bits(ours.turns.rows) == bits(theirs.turns.rows)).all()
+        assert ours.settled == theirs.settled
 
 
 # ------------------------------------------------------------------------------------------------------- what is told

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -109,6 +110,12 @@ class Card:
         places = values.ctypes.data + 8 * np.arange(len(values), dtype=np.uint64)
         self.call("cuLaunchKernel", kernel, blocks, 1, 1, threads, 1, 1, 0, 0, places.ctypes.data, 0)
         self.call("cuCtxSynchronize")
+
+
+@lru_cache(maxsize=1)
+def card() -> Card:
+    """The card of this process, opened when it is first asked for."""
+    return Card()
 
 
 def _bindings() -> Any:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import DeviceError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .cuda import WITHOUT, Card
+from .cuda import WITHOUT, Card, card
 from .gpu import ARGUMENTS, TILE
 from .native import NEVER, Memory, Rows, Take
 from .ptx import program
@@ -30,11 +30,11 @@ class DeviceRunner(Runner):
     """
 
     def __init__(
-        self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers, *, card: Card | None = None, **options: Any
+        self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers, *, own: Card | None = None, **options: Any
     ) -> None:
         if loop != "generated":
             raise DeviceError(f"device cuda: a card steps straight-line code, and this is for the {loop} loop; {WITHOUT}")
-        self.card = card or Card()
+        self.card = own or card()
         super().__init__(topology, states, functions, loop, kept, **options)
 
     def _chosen(self) -> Callable[[Memory], Take]:
@@ -87,21 +87,21 @@ class Batches:
                 self._launch(n0 + m * steps, steps, out[m : m + some], anew, look)
 
     def _launch(self, n0: int, steps: int, out: Rows, anew: bool, look: int) -> None:
-        m, card, (first, last), where = self.memory, self.card, self._range(), self.places
+        m, there, (first, last), where = self.memory, self.card, self._range(), self.places
         outputs, keeping, _ = out.shape
         found = np.empty((self._tiles(), outputs * keeping, TILE))
         if found.size > self.room:
             if "out" in where:
-                card.drop(where.pop("out"))
-            where["out"], self.room = card.room(found.size), found.size
-        card.clear(where.get("out", 0), found.size)  # of a member that breaks, what comes after that is zero
+                there.drop(where.pop("out"))
+            where["out"], self.room = there.room(found.size), found.size
+        there.clear(where.get("out", 0), found.size)  # of a member that breaks, what comes after that is zero
         broken = m.broken[self._members()]
-        card.put(where["broken"], broken)
+        there.put(where["broken"], broken)
         numbers = {"stride": self.length, "n0": n0, "count": steps, "outputs": outputs, "parts": m.parts, "keeping": keeping, "look": look}
         numbers |= {"resetting": len(m.extremes) * anew, "finite": len(m.kept), "limiting": len(m.limited)} | {"out": 0} | where
-        card.launch(self.kernel, self._tiles(), TILE, [numbers[name] for name in ARGUMENTS])
-        card.fetch(where["broken"], broken)
-        card.fetch(where.get("out", 0), found)
+        there.launch(self.kernel, self._tiles(), TILE, [numbers[name] for name in ARGUMENTS])
+        there.fetch(where["broken"], broken)
+        there.fetch(where.get("out", 0), found)
         m.broken[first:last] = broken[: last - first]
         out[:, :, first:last] = rows_of(found)[:, : last - first].reshape(outputs, keeping, last - first)
 

@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds, watched
+from ..codegen.cuda import card
 from ..codegen.native import widest
+from ..codegen.ondevice import DeviceRunner
 from ..codegen.runner import Runner
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
@@ -33,6 +35,7 @@ from .status import Status
 from .transient import choose_loop
 
 Array = NDArray[np.float64]
+ON_CARD = 4096  # members side by side on a card: of each, rows of a turn come back, some 100 kB
 
 
 @dataclass
@@ -68,15 +71,17 @@ def ensemble(
     loop: Loop = "auto",
     lanes: int | None = None,
     workers: int | None = None,
+    device: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
     """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns (all of them without a tolerance).
 
     ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each
     of ``outputs``. ``lanes``: simulations side by side in a vector register, as many as this machine's hold if not given. ``workers``: threads,
-    as many as there are cores if not given. ``progress`` is told how many members of how many are done. Raises ModelError with all faults of
-    the arguments or of a mechanism, ValueError for one without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends
-    it within a second.
+    as many as there are cores if not given. ``device``: "cuda" steps them on an NVIDIA card, thousands side by side; we have not tried it on one.
+    ``progress`` is told how many members of how many are done. Raises ModelError with all faults of the arguments or of a mechanism, ValueError
+    for one without a driver, DeviceError for a card that cannot be used, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it
+    within a second.
     """
     given = Arguments("ensemble")
     mechanisms = given.mechanisms(mechanisms)
@@ -85,12 +90,15 @@ def ensemble(
     for name, value in counts.items():
         given.count(name, value, optional=name in ("lanes", "workers"))
     given.quantity("tolerance", tolerance, "1", zero=True)
+    given.device(device)
     given.callable("progress", progress)
     given.tell()
+    if device == "cuda":
+        card()  # what is missing is told before anything is assembled
     for mechanism in mechanisms:
         validate(mechanism)
     assemblies = [placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)]
-    return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, progress=progress)
+    return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, device=device, progress=progress)
 
 
 def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assembly:
@@ -109,19 +117,21 @@ def advance(
     loop: Loop = "auto",
     lanes: int | None = None,
     workers: int | None = None,
+    device: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
     """As :func:`ensemble`, for mechanisms that are assembled already."""
-    lanes = lanes or widest()
+    make = DeviceRunner if device == "cuda" else Runner
+    lanes = lanes or (ON_CARD if device == "cuda" else widest())
     batches = [(choice, batch) for choice, group in _alike(assemblies, loop) for batch in _cut(group, lanes if choice == "generated" else 1)]
     stop, found = threading.Event(), dict[int, Member]()
 
     def work(choice: str, batch: list[int]) -> list[tuple[int, Member]]:
         members = [_Lane(assemblies[k], tolerance) for k in batch]
-        _run(members, choice, lanes if choice == "generated" else 1, stop)
+        _run(members, choice, len(batch) if device == "cuda" else lanes if choice == "generated" else 1, stop, make)
         return [(k, lane.member()) for k, lane in zip(batch, members, strict=True) if lane.distances]
 
-    pool = ThreadPoolExecutor(workers or os.cpu_count() or 1)
+    pool = ThreadPoolExecutor(1 if device == "cuda" else workers or os.cpu_count() or 1)
     try:
         left: set[Future[list[tuple[int, Member]]]] = {pool.submit(work, choice, batch) for choice, batch in batches}
         while left:
@@ -153,14 +163,14 @@ def _cut(group: list[int], size: int) -> Iterator[list[int]]:
         yield group[first : first + size]
 
 
-def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event) -> None:
+def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event, make: type[Runner]) -> None:
     """Steps a batch turn by turn until every member has ended; lanes without a member repeat the last one."""
     every = [*members, *[members[-1]] * (lanes - len(members))]
     first = members[0].assembly
     states = np.stack([lane.assembly.state for lane in every], axis=1)
     tables = np.stack([lane.assembly.tables for lane in every])
     own = watched([lane.assembly for lane in every], np.arange(lanes) < len(members))
-    runner = Runner(first.topology, states, tables, loop, recorded_rows(first), parts=first.mechanism.settings.parts, watched=own)
+    runner = make(first.topology, states, tables, loop, recorded_rows(first), parts=first.mechanism.settings.parts, watched=own)
     start = runner.advance(1, 1)
     for k, lane in enumerate(members):
         lane.start(start[0, :, k])
