@@ -7,18 +7,18 @@ its arguments are read from memory as the driver reads them.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
 from vfife.assembly.assembled import Assembly
+from vfife.assembly.bounds import bounds, limited_rows
 from vfife.codegen import gpu
 from vfife.codegen.cuda import Card
 from vfife.codegen.native import Code, object_code
-from vfife.codegen.ondevice import DeviceRunner
+from vfife.codegen.ondevice import DeviceStream
+from vfife.codegen.streams import Starter
 from vfife.kernels.topology import Topology
 from vfife.solvers.record import recorded_rows
 
@@ -99,11 +99,6 @@ class FakeDriver:
     def _reach(self, address: int, size: int) -> None:
         assert any(start <= address and address + size <= start + one.nbytes for start, one in self.given.items())
 
-    def cuMemsetD8(self, address, value, size):
-        self._reach(address, size)
-        ctypes.memset(address, value, size)
-        return ()
-
     def cuMemcpyHtoD(self, there, here, size):
         self._reach(there, size)
         ctypes.memmove(there, here, size)
@@ -127,9 +122,13 @@ class FakeDriver:
         return ()
 
 
-def on_card(assemblies: Sequence[Assembly], parts: int = 8, driver: FakeDriver | None = None, **options: Any) -> DeviceRunner:
-    """A runner over assemblies of one topology, one member each, that keeps what a run keeps."""
-    first = assemblies[0]
-    states, tables = np.stack([a.state for a in assemblies], axis=1), np.stack([a.tables for a in assemblies])
-    card = Card(driver or FakeDriver(first.topology))
-    return DeviceRunner(first.topology, states, tables, "generated", recorded_rows(first), parts=parts, own=card, **options)
+def rows_on_card(assembly: Assembly, driver: FakeDriver | None = None, lane: int = 0) -> np.ndarray:
+    """What a card would hand out of one member, stepped by one of its threads: the start and every output, shape (outputs, kept)."""
+    topology, choice, kept, parts = assembly.topology, assembly.choice, recorded_rows(assembly), assembly.mechanism.settings.parts
+    first = Starter(topology, 1, "generated", assembly.tables.size, parts).begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
+    own = Card(driver or FakeDriver(topology))
+    limited = limited_rows(assembly)
+    stream = DeviceStream(topology, lane + 1, "generated", kept, choice.outputs, kept, limited, assembly.tables.size, parts, own)
+    stream.put(lane, first, choice.outputs_every, choice.outputs)
+    stream.advance(choice.outputs_every * choice.outputs)
+    return np.concatenate([first.state[None, kept] + 0.0, stream.rows(lane)])

@@ -35,11 +35,13 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
+    from .results.studied import Study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
     from .study.stepped import Simulation
+    from .study.studies import study
 
 __version__ = "0.2.0"
 
@@ -47,6 +49,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
     "Result": "result",
     "Simulation": "study.stepped",
+    "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
     "compare": "study.compare",
@@ -61,6 +64,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "resume": "simulation",
     "save_model": "modelfile.files",
     "simulate": "simulation",
+    "study": "",  # the room, which can be called
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
     "laws": ("MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"),
@@ -157,6 +161,7 @@ __all__ = [
     "Simulation",
     "StartSettings",
     "Status",
+    "Study",
     "VfifeError",
     "compare",
     "ensemble",
@@ -171,6 +176,7 @@ __all__ = [
     "resume",
     "save_model",
     "simulate",
+    "study",
 ]
 if TYPE_CHECKING:
     __all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists

@@ -91,7 +91,7 @@ def imported(folder: str) -> dict[str, str]:
 
 
 def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported() -> None:
-    declared, used = requirements("gpu", "parquet", "video"), imported("src/vfife")
+    declared, used = requirements("gpu", "optimise", "parquet", "sensitivity", "video"), imported("src/vfife")
     report("Imported, but not among the dependencies:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
     report("Installed, but never imported:", sorted(declared - used.keys() - NOT_IMPORTED.keys()))
 
@@ -104,4 +104,4 @@ def test_what_the_tests_import_is_declared_and_what_is_declared_is_imported() ->
 
 def test_every_extra_is_for_work_on_the_package() -> None:
     """An extra comes with the code that imports what it brings."""
-    assert set(PROJECT["project"]["optional-dependencies"]) == {"dev", "gpu", "parquet", "test", "video"}
+    assert set(PROJECT["project"]["optional-dependencies"]) == {"cluster", "dev", "gpu", "optimise", "parquet", "sensitivity", "test", "video"}

@@ -1,113 +1,124 @@
-"""One member a thread, on a card that the processor plays: the bits of lanes, whatever batches, launches and looks there are; and what is told."""
+"""One member a thread, on a card that the processor plays: the bits of members in lanes, whatever card and whoever beside; and what is told."""
 
 import builtins
 
 import numpy as np
 import pytest
 
-from fake_card import FakeDriver, on_card
-from lane_models import one_clearance, rigid_bars, swing
+from fake_card import FakeDriver, rows_on_card
+from lane_models import one_clearance, swing
 from support import bits, four_bar, lanes
-from vfife.assembly.assemble import assemble
-from vfife.codegen import cuda
+from vfife.assembly.assemble import assemble, refitted
+from vfife.codegen import cuda, ondevice
 from vfife.codegen.cuda import Card
 from vfife.codegen.gpu import TILE
-from vfife.codegen.runner import LOOK, Watched
 from vfife.errors import DeviceError
 from vfife.laws import LankaraniNikravesh
-from vfife.solvers.ensemble import ensemble
+from vfife.solvers import streaming
+from vfife.solvers.ensemble import advance, ensemble, placed
 
 
-def placed(members: int, model=rigid_bars):
-    """Members with parameters, steps and starts of their own."""
-    return [assemble(model(k % 4), 2e-6 * (1 - 0.05 * (k % 4) - 0.001 * k), duration=1e-3, force_step=True) for k in range(members)]
+@pytest.fixture
+def driver(monkeypatch):
+    """Puts a card of a topology into this machine, with so much memory."""
+
+    def put(topology, **given) -> FakeDriver:
+        made = FakeDriver(topology, **given)
+        monkeypatch.setattr(cuda, "_bindings", lambda: made)
+        cuda.card.cache_clear()
+        return made
+
+    yield put
+    cuda.card.cache_clear()
 
 
-@pytest.fixture(scope="module")
-def members():
-    """More than a tile of them, and what they do in lanes."""
-    a = placed(TILE + 4)
-    here = [lanes(a[k : k + 4], "generated") for k in range(0, len(a), 4)]
-    rows = np.concatenate([np.concatenate([one.advance(1, 1), one.advance(50, 12)]) for one in here], axis=2)
-    return a, rows, np.concatenate([one.states for one in here], axis=1)
+def same(ours, theirs) -> bool:
+    """Whether members of two ensembles left the same, to the bit."""
+    return all(
+        a.settled == b.settled and a.status == b.status and (bits(a.last.rows) == bits(b.last.rows)).all() and
+        (bits(a.turns.rows) == bits(b.turns.rows)).all()
+        for a, b in zip(ours, theirs, strict=True)
+    )  # fmt: skip
 
 
-def test_members_are_lanes(members):
-    """Between two launches members change places: states that are written are those that go on."""
-    a, expected, states = members
-    there = on_card(a)
-    rows = [there.advance(1, 1), there.advance(50, 5)]
-    assert there.states.shape == (there.layout.rows, len(a))
-    there.states[:] = there.states[:, ::-1].copy()
-    rows.append(there.advance(50, 7)[:, :, ::-1])
-    assert (bits(np.concatenate(rows)) == bits(expected)).all()
-    state = there.layout.of("state", "memory")
-    assert (bits(there.states[state, ::-1]) == bits(states[state])).all()
-    assert (expected[-1][[int(row) in set(there.layout["repeated"].tolist()) for row in there.kept]] > 0).any(), "no step was taken again"
+def of_play(members: int, turns: int = 2):
+    """The four-bar with as many clearances, every other one with half the step."""
+    bases = [placed(four_bar("BCD", speed=2000.0), step, turns, 4) for step in (8e-6, 4e-6)]
+    return [refitted(bases[k % 2], four_bar("BCD", clearance=1e-4 * (1 + 0.1 * k)).clearances) for k in range(members)]
 
 
-def test_batches_and_launches_change_nothing(members):
-    """A card with room for one tile at a time and for few outputs."""
-    a, expected, _ = members
-    tile = 8 * TILE * (2 * on_card(a[:1]).layout.rows + a[0].tables.size + 2)
-    driver = FakeDriver(a[0].topology, memory=3 * tile)
-    there = on_card(a, driver=driver)
-    assert there.batches.batch == 1 and there.batches.most < 12
-    rows = np.concatenate([there.advance(1, 1), there.advance(50, 12)])
-    assert (bits(rows) == bits(expected)).all()
-    assert set(driver.threads) == {TILE} and len(driver.threads) >= 6
-    there.advance(50, 1)
-    assert len(driver.given) == 10, "memory is used again"
-    del there
-    assert not driver.given, "and given back"
+def test_members_on_a_card_are_those_in_lanes(driver):
+    """More than two tiles hold: some come into lanes that others have left, of which those with the smaller step go on."""
+    a = of_play(2 * TILE + 5)
+    here = advance(a)
+    there = driver(a[0].topology)
+    assert same(advance(a, device="cuda", lanes=2 * TILE), here)
+    assert set(there.threads) == {2 * TILE} and not there.given, "memory is given back"
+    repeated = [one.last.block("repeated")[-1, 0] for one in here]
+    assert min(repeated) > 5, "steps were taken again in smaller ones"
 
 
-def test_an_interval_in_several_calls_is_one():
-    a = placed(2)
-    there, here = on_card(a), lanes(a, "generated")
-    here.advance(1, 1)
-    there.advance(1, 1)
-    assert there.advance(20, 1, record=False).shape == (1, 0, 2)
-    assert (bits(there.advance(40, 1, anew=False)) == bits(here.advance(60, 1))).all()
+def test_a_card_with_little_memory_takes_fewer_at_once(driver, monkeypatch):
+    a = of_play(TILE + 2, turns=1)
+    here = advance(a)
+    there = driver(a[0].topology, memory=450_000)
+    assert same(advance(a, device="cuda"), here)
+    assert set(there.threads) == {TILE}
+    there = driver(a[0].topology)
+    monkeypatch.setattr(ondevice, "MOST", 300_000)
+    assert same(advance(a, device="cuda"), here)
+    assert set(there.threads) == {TILE}
 
 
-def test_tables_of_their_own_and_first_steps_of_a_share():
-    a, shares = placed(4, swing), np.array([0.0, 0.3, 0.7, 0.1])
-    assert len({x.tables.tobytes() for x in a}) == 4
-    there, here = on_card(a, shares=shares), lanes(a, "generated", shares=shares)
-    for count, outputs in ((1, 1), (100, 3)):
-        assert (bits(there.advance(count, outputs)) == bits(here.advance(count, outputs))).all()
+def test_launches_are_short_and_change_nothing(driver, monkeypatch):
+    """Calls of the loop are as long as on a processor: between two of them somebody may end it all."""
+    a = of_play(3)
+    here = advance(a)
+    monkeypatch.setattr(streaming, "FIRST", 37)
+    monkeypatch.setattr(streaming, "GROWTH", 1)
+    there = driver(a[0].topology)
+    assert same(advance(a, device="cuda"), here)
+    assert len(there.threads) > 10
 
 
-def test_a_watched_member_that_breaks_stops_no_other():
-    """The second leaves its bounds at the first look; the third is looked at by nobody."""
-    a = placed(3)
-    free = on_card(a)
-    expected = np.concatenate([free.advance(1, 1), free.advance(LOOK - 1, 1), free.advance(500, 2)])
-    row = int(free.layout["driven_torque"][0])
-    bound = np.array([[np.inf, 1e-30, np.inf]])
-    watched = Watched(np.array([row], dtype=np.uint32), -bound, bound, np.array([True, True, False]))
-    there = on_card(a, watched=watched)
-    rows = np.concatenate([there.advance(1, 1), there.advance(LOOK - 1, 1), there.advance(500, 2)])
-    assert there.broken.tolist() == [0.0, LOOK, -1.0]
-    assert (bits(rows[:, :, 0]) == bits(expected[:, :, 0])).all()
-    assert (bits(rows[0]) == bits(expected[0])).all()
-
-
-def test_an_ensemble_on_a_card_is_one_on_the_processor(monkeypatch):
-    """Members that settle, one that goes on to the last turn, one that breaks."""
+def test_who_settles_or_breaks_makes_room(driver):
+    """Members that settle, one that goes on to the last turn, one that breaks: as on the processor."""
     made = [four_bar("BCD", clearance=c, speed=500.0) for c in (1e-4, 3e-4)]
     made.append(four_bar("BCD", speed=500.0, contact=LankaraniNikravesh(restitution=0.9, stiffness=6.6e14)))
     options = {"step": 5e-6, "turns": 2, "outputs": 20, "tolerance": 0.3}
     here = ensemble(made, **options)
-    monkeypatch.setattr(cuda, "_bindings", lambda: FakeDriver(here[0].assembly.topology))
-    cuda.card.cache_clear()
-    there = ensemble(made, **options, device="cuda")
-    cuda.card.cache_clear()
-    assert [one.status for one in there] == [one.status for one in here] and {one.status for one in here} == {"complete", "diverged"}
-    for ours, theirs in zip(there, here, strict=True):
-        assert (bits(ours.last.rows) == bits(theirs.last.rows)).all() and (bits(ours.turns.rows) == bits(theirs.turns.rows)).all()
-        assert ours.settled == theirs.settled
+    driver(here[0].assembly.topology)
+    assert same(ensemble(made, **options, device="cuda"), here)
+    assert {one.status for one in here} == {"complete", "diverged"}
+
+
+def test_tables_of_their_own():
+    """Functions over time: each member's tables lie behind those of the one before."""
+    a = [assemble(swing(k), 4e-6, duration=1e-3, outputs=5, force_step=True) for k in range(2)]
+    assert a[0].tables.tobytes() != a[1].tables.tobytes()
+    for one in a:
+        here = lanes([one], "generated")
+        rows = np.concatenate([here.advance(1, 1), here.advance(one.choice.outputs_every, one.choice.outputs)])[:, :, 0]
+        assert (bits(rows_on_card(one, lane=33)) == bits(rows)).all()
+
+
+def test_ctrl_c_ends_it_and_gives_memory_back(driver):
+    a = of_play(3)
+    there = driver(a[0].topology)
+
+    def stop(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        advance(a, device="cuda", progress=stop)
+    assert not there.given
+
+
+def test_a_loop_that_a_card_does_not_have(driver):
+    a = of_play(1)
+    driver(a[0].topology)
+    with pytest.raises(DeviceError, match="straight-line code, and one of these needs the data-driven loop; without it the processor"):
+        advance(a, device="cuda", loop="data-driven")
 
 
 # ------------------------------------------------------------------------------------------------------- what is told
@@ -115,7 +126,11 @@ def test_an_ensemble_on_a_card_is_one_on_the_processor(monkeypatch):
 
 @pytest.fixture(scope="module")
 def topology():
-    return placed(1, one_clearance)[0].topology
+    return short().topology
+
+
+def short():
+    return assemble(one_clearance(0), 2e-6, duration=4e-6, outputs=1, force_step=True)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +148,7 @@ def topology():
 )
 def test_what_fails_is_one_sentence(topology, given, words):
     with pytest.raises(DeviceError) as found:
-        on_card(placed(1, one_clearance), driver=FakeDriver(topology, **given)).advance(1, 1)
+        rows_on_card(short(), FakeDriver(topology, **given))
     assert all(word in str(found.value) for word in words), found.value
     assert "\n" not in str(found.value)
 

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import vfife
-from fake_card import on_card
+from fake_card import rows_on_card
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.solvers.record import Record
@@ -84,9 +84,7 @@ def hashed(rows: np.ndarray) -> str:
 
 def digest_on_card(name: str) -> str:
     """Hash of what a graphics card would record by its text, threads and addresses, carried out by the processor."""
-    assembly = rounded(name)
-    runner, choice = on_card([assembly], assembly.mechanism.settings.parts), assembly.choice
-    return hashed(np.concatenate([runner.advance(1, 1), runner.advance(choice.outputs_every, choice.outputs)])[:, :, 0])
+    return hashed(rows_on_card(rounded(name)))
 
 
 def known(name: str) -> str:

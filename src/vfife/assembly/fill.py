@@ -16,6 +16,7 @@ from ..kernels.topology import ALONG, FREE, LINEAR
 from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
+from ..laws import Pair
 from ..model.mechanism import Mechanism
 from ..model.path import Path
 from ..model.springs import AnySpring
@@ -221,9 +222,9 @@ class Filler:
             self.state[first : first + len(numbers)] = numbers
 
 
-def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
-    """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
-    joint, pair = touch.joint, surfaces(mechanism, touch.joint)
+def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int, pair: Pair | None = None) -> list[tuple[int, tuple[float, ...]]]:
+    """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws. ``pair``: its surfaces, if known."""
+    joint, pair = touch.joint, pair or surfaces(mechanism, touch.joint)
     touching = touch.touching
     arms = touching.centred if joint.friction_moment == "off" or joint.contact.film else touching.arms
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0

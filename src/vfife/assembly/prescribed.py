@@ -99,6 +99,8 @@ def _missed_at(one: Prescribed, share: float) -> float:
     longest: float = min(0.25 * span, float(apart.min()) / BETWEEN_KINKS if len(apart) else math.inf)
     if not span > 0.0 or not np.abs(values[:, 1:]).max() > 0.0:
         return math.inf
+    if one.motion and not np.abs(values[:, 2]).max() > 0.0:  # nothing of an even motion is missed at any step
+        return longest if len(apart) else math.inf
 
     def missed(step: float) -> bool:
         return _miss(one, times, values, kinks, step) > share

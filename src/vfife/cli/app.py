@@ -25,6 +25,7 @@ from .resume import resume
 from .run import run
 from .schema import schema
 from .signals import NOW, Signals
+from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
 
@@ -90,3 +91,4 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.add_typer(study, name="study", rich_help_panel=None)

@@ -81,18 +81,13 @@ class Card:
         module = self.call("cuModuleLoadData", ptx.encode() + b"\0")
         return self.call("cuModuleGetFunction", module, name.encode())
 
-    def room(self, numbers: int) -> int:
-        """Address of memory for so many doubles, at least one."""
-        return int(self.call("cuMemAlloc", 8 * max(numbers, 1)))
+    def memory(self, size: int) -> int:
+        """Address of so many bytes, at least one."""
+        return int(self.call("cuMemAlloc", max(size, 1)))
 
     def drop(self, address: int) -> None:
         """Gives memory back."""
         self.call("cuMemFree", address)
-
-    def clear(self, address: int, numbers: int) -> None:
-        """Makes doubles zero."""
-        if numbers:
-            self.call("cuMemsetD8", address, 0, 8 * numbers)
 
     def put(self, address: int, values: NDArray[Any]) -> None:
         """Copies an array to the card."""

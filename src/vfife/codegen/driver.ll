@@ -96,6 +96,132 @@ finished:
   ret void
 }
 
+; stream(S, Q, T, stride, n0, count, parts, kept, keeping, extremes, resetting, look, sound, finite, limited, limiting, limits, broken, due, every, at, stop, room, out):
+; up to count steps from step n0, not 0; each lane hands out rows of its own time. After due[w] steps the rows in kept of lane w are copied to
+; out, of shape (lanes, room, keeping), as its output at[w]; its extremes start anew, and it is due again every[w] steps later. When a lane that
+; at[w] has brought to stop[w], or one that broke, it is over; the number of steps made is returned.
+define i64 @stream(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %parts, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, ptr noalias %sound, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken, ptr noalias %due, ptr noalias %every, ptr noalias %at, ptr noalias %stop, i64 %room, ptr noalias %out) {
+entry:
+  %last = add i64 %n0, %count
+  br label %sooner
+sooner:
+  %from = phi i64 [ %n0, %entry ], [ %n, %handed ]
+  br label %lane
+lane:
+  %w = phi i64 [ 0, %sooner ], [ %w.next, %lane ]
+  %soonest = phi i64 [ %last, %sooner ], [ %soonest.next, %lane ]
+  %due.at = getelementptr i64, ptr %due, i64 %w
+  %due.here = load i64, ptr %due.at, align 8
+  %before = icmp slt i64 %due.here, %soonest
+  %soonest.next = select i1 %before, i64 %due.here, i64 %soonest
+  %w.next = add i64 %w, 1
+  %lanes = icmp slt i64 %w.next, LANES
+  br i1 %lanes, label %lane, label %steps
+steps:
+  %n = phi i64 [ %from, %lane ], [ %n.made, %made ], [ %n.made, %watched ]
+  %left = sub i64 %soonest.next, %n
+  %any = icmp sgt i64 %left, 0
+  br i1 %any, label %many, label %hand
+many:
+  %unseen = urem i64 %n, %look
+  %until = sub i64 %look, %unseen
+  %seen = icmp slt i64 %until, %left
+  %piece = select i1 %seen, i64 %until, i64 %left
+  %end = add i64 %n, %piece
+  %clean = call i64 @lean(ptr %S, ptr %Q, ptr %T, i64 %stride, i64 %n, i64 %piece)
+  %n.clean = add i64 %n, %clean
+  %stopped = icmp slt i64 %n.clean, %end
+  br i1 %stopped, label %eventful, label %made
+eventful:
+  call void @event(ptr %S, ptr %Q, ptr %T, i64 %stride, i64 %n.clean, i64 %parts)
+  %n.event = add i64 %n.clean, 1
+  br label %made
+made:
+  %n.made = phi i64 [ %n.clean, %many ], [ %n.event, %eventful ]
+  %since = urem i64 %n.made, %look
+  %look.due = icmp eq i64 %since, 0
+  br i1 %look.due, label %watched, label %steps
+watched:
+  %on = call i1 @watch(ptr %S, ptr %sound, i64 %finite, ptr %limited, i64 %limiting, ptr %limits, ptr %broken, i64 %n.made)
+  %broken.lanes = load NUMBER, ptr %broken, align 8
+  %gone = fcmp ogt NUMBER %broken.lanes, zeroinitializer
+  %some = call i1 @any(TRUTH %gone)
+  br i1 %some, label %over, label %steps
+hand:
+  br label %next
+next:
+  %v = phi i64 [ 0, %hand ], [ %v.next, %after ]
+  %ended = phi i1 [ false, %hand ], [ %ended.next, %after ]
+  %more = icmp slt i64 %v, LANES
+  br i1 %more, label %look.at, label %handed
+look.at:
+  %v.due.at = getelementptr i64, ptr %due, i64 %v
+  %v.due = load i64, ptr %v.due.at, align 8
+  %is.due = icmp eq i64 %v.due, %n
+  br i1 %is.due, label %copy, label %after
+copy:
+  %v.at.at = getelementptr i64, ptr %at, i64 %v
+  %v.at = load i64, ptr %v.at.at, align 8
+  %v.room = mul i64 %v, %room
+  %v.place = add i64 %v.room, %v.at
+  %v.first = mul i64 %v.place, %keeping
+  br label %copies
+copies:
+  %k = phi i64 [ 0, %copy ], [ %k.next, %keep ]
+  %keeps = icmp slt i64 %k, %keeping
+  br i1 %keeps, label %keep, label %resets
+keep:
+  %kept.at = getelementptr i32, ptr %kept, i64 %k
+  %kept.row = load i32, ptr %kept.at, align 4
+  %row = zext i32 %kept.row to i64
+  %row.first = mul i64 %row, WIDTH
+  %row.lane = add i64 %row.first, %v
+  %row.place = getelementptr double, ptr %S, i64 %row.lane
+  %value = load double, ptr %row.place, align 8
+  %out.row = add i64 %v.first, %k
+  %out.place = getelementptr double, ptr %out, i64 %out.row
+  store double %value, ptr %out.place, align 8
+  %k.next = add i64 %k, 1
+  br label %copies
+resets:
+  %q = phi i64 [ 0, %copies ], [ %q.next, %anew ]
+  %resets.more = icmp slt i64 %q, %resetting
+  br i1 %resets.more, label %anew, label %told
+anew:
+  %extreme.at = getelementptr i32, ptr %extremes, i64 %q
+  %extreme.row = load i32, ptr %extreme.at, align 4
+  %extreme = zext i32 %extreme.row to i64
+  %extreme.first = mul i64 %extreme, WIDTH
+  %extreme.lane = add i64 %extreme.first, %v
+  %extreme.place = getelementptr double, ptr %S, i64 %extreme.lane
+  store double 0.0, ptr %extreme.place, align 8
+  %q.next = add i64 %q, 1
+  br label %resets
+told:
+  %v.at.next = add i64 %v.at, 1
+  store i64 %v.at.next, ptr %v.at.at, align 8
+  %v.every.at = getelementptr i64, ptr %every, i64 %v
+  %v.every = load i64, ptr %v.every.at, align 8
+  %v.due.next = add i64 %v.due, %v.every
+  store i64 %v.due.next, ptr %v.due.at, align 8
+  %v.stop.at = getelementptr i64, ptr %stop, i64 %v
+  %v.stop = load i64, ptr %v.stop.at, align 8
+  %full = icmp sge i64 %v.at.next, %v.stop
+  br label %after
+after:
+  %full.here = phi i1 [ false, %look.at ], [ %full, %told ]
+  %ended.next = or i1 %ended, %full.here
+  %v.next = add i64 %v, 1
+  br label %next
+handed:
+  %spent = icmp sge i64 %n, %last
+  %enough = or i1 %ended, %spent
+  br i1 %enough, label %over, label %sooner
+over:
+  %made.in.all = phi i64 [ %n, %handed ], [ %n.made, %watched ]
+  ret i64 %made.in.all
+}
+
 ; watch(S, kept, finite, limited, limiting, limits, broken, n): a lane with a number among the rows kept that is not finite, or one in a row of
 ; limited that is not between the two of limits, breaks after n steps; a lane that is not at zero in broken has done so, or is not looked at.
 ; Whether there is still a lane at zero.

@@ -9,6 +9,8 @@ The same text, but for the two lines that ask a card which thread this is, runs 
 
 from __future__ import annotations
 
+import re
+
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from .llvm import Lane, Writer, driver, resize, searched, whole
@@ -17,13 +19,15 @@ from .straight_line import Function, functions, resizing, trace
 from .trace import STEP_NUMBER, Operand, Trace, is_row, rows_used
 
 TILE = 32
-# Arguments of ``advance``, and how many numbers of those that are addresses lie between two tiles; None where all members share them.
+# Arguments of ``stream`` but for the step, and how many numbers of those that are addresses a member has: whole rows where members lie side by
+# side, else one after the other; None where all members share them.
 SHARED = None
 ARGUMENTS: dict[str, str | None] = {
-    "S": "ROWS", "Q": "ROWS", "T": "%stride", "stride": "", "n0": "", "count": "", "outputs": "", "parts": "", "shares": "1", "out": "%recorded",
-    "kept": SHARED, "keeping": "", "extremes": SHARED, "resetting": "", "look": "", "finite": "", "limited": SHARED, "limiting": "",
-    "limits": "%bounds", "broken": "1",
+    "S": "ROWS", "Q": "ROWS", "T": "%stride", "stride": "", "count": "", "parts": "", "kept": SHARED, "keeping": "", "extremes": SHARED,
+    "resetting": "", "look": "", "sound": SHARED, "finite": "", "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1", "due": "1",
+    "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
+SIDE_BY_SIDE = ("S", "Q", "limits")
 
 
 class Thread(Lane):
@@ -95,24 +99,45 @@ def _search(w: Thread, found: list[Function], layout: Layout) -> None:
 
 
 def member(layout: Layout) -> str:
-    """``member(..., m)``: ``advance`` for member m, with the addresses of all."""
+    """``member(..., m)``: ``stream`` for member m, given the addresses of all, from the step it has ``reached``; one that has its outputs rests."""
     lines = [f"  %tile = lshr i64 %m, {TILE.bit_length() - 1}", f"  %lane = and i64 %m, {TILE - 1}"]
-    lines += ["  %recorded = mul i64 %outputs, %keeping", "  %bounds = mul i64 %limiting, 2"]
-    given = []
+    lines += ["  %handed = mul i64 %room, %keeping", "  %bounds = mul i64 %limiting, 2"]
+    passed = []
     for name, size in ARGUMENTS.items():
-        kind = "i64" if size == "" else "ptr"
-        given.append(f"{kind} %{name}")
+        passed.append(f"{kind(size)} %{name}{'.own' if size else ''}")
         if not size:
             continue
-        if name == "T":  # one after the other
-            lines.append(f"  %{name}.first = mul i64 %m, %stride")
+        rows = size.replace("ROWS", str(layout.rows))
+        if name in SIDE_BY_SIDE:
+            lines += [f"  %{name}.rows = mul i64 %tile, {rows}", f"  %{name}.tile = mul i64 %{name}.rows, {TILE}"]
+            lines.append(f"  %{name}.first = add i64 %{name}.tile, %lane")
         else:
-            lines += [f"  %{name}.tile = mul i64 %tile, {size.replace('ROWS', str(layout.rows))}", f"  %{name}.rows = mul i64 %{name}.tile, {TILE}"]
-            lines.append(f"  %{name}.first = add i64 %{name}.rows, %lane")
+            lines.append(f"  %{name}.first = mul i64 %m, {rows}")
         lines.append(f"  %{name}.own = getelementptr double, ptr %{name}, i64 %{name}.first")
-    passed = ", ".join(f"{one}.own" if ARGUMENTS[one.split("%")[1]] else one for one in given)
+    given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
+    passed.insert(4, "i64 %n")
     body = "\n".join(lines)
-    return f"define void @member({', '.join(given)}, i64 %m) {{\n{body}\n  call void @advance({passed})\n  ret void\n}}\n"
+    return f"""define void @member({given}, i64 %m) {{
+entry:
+{body}
+  %has = load i64, ptr %at.own, align 8
+  %wants = load i64, ptr %stop.own, align 8
+  %n = load i64, ptr %reached.own, align 8
+  %more = icmp slt i64 %has, %wants
+  br i1 %more, label %steps, label %done
+steps:
+  %made = call i64 @stream({", ".join(passed[:-1])})
+  store i64 %made, ptr %reached.own, align 8
+  br label %done
+done:
+  ret void
+}}
+"""
+
+
+def kind(size: str | None) -> str:
+    """Type of an argument."""
+    return "i64" if size == "" else "ptr"
 
 
 def written(topology: Topology) -> str:
@@ -124,7 +149,7 @@ def written(topology: Topology) -> str:
             lean(step, found, layout),
             whole(trace(topology, True), 1, bool(found), bool(step.rare), TILE),
             resize(resizing(topology), 1, TILE),
-            driver(layout, 1, TILE),
+            re.sub(r"^define [^@]*@(advance|displace)\(.*?^}\n", "", driver(layout, 1, TILE), flags=re.M | re.S),  # a card has streams alone
             member(layout),
         ]
     )

@@ -317,7 +317,7 @@ def lanes(width: int) -> str:
 def driver(layout: Layout, width: int, stride: int = 0) -> str:
     """Text of ``advance`` and of what it calls, beside the steps."""
     w, stride = Writer(width), stride or width
-    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows}
+    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows}
     words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
     text = DRIVER.read_text()
     for word, value in words.items():

@@ -23,7 +23,10 @@ EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
 BEFORE = (*[POINTER] * 3, *[NUMBER] * 5, POINTER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
 ADVANCE = ctypes.CFUNCTYPE(None, *BEFORE, NUMBER, NUMBER, POINTER, NUMBER, POINTER, POINTER)
+WATCHING = (NUMBER, POINTER, NUMBER, POINTER, NUMBER, POINTER, POINTER)
+STREAM = ctypes.CFUNCTYPE(NUMBER, *[POINTER] * 3, *[NUMBER] * 4, *[POINTER, NUMBER] * 2, *WATCHING, *[POINTER] * 4, NUMBER, POINTER)
 NEVER = 2**62  # steps between two looks
+Counts = NDArray[np.int64]
 
 
 @lru_cache(maxsize=1)
@@ -87,7 +90,7 @@ def name_of(topology: Topology, width: int) -> str:
 
 
 class Code:
-    """A function of object code in memory, which it keeps."""
+    """Functions of object code in memory, which it keeps; ``function`` is the one that is called ``name``."""
 
     def __init__(self, code: bytes, name: str, kind: Any) -> None:
         llvm = _target()
@@ -95,7 +98,11 @@ class Code:
             self.engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
             self.engine.add_object_file(llvm.ObjectFileRef.from_data(code))
             self.engine.finalize_object()
-            self.function = kind(self.engine.get_function_address(name))
+            self.function = self.named(name, kind)
+
+    def named(self, name: str, kind: Any) -> Any:
+        """Another one of its functions."""
+        return kind(self.engine.get_function_address(name))
 
 
 class Memory(NamedTuple):
@@ -131,6 +138,7 @@ class Loaded:
     def __init__(self, code: bytes, width: int) -> None:
         self.width = width
         self.code = Code(code, "advance", ADVANCE)
+        self.stream = self.code.named("stream", STREAM)
 
     def __call__(self, memory: Memory) -> Take:
         """Steps on a memory; its addresses are looked up once, for that takes as long as a hundred steps."""
@@ -148,9 +156,30 @@ class Loaded:
 
         return take
 
+    def streaming(
+        self, memory: Memory, sound: NDArray[np.uint32], due: Counts, every: Counts, at: Counts, stop: Counts, out: Rows, look: int
+    ) -> Callable[[int, int], int]:
+        """What steps lanes of which each hands out its own rows: from a step on, so many or fewer; the number of steps made is returned."""
+        S, spare, T, _, _, *others = (None if name == "parts" else getattr(memory, name).ctypes.data for name in Memory._fields)
+        kept, extremes, limited, limits, broken = others
+        own = [one.ctypes.data for one in (due, every, at, stop)]
+        code, stride, parts = self.stream, len(memory.T) // self.width, memory.parts
+        keeping, resetting, finite, limiting = len(memory.kept), len(memory.extremes), len(sound), len(memory.limited)
+        seen, room, into = sound.ctypes.data, out.shape[1], out.ctypes.data
+
+        def take(n0: int, count: int) -> int:
+            return int(
+                code(
+                    S, spare, T, stride, n0, count, parts, kept, keeping, extremes, resetting, look, seen, finite, limited, limiting, limits,
+                    broken, *own, room, into,
+                )
+            )  # fmt: skip
+
+        return take
+
 
 @lru_cache(maxsize=64)
-def straight_line(topology: Topology, width: int) -> Callable[[Memory], Take]:
+def straight_line(topology: Topology, width: int) -> Loaded:
     """The step of a topology in so many lanes, from the cache or compiled."""
     with WRITING:
         name = name_of(topology, width)

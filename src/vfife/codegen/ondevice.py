@@ -1,157 +1,147 @@
-"""A runner whose members are stepped by a graphics card, one a thread."""
+"""Members on a graphics card, one a thread: a stream with thousands of lanes, of which each goes its own way."""
 
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import DeviceError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from .cuda import WITHOUT, Card, card
 from .gpu import ARGUMENTS, TILE
-from .native import NEVER, Memory, Rows, Take
 from .ptx import program
-from .runner import Integers, Runner
+from .runner import PARTS, Integers, Rows
+from .streams import LOOK, Begun
 
-STATES, OUTPUTS = 0.5, 0.25  # shares of the free memory: of the states of a batch and what belongs to them, of what one launch hands out
+MEMBERS = 1 << 15  # side by side: as many as an H100 has in work at once
+SHARE = 0.75  # of the free memory; the driver wants some for what registers do not hold
+MOST = 1 << 30  # bytes of what members have here, too
 
 
-class DeviceRunner(Runner):
-    """A :class:`~vfife.codegen.runner.Runner` of as many members as there are ``states``, on a card; the same rows, to the bit.
+class DeviceStream:
+    """What :class:`~vfife.codegen.streams.Stream` is, on a card: the same rows, to the bit.
 
-    A call is one launch for as many members as the card's memory holds, and nothing interrupts a launch: callers pace their calls as those of any
-    loop. States stay on the card between calls; who reads ``states`` has them copied here, and may write to them: the next call takes them back
-    there. Where members are watched, one that is broken, or that nobody looks at, ends at its next look, and the others go on. Raises DeviceError.
+    There are as many of the ``lanes`` asked for as the card's memory holds, in whole tiles. Each counts its own steps, none waits for another: one
+    that has its outputs rests until a call is over. A call is one launch, which nothing interrupts: callers pace their calls. States and outputs
+    stay on the card; tiles of 32 lanes are copied here when one of them is asked for, and back when one was given a simulation. Raises
+    DeviceError.
     """
 
+    beat = 0  # a lane may be filled at any time
+    done = 1  # steps of the lane that has made most, call by call
+
     def __init__(
-        self, topology: Topology, states: Rows, functions: Rows, loop: str, kept: Integers, *, own: Card | None = None, **options: Any
-    ) -> None:
+        self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers, limited: Integers, tables: int,
+        parts: int = PARTS, own: Card | None = None,
+    ) -> None:  # fmt: skip
         if loop != "generated":
-            raise DeviceError(f"device cuda: a card steps straight-line code, and this is for the {loop} loop; {WITHOUT}")
-        self.card = own or card()
-        super().__init__(topology, states, functions, loop, kept, **options)
-
-    def _chosen(self) -> Callable[[Memory], Take]:
-        def made(memory: Memory) -> Take:
-            self.batches = Batches(self.card, self.topology, memory, self.lanes)
-            return self.batches
-
-        return made
-
-    @property
-    def states(self) -> Rows:
-        """Present state, shape (rows, members)."""
-        if hasattr(self, "batches"):
-            self.batches.bring_back()
-        return super().states
-
-
-class Batches:
-    """Steps on a memory, by as many tiles of members at once as a card has room for."""
-
-    def __init__(self, card: Card, topology: Topology, memory: Memory, members: int) -> None:
-        self.card, self.memory, self.members, self.layout = card, memory, members, Layout(topology)
-        card.enter()
-        self.kernel = card.program(program(topology), "simulate")
-        self.length, self.tiles = len(memory.T) // members, -(-members // TILE)
-        sizes = {"S": self.layout.rows, "Q": self.layout.rows, "T": self.length, "shares": 1, "limits": 2 * len(memory.limited), "broken": 1}
-        free, one = card.free(), 8 * TILE * sum(sizes.values())
-        if STATES * free < one:
-            raise DeviceError(
-                f"device cuda: {TILE} members take {one} bytes of the card, of which {free} are free; end what else runs on it; {WITHOUT}"
-            )
-        self.batch = min(self.tiles, int(STATES * free / one))
-        self.most = int(OUTPUTS * free / (8 * TILE * self.batch * max(len(memory.kept), 1)))  # outputs of a launch
+            raise DeviceError(f"device cuda: a card steps straight-line code, and one of these needs the {loop} loop; {WITHOUT}")
+        self.card, self.layout, self.room = own or card(), Layout(topology), room
+        self.card.enter()
+        self.kernel = self.card.program(program(topology), "simulate")
+        rows, bounds = self.layout.rows, 2 * len(limited)
+        sizes = {"S": rows, "Q": rows, "T": tables, "limits": bounds, "out": room * len(handed)} | dict.fromkeys(COUNTS, 1)
+        tiles = min(-(-lanes // TILE), self._room_for(8 * TILE * sum(sizes.values())))
+        self.lanes = lanes = TILE * tiles
+        self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
         self.places: dict[str, int] = {}
-        weakref.finalize(self, _drop, card, self.places)
+        weakref.finalize(self, _drop, self.card, self.places)
         for name, size in sizes.items():
-            self.places[name] = card.room(TILE * self.batch * size)
-        for name in ("kept", "extremes", "limited"):
-            self.places[name] = card.room(len(getattr(memory, name)))
-            card.put(self.places[name], getattr(memory, name))
-        self.room, self.first = 0, -1  # numbers handed out that there is room for; the first tile of the batch that is on the card
+            self.places[name] = self.card.memory(8 * lanes * size)
+        shared = {"kept": handed, "extremes": self.extremes, "sound": sound, "limited": limited}
+        for name, given in shared.items():
+            self.places[name] = self.card.memory(given.nbytes)
+            self.card.put(self.places[name], given)
+        self.numbers = {
+            "stride": tables, "parts": parts, "keeping": len(handed), "resetting": len(self.extremes), "look": LOOK, "finite": len(sound),
+            "limiting": len(limited), "room": room,
+        }  # fmt: skip
+        # What lies on the card, here: of these a tile is as it is there where it is ``known``, and goes there where it is ``changed``.
+        self.S, self.T, self.limits = np.zeros((tiles, rows, TILE)), np.zeros((tiles, TILE, tables)), np.zeros((tiles, bounds, TILE))
+        self.handed = np.zeros((tiles, TILE, room, len(handed)))
+        self.known, self.changed, self.told = (np.zeros(tiles, dtype=bool) for _ in range(3))
+        self.broken = np.full(lanes, -1.0)
+        self.due, self.every, self.at, self.stop, self.reached = (np.zeros(lanes, dtype=np.int64) for _ in range(5))
+        self.known[:] = True
 
-    def __call__(self, n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
-        """As all loops are called."""
-        self.card.enter()
-        some = max(1, min(self.most, len(out)))
-        for first in range(0, self.tiles, self.batch):
-            self._bring(first)
-            for m in range(0, len(out), some):
-                self._launch(n0 + m * steps, steps, out[m : m + some], anew, look)
+    def _room_for(self, tile: int) -> int:
+        free = self.card.free()
+        if SHARE * free < tile:
+            raise DeviceError(
+                f"device cuda: {TILE} members take {tile} bytes of the card, of which {free} are free; end what else runs on it; {WITHOUT}"
+            )
+        return int(min(SHARE * free, max(MOST, tile)) / tile)
 
-    def _launch(self, n0: int, steps: int, out: Rows, anew: bool, look: int) -> None:
-        m, there, (first, last), where = self.memory, self.card, self._range(), self.places
-        outputs, keeping, _ = out.shape
-        found = np.empty((self._tiles(), outputs * keeping, TILE))
-        if found.size > self.room:
-            if "out" in where:
-                there.drop(where.pop("out"))
-            where["out"], self.room = there.room(found.size), found.size
-        there.clear(where.get("out", 0), found.size)  # of a member that breaks, what comes after that is zero
-        broken = m.broken[self._members()]
-        there.put(where["broken"], broken)
-        numbers = {"stride": self.length, "n0": n0, "count": steps, "outputs": outputs, "parts": m.parts, "keeping": keeping, "look": look}
-        numbers |= {"resetting": len(m.extremes) * anew, "finite": len(m.kept), "limiting": len(m.limited)} | {"out": 0} | where
-        there.launch(self.kernel, self._tiles(), TILE, [numbers[name] for name in ARGUMENTS])
-        there.fetch(where["broken"], broken)
-        there.fetch(where.get("out", 0), found)
-        m.broken[first:last] = broken[: last - first]
-        out[:, :, first:last] = rows_of(found)[:, : last - first].reshape(outputs, keeping, last - first)
+    def put(self, lane: int, simulation: Begun, every: int, outputs: int) -> int:
+        """A simulation that begins in a lane; 0 steps were made there before its own."""
+        tile, at = divmod(lane, TILE)
+        state = self._tile(tile)[:, at]
+        state[:] = simulation.state
+        state[self.extremes] = 0.0
+        self.T[tile, at] = simulation.tables
+        self.limits[tile, :, at] = simulation.bounds.T.reshape(-1)
+        self.broken[lane], self.every[lane], self.due[lane], self.reached[lane] = 0.0, every, 1 + every, 1
+        self.at[lane], self.stop[lane] = 0, outputs
+        self.changed[tile] = True
+        return 0
 
-    def _tiles(self) -> int:
-        """Tiles of the batch that is on the card."""
-        return min(self.batch, self.tiles - self.first)
+    def go_on(self, lane: int, outputs: int) -> None:
+        """So many outputs more, from the first place on."""
+        self.at[lane], self.stop[lane] = 0, outputs
 
-    def _range(self) -> tuple[int, int]:
-        """The first member of the batch, and the first beyond it."""
-        return TILE * self.first, min(TILE * (self.first + self._tiles()), self.members)
+    def leave(self, lane: int) -> None:
+        """Nobody waits for a lane any more: it rests."""
+        self.broken[lane], self.at[lane], self.stop[lane] = -1.0, 0, 0
 
-    def _members(self) -> NDArray[np.intp]:
-        """Members of the batch, one a thread; threads without one repeat the last."""
-        first, last = self._range()
-        return np.minimum(np.arange(first, first + TILE * self._tiles()), last - 1)
+    def repeat(self, lane: int, other: int) -> None:
+        """A lane that nobody waits for rests."""
 
-    def _bring(self, first: int) -> None:
-        """Copies a batch to the card, and the one there back."""
-        if self.first == first:
-            return
-        self.bring_back()
-        self.first = first
-        m, members = self.memory, self._members()
-        for name, rows in (("S", m.S), ("limits", m.limits), ("shares", m.shares)):
-            self.card.put(self.places[name], tiles_of(rows.reshape(-1, self.members)[:, members]))
-        self.card.put(self.places["T"], m.T.reshape(self.members, self.length)[members])
+    def state(self, lane: int) -> Rows:
+        """Present state of a lane, (rows,)."""
+        tile, at = divmod(lane, TILE)
+        return self._tile(tile)[:, at].copy()
 
-    def bring_back(self) -> None:
-        """Copies the states that are on the card back; the next call takes them there again."""
-        if self.first < 0:
-            return
-        self.card.enter()
-        tiles, (first, last) = np.empty((self._tiles(), self.layout.rows, TILE)), self._range()
-        self.card.fetch(self.places["S"], tiles)
-        self.memory.S.reshape(-1, self.members)[:, first:last] = rows_of(tiles)[:, : last - first]
-        self.first = -1
+    def rows(self, lane: int) -> Rows:
+        """What a lane has handed out since it went on, (outputs, handed)."""
+        tile, at = divmod(lane, TILE)
+        if not self.told[tile]:
+            self.card.fetch(self.places["out"] + tile * self.handed[tile].nbytes, self.handed[tile])
+            self.told[tile] = True
+        found: Rows = self.handed[tile, at, : self.at[lane]] + 0.0
+        return found
 
+    def _tile(self, tile: int) -> Rows:
+        """States of a tile."""
+        if not self.known[tile]:
+            self.card.enter()
+            self.card.fetch(self.places["S"] + tile * self.S[tile].nbytes, self.S[tile])
+            self.known[tile] = True
+        found: Rows = self.S[tile]
+        return found
 
-def tiles_of(rows: Rows) -> Rows:
-    """Rows of whole tiles of members, tile by tile: shape (tiles, rows, 32)."""
-    count, members = rows.shape
-    return np.ascontiguousarray(rows.reshape(count, members // TILE, TILE).transpose(1, 0, 2))
-
-
-def rows_of(tiles: Rows) -> Rows:
-    """The reverse."""
-    number, count, _ = tiles.shape
-    return tiles.transpose(1, 0, 2).reshape(count, number * TILE)
+    def advance(self, count: int) -> None:
+        """So many steps of each lane, or fewer: up to where it has its outputs, or breaks."""
+        there = self.card
+        there.enter()
+        for tile in np.flatnonzero(self.changed):
+            for name, all_tiles in (("S", self.S), ("T", self.T), ("limits", self.limits)):
+                there.put(self.places[name] + int(tile) * all_tiles[tile].nbytes, all_tiles[tile])
+        self.changed[:] = self.known[:] = self.told[:] = False
+        for name in COUNTS:
+            there.put(self.places[name], getattr(self, name))
+        before = self.reached.copy()
+        given = self.numbers | {"count": count} | self.places
+        there.launch(self.kernel, self.lanes // TILE, TILE, [given[name] for name in ARGUMENTS])
+        for name in COUNTS:
+            there.fetch(self.places[name], getattr(self, name))
+        self.done += int((self.reached - before).max())
 
 
-def _drop(card: Card, places: dict[str, int]) -> None:
+COUNTS = ("broken", "due", "every", "at", "stop", "reached")  # a number of each lane, copied there and back with each call
+
+
+def _drop(there: Card, places: dict[str, int]) -> None:
     for address in places.values():
-        card.drop(address)
+        there.drop(address)

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 from ..kernels.topology import Topology
 from . import cache
-from .gpu import ARGUMENTS, TILE, written
+from .gpu import ARGUMENTS, TILE, kind, written
 from .lock import WRITING
 from .native import llvmlite_version, origin
 
@@ -16,7 +16,7 @@ TRIPLE, OLDEST = "nvptx64-nvidia-cuda", 70  # what is written for a card runs on
 
 def kernel() -> str:
     """``simulate(...)``: ``member`` for each thread."""
-    given = ", ".join(f"{'i64' if size == '' else 'ptr'} %{name}" for name, size in ARGUMENTS.items())
+    given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
     return f"""declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
 define ptx_kernel void @simulate({given}) {{
@@ -40,7 +40,8 @@ def ptx(text: str, capability: int = OLDEST) -> str:
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()
         # Whatever is read or written lies in the card's own memory, which is quicker than an address that may be of any kind.
-        module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text.replace("define void", "define internal void") + kernel()))
+        text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernel()
+        module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text))
         machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=f"sm_{capability}", opt=3)
         module.triple, module.data_layout = TRIPLE, str(machine.target_data)
         module.verify()

@@ -135,12 +135,8 @@ class Runner:
         self.look, self.broken = NEVER, aligned(self.lanes)
         limited, limits = self._watch(watched)
         self.memory = Memory(self.S, self.spare, self.functions, parts, self.shares, self.kept, self.extremes, limited, limits, self.broken)
-        self.take = self._chosen()(self.memory)
-
-    def _chosen(self) -> Callable[[Memory], Take]:
-        if self.loop == "generated":
-            return straight_line(self.topology, self.lanes)
-        return DataDriven(self.topology, self.lanes, self.loop == "interpreted")
+        chosen = straight_line(topology, self.lanes) if loop == "generated" else DataDriven(topology, self.lanes, loop == "interpreted")
+        self.take = chosen(self.memory)
 
     def _watch(self, watched: Watched | None) -> tuple[Integers, Rows]:
         if watched is None:

@@ -29,24 +29,33 @@ def load(path: str | FilePath, set: Items = ()) -> Mechanism:
     is read as TOML if it is that, else as it stands. Where a ``model``, a ``kind`` or a ``law`` is set, keys beside it
     in the file that the new one has no use for are dropped. Raises ModelError with every fault of the file.
     """
+    return loads(text_of(path), set, file=str(path))
+
+
+def text_of(path: str | FilePath) -> str:
+    """The text of a file. Raises ModelError where it cannot be read."""
     try:
-        text = FilePath(path).read_bytes().decode("utf-8-sig")
+        return FilePath(path).read_bytes().decode("utf-8-sig")
     except OSError as error:
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
         raise ModelError([Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)) from None
     except UnicodeDecodeError as error:
         fault = Fault(f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding")
         raise ModelError([fault], str(path)) from None
-    return loads(text, set, file=str(path))
+
+
+def raw_of(text: str, known_as: str) -> Raw:
+    """The tables of a text. Raises ModelError where it is no TOML."""
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ModelError([syntax_fault(text, error)], known_as) from None
 
 
 def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
     """The mechanism of a model file's text; ``file`` names it in messages. See :func:`load`."""
     known_as = file or "model"
-    try:
-        raw = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ModelError([syntax_fault(text, error)], known_as) from None
+    raw = raw_of(text, known_as)
     faults, given = override(raw, set)
     broken = expand(raw, file)
     reading = Written(raw, given)

@@ -7,6 +7,8 @@ from pathlib import Path
 RUN_FILE = "run.sqlite"  # its name in a run folder
 APPLICATION = 0x56464946  # "VFIF", in the header of the file
 FORMAT = 3  # 1 had no arrays, and so no start; 1 and 2 had no seals
+STUDY_APPLICATION = 0x56465354  # "VFST", of a study file
+STUDY_FORMAT = 1
 HEADER = 100  # bytes of SQLite's header
 
 
@@ -17,10 +19,20 @@ def is_run_file(path: Path) -> bool:
 
 def head_of(path: Path) -> bytes | None:
     """The header of a run file; None for any other file."""
+    return head_with(path, APPLICATION)
+
+
+def study_head(path: Path) -> bytes | None:
+    """The header of a study file; None for any other file."""
+    return head_with(path, STUDY_APPLICATION)
+
+
+def head_with(path: Path, application: int) -> bytes | None:
+    """The header of a file of SQLite with an application id; None for any other file."""
     try:
         with path.open("rb") as stream:
             head = stream.read(HEADER)
     except OSError:
         return None
-    own = head.startswith(b"SQLite format 3\0") and int.from_bytes(head[68:72], "big") == APPLICATION
+    own = head.startswith(b"SQLite format 3\0") and int.from_bytes(head[68:72], "big") == application
     return head if own else None

@@ -1,4 +1,4 @@
-"""One writer at a time in a run folder, by a lock that the system takes back when its process ends, however it ends."""
+"""One writer at a time in a run folder, or of a file, by a lock that the system takes back when its process ends, however it ends."""
 
 from __future__ import annotations
 
@@ -32,11 +32,14 @@ NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}  # what 
 
 
 class Lock:
-    """The right to write into a folder, until :meth:`release` or the end of the process. Raises HeldError, which names who has it."""
+    """The right to write into a folder, until :meth:`release` or the end of the process. Raises HeldError, which names who has it.
 
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / LOCK
-        self.stream: IO[str] | None = _held(self.path)
+    Of a single file in a folder the lock has a ``name`` of its own, and ``what`` says what is written there.
+    """
+
+    def __init__(self, folder: Path, name: str = LOCK, what: str = "a run here") -> None:
+        self.path = folder / name
+        self.stream: IO[str] | None = _held(self.path, what)
         self.stream.seek(0)
         self.stream.truncate()
         told = {"process": os.getpid(), "host": _host(), "since": datetime.now(UTC).isoformat(timespec="seconds")}
@@ -78,9 +81,9 @@ def _host() -> str:
     return platform.node()
 
 
-def holder(folder: Path) -> str | None:
+def holder(folder: Path, name: str = LOCK) -> str | None:
     """Who writes into a folder and since when, in words; None where nobody does."""
-    path = folder / LOCK
+    path = folder / name
     try:
         with path.open("r+", encoding="utf-8") as stream:
             if not _taken(stream):
@@ -92,13 +95,13 @@ def holder(folder: Path) -> str | None:
         return str(error)
 
 
-def _held(path: Path) -> IO[str]:
+def _held(path: Path, what: str) -> IO[str]:
     """The lock file, locked: one that was unlinked meanwhile by its former holder is not it."""
     while True:
         stream = path.open("a+", encoding="utf-8")
         try:
             if _taken(stream):
-                raise HeldError(f"{path.parent}: {_who(path)} writes a run here; wait until it has ended, or name another folder")
+                raise HeldError(_refusal(path, what))
             if os.path.samestat(os.fstat(stream.fileno()), path.stat()):
                 return stream
         except FileNotFoundError:
@@ -107,6 +110,11 @@ def _held(path: Path) -> IO[str]:
             stream.close()
             raise
         stream.close()
+
+
+def _refusal(path: Path, what: str) -> str:
+    where, other = (path.parent, "folder") if path.name == LOCK else (path.with_suffix(""), "file")
+    return f"{where}: {_who(path)} writes {what}; wait until it has ended, or name another {other}"
 
 
 def _taken(stream: IO[str]) -> bool:

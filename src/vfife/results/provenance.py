@@ -39,8 +39,6 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: s
     ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. ``model`` is the text of the mechanism where it is
     written already. Raises ValueError for a mechanism that no model file can hold.
     """
-    joints = assembly.mechanism.contacts.values()
-    pairs = [(law, surfaces(assembly.mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
     return {
         "model": dump(assembly.mechanism) if model is None else model,
         "source": assembly.mechanism.source,
@@ -51,9 +49,15 @@ def provenance(assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: s
         "kept": named_rows(assembly, kept),
         "laws": sources(assembly.mechanism),
         "notes": list(assembly.notes),
-        "own_laws": kept_laws(pairs),
+        "own_laws": own_laws(assembly.mechanism),
         **kept_assembly(assembly),
     }
+
+
+def own_laws(mechanism: Mechanism) -> list[dict[str, Any]]:
+    """The user's own laws in a mechanism, with the text of their files."""
+    joints = mechanism.contacts.values()
+    return kept_laws([(law, surfaces(mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)])
 
 
 def sources(mechanism: Mechanism) -> dict[str, str]:

@@ -31,8 +31,19 @@ COLUMNS = {
     ),
     "turns": ("turn INTEGER PRIMARY KEY", "last INTEGER NOT NULL", "data BLOB NOT NULL"),
 }  # fmt: skip
-SCHEMA = [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in COLUMNS.items()]
-KEYS = {table: columns[0].split()[0] for table, columns in COLUMNS.items()}
+# The same of a study file.
+STUDY = {
+    "meta": COLUMNS["meta"],
+    "members": ("number INTEGER PRIMARY KEY", "hash TEXT NOT NULL", "numbers TEXT NOT NULL"),
+    "outcomes": (
+        "number INTEGER PRIMARY KEY", "hash TEXT NOT NULL", "status TEXT NOT NULL", "reason TEXT NOT NULL", "turns INTEGER NOT NULL",
+        "settled INTEGER NOT NULL", "steps INTEGER NOT NULL", "step REAL NOT NULL", "measures TEXT NOT NULL",
+    ),
+}  # fmt: skip
+SCHEMA, STUDY_SCHEMA = (
+    [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()] for one in (COLUMNS, STUDY)
+)
+KEYS = {table: columns[0].split()[0] for table, columns in (STUDY | COLUMNS).items()}
 STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
 Arguments = ParamSpec("Arguments")
@@ -114,7 +125,9 @@ def path_of(file: Any) -> str:
 
 def damaged(file: Any, what: str) -> str:
     """The sentence about a damaged file."""
-    return f"{path_of(file)}: this run file is damaged ({what}); run the model again, or take a copy of the file"
+    kind = getattr(file, "kind", "run")
+    again = "run the model again" if kind == "run" else "make the study again"
+    return f"{path_of(file)}: this {kind} file is damaged ({what}); {again}, or take a copy of the file"
 
 
 def unwritten(path: str, what: str, needed: int = 0) -> str:

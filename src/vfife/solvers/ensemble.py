@@ -1,41 +1,33 @@
 """Many simulations at once: lanes of the generated loop on all cores, turn by turn, until each one's turns repeat.
 
-Mechanisms of one topology and one number of steps a turn share lanes; each lane has its own parameters and its own step. Memory does not
+Mechanisms of one topology share lanes; each lane has its own parameters and its own step. Memory does not
 grow with the length of the runs: of a member only its last turn is kept, and one row for each turn before. What a member gives depends
 neither on those beside it nor on the loop, to the bit.
 """
 
 from __future__ import annotations
 
-import os
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds, watched
+from ..assembly.bounds import Bounds
 from ..codegen.cuda import card
-from ..codegen.native import widest
-from ..codegen.ondevice import DeviceRunner
-from ..codegen.runner import Runner
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from .arguments import Arguments, Loop
-from .pace import Pace
 from .record import Record, recorded_rows
 from .repeating import compared_rows, distance
 from .status import Status
-from .transient import choose_loop
+from .streaming import stepped
 
 Array = NDArray[np.float64]
-ON_CARD = 4096  # members side by side on a card: of each, rows of a turn come back, some 100 kB
 
 
 @dataclass
@@ -121,82 +113,14 @@ def advance(
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
     """As :func:`ensemble`, for mechanisms that are assembled already."""
-    make = DeviceRunner if device == "cuda" else Runner
-    lanes = lanes or (ON_CARD if device == "cuda" else widest())
-    batches = [(choice, batch) for choice, group in _alike(assemblies, loop) for batch in _cut(group, lanes if choice == "generated" else 1)]
-    stop, found = threading.Event(), dict[int, Member]()
-
-    def work(choice: str, batch: list[int]) -> list[tuple[int, Member]]:
-        members = [_Lane(assemblies[k], tolerance) for k in batch]
-        _run(members, choice, len(batch) if device == "cuda" else lanes if choice == "generated" else 1, stop, make)
-        return [(k, lane.member()) for k, lane in zip(batch, members, strict=True) if lane.distances]
-
-    pool = ThreadPoolExecutor(1 if device == "cuda" else workers or os.cpu_count() or 1)
-    try:
-        left: set[Future[list[tuple[int, Member]]]] = {pool.submit(work, choice, batch) for choice, batch in batches}
-        while left:
-            done, left = wait(left, timeout=0.2, return_when=FIRST_COMPLETED)
-            for future in done:
-                found |= dict(future.result())
-            if done and progress is not None:
-                progress(len(found), len(assemblies))
-    finally:
-        stop.set()
-        pool.shutdown(wait=True, cancel_futures=True)
+    found: dict[int, Member] = {}
+    every = (_Lane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
+    for one in stepped(every, len(assemblies), lanes=lanes, workers=workers, device=device):
+        lane = cast(_Lane, one)
+        found[lane.number] = lane.member()
+        if progress is not None:
+            progress(len(found), len(assemblies))
     return [found[k] for k in range(len(assemblies))]
-
-
-def _alike(assemblies: Sequence[Assembly], loop: Loop) -> Iterator[tuple[str, list[int]]]:
-    """Indices of the assemblies that can share lanes, with the loop for them."""
-    groups: dict[tuple[object, ...], list[int]] = {}
-    for k, assembly in enumerate(assemblies):
-        choice = assembly.choice
-        groups.setdefault(
-            (assembly.topology, choice.outputs_every, choice.outputs, len(assembly.tables), assembly.mechanism.settings.parts), []
-        ).append(k)
-    for group in groups.values():
-        yield choose_loop(assemblies[group[0]], loop), group
-
-
-def _cut(group: list[int], size: int) -> Iterator[list[int]]:
-    for first in range(0, len(group), size):
-        yield group[first : first + size]
-
-
-def _run(members: list[_Lane], loop: str, lanes: int, stop: threading.Event, make: type[Runner]) -> None:
-    """Steps a batch turn by turn until every member has ended; lanes without a member repeat the last one."""
-    every = [*members, *[members[-1]] * (lanes - len(members))]
-    first = members[0].assembly
-    states = np.stack([lane.assembly.state for lane in every], axis=1)
-    tables = np.stack([lane.assembly.tables for lane in every])
-    own = watched([lane.assembly for lane in every], np.arange(lanes) < len(members))
-    runner = make(first.topology, states, tables, loop, recorded_rows(first), parts=first.mechanism.settings.parts, watched=own)
-    start = runner.advance(1, 1)
-    for k, lane in enumerate(members):
-        lane.start(start[0, :, k])
-    count, outputs = first.choice.outputs_every, _per_turn(first)
-    pace = Pace(partial(_end_if, stop))
-    for _ in range(first.choice.outputs // outputs):
-        if all(lane.ended for lane in members):
-            return
-        try:
-            rows = pace.advance(runner, count, outputs)
-        except _Ended:
-            return
-        for k, lane in enumerate(members):
-            if not lane.ended:
-                lane.take(rows[:, :, k], int(runner.broken[k]) - 1)
-                if lane.ended:
-                    runner.broken[k] = -1.0  # nobody waits for it any more
-
-
-class _Ended(Exception):
-    """The ensemble was broken off."""
-
-
-def _end_if(stop: threading.Event) -> None:
-    if stop.is_set():
-        raise _Ended
 
 
 def _per_turn(assembly: Assembly) -> int:
@@ -209,15 +133,19 @@ def _per_turn(assembly: Assembly) -> int:
 class _Lane:
     """A member while it is stepped."""
 
+    number: int
     assembly: Assembly
     tolerance: float | None
+    loop: str
     summaries: list[Array] = field(default_factory=list)
     distances: list[float] = field(default_factory=list)
     settled: int | None = None
     status: Status = Status.COMPLETE
 
     def __post_init__(self) -> None:
-        self.kept = recorded_rows(self.assembly)
+        self.handed = self.kept = recorded_rows(self.assembly)
+        self.every, self.outputs = self.assembly.choice.outputs_every, _per_turn(self.assembly)
+        self.turns = self.assembly.choice.outputs // self.outputs
         self.bounds = Bounds(self.assembly, self.kept)
         layout = self.assembly.layout
         extreme = set(layout.of("extreme"))
@@ -229,19 +157,24 @@ class _Lane:
     @property
     def ended(self) -> bool:
         """Whether it needs no further turn."""
-        return self.settled is not None or self.status != Status.COMPLETE
+        return self.settled is not None or self.status != Status.COMPLETE or len(self.distances) == self.turns
 
-    def start(self, row: Array) -> None:
+    def end(self) -> None:
+        """It is as it is."""
+
+    def start(self, state: Array) -> None:
         """The output of step 0."""
+        row = state[self.kept]
         self.summaries.append(row)
         self.rows = row[None, :]
 
-    def take(self, rows: Array, broken: int) -> None:
+    def take(self, rows: Array, broken: int, state: Array) -> None:
         """A turn, and the step after which it was seen broken, less than 0 where it was not; what comes after that is no number."""
+        rows = np.concatenate([rows, np.full((self.outputs - len(rows), rows.shape[1]), np.nan)])
         bad = self.bounds.unsound(rows).any(axis=1)
         if broken >= 0:
             done = len(self.distances) * len(rows)
-            bad |= (done + 1 + np.arange(len(rows))) * self.assembly.choice.outputs_every >= broken
+            bad |= (done + 1 + np.arange(len(rows))) * self.every >= broken - 1
         if bad.any():
             self.status = Status.DIVERGED
             rows = rows.copy()

@@ -25,6 +25,8 @@ LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that
 ROUNDING = 16.0 * 2.2e-16  # of an angle (rad), which shows in its second difference
 NOISE = 1e-9  # of the largest load
 OVER_NOISE = 1e3  # times which a quantity has to be, or it is compared with that
+GLANCES = 24  # outputs of a turn by which it is told that it does not repeat another one; that it does, by all
+SURE = 1.0 + 1e-9  # times which a difference has to be, beyond all rounding
 
 
 def distance(before: Array, after: Array, least: Array | None = None) -> float:
@@ -101,6 +103,7 @@ class Settling:
         self.tolerance, self.outputs = tolerance, outputs or 0
         self.comparison = Comparison(assembly, kept)
         self.turns: deque[Array] = deque(maxlen=LONGEST)
+        self.sizes: deque[Array] = deque(maxlen=LONGEST)  # the largest absolute values of each
         self.parts: list[Array] = []
         self.inside = 0  # outputs of the turn under way
         self.streaks = [0] * LONGEST
@@ -125,10 +128,22 @@ class Settling:
             return
         turn = self.parts[0] if len(self.parts) == 1 else np.concatenate(self.parts)
         self.parts, self.inside = [], 0
+        size = np.abs(turn).max(axis=0)
+        hopeless = self._apart(turn, size)
         for period, before in enumerate(reversed(self.turns), 1):
-            near = self.comparison.distance(before, turn) <= self.tolerance
+            near = not hopeless[-period] and self.comparison.distance(before, turn) <= self.tolerance
             self.streaks[period - 1] = self.streaks[period - 1] + 1 if near else 0
         self.turns.append(turn)
+        self.sizes.append(size)
+
+    def _apart(self, turn: Array, size: Array) -> NDArray[np.bool_]:
+        """Which of the turns before lie further apart than the tolerance already at some outputs, over the most that they may be compared with."""
+        if not self.turns:
+            return np.zeros(0, dtype=bool)
+        most = np.max([size, *self.sizes], axis=0)
+        limit = self.tolerance * SURE * np.maximum(most, self.comparison.least(most))
+        some = slice(None, None, max(1, len(turn) // GLANCES))
+        return np.asarray((np.abs(np.stack([before[some] for before in self.turns]) - turn[some]) > limit).any(axis=(1, 2)))
 
     def restore(self, rows: Array) -> None:
         """All outputs so far, that of step 0 with them: of those the latest turns decide."""

@@ -13,7 +13,7 @@ from ..fields.refused import Refused
 from .fits import Fit, fit, zone
 
 SIGMAS = 3.0  # standard deviations from the middle of a tolerance to its limits
-NODES = 48  # of a Gauss-Legendre rule over at most six standard deviations: 1e-14 of a probability
+NODES = 32  # of a Gauss-Legendre rule over at most six standard deviations: 1e-14 of a probability
 GRID = 513  # points of a table of probabilities between which a quantile is sought
 DIGITS = 10  # of a drawn value: the last bits of exp and erf differ between machines, these digits do not
 Array = np.ndarray[Any, np.dtype[np.float64]]

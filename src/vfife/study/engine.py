@@ -8,36 +8,27 @@ from __future__ import annotations
 import math
 import os
 import threading
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
+from typing import cast
 
-from ..analysis.measures import compared, last_turn, over_run, over_turn
 from ..analysis.turns import each_turn
 from ..errors import VfifeError
 from ..model.mechanism import Mechanism
-from ..modelfile import dump, loads
-from ..result import Result
+from ..modelfile import loads
 from ..simulation import carry_out, prepare
 from ..solvers.arguments import Asked
 from ..solvers.record import Record
-from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.repeating import Settling, outputs_of_a_turn
 from ..solvers.status import Status
+from ..solvers.streaming import PATIENCE, stepped
+from .member import Stepped, Wanted
+from .preparing import Numbers, Preparing, Unstepped, sentence
 
+FAILED = "failed"
 
-@dataclass(frozen=True)
-class Wanted:
-    """What is asked of every member: ``measures`` by the names that ``vfife run --json`` gives them, all where there are none.
-
-    It is stepped for so many ``turns`` at the most, and ends before where turns repeat within ``settle`` (1). Measures of a turn are means over the
-    ``last`` turns. ``step`` (s): None takes the automatic step of each.
-    """
-
-    measures: tuple[str, ...]
-    turns: int
-    settle: float | None = None
-    last: int = 1
-    step: float | None = None
+__all__ = ["Outcome", "Wanted", "run_members"]
 
 
 @dataclass(frozen=True)
@@ -59,7 +50,7 @@ class Outcome:
 
 def run_members(
     base: Mechanism,
-    numbers: Sequence[Mapping[str, float | str]],
+    numbers: Sequence[Numbers],
     wanted: Wanted,
     *,
     workers: int | None = None,
@@ -71,65 +62,66 @@ def run_members(
     A member that cannot be assembled or diverges is an outcome with its reason; the others go on. ``workers``: threads, one a core unless given;
     ``lanes``: simulations side by side in each. With ``stop`` set, members that have not ended are left out.
     """
-    text, stop = dump(base), stop or threading.Event()
+    stop, preparing = stop or threading.Event(), Preparing(base, wanted)
+    alone: list[int] = []
+    for one in stepped(preparing.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop):
+        if isinstance(one, Unstepped) and one.reason is not None:
+            yield one.number, Outcome(status=FAILED, reason=one.reason)
+        elif isinstance(one, Stepped) and not one.doubtful:
+            step, every = one.assembly.choice.step, one.per * one.assembly.choice.outputs_every
+            yield one.number, Outcome(one.values, one.turns, one.settled, str(Status.COMPLETE), None, step, one.turns * every)
+        else:
+            alone.append(cast(Stepped | Unstepped, one).number)
+    yield from by_themselves(preparing, numbers, alone, workers, stop)
+
+
+def by_themselves(
+    preparing: Preparing, numbers: Sequence[Numbers], which: Sequence[int], workers: int | None, stop: threading.Event
+) -> Iterator[tuple[int, Outcome]]:
+    """Members that have runs of their own: those that go into no lane, and those of which a lane cannot tell what became of them."""
 
     def one(k: int) -> tuple[int, Outcome | None]:
-        return k, None if stop.is_set() else single(text, numbers[k], wanted)
+        return k, None if stop.is_set() else single(preparing, numbers[k])
 
     pool = ThreadPoolExecutor(workers or os.cpu_count() or 1)
     try:
-        left: set[Future[tuple[int, Outcome | None]]] = {pool.submit(one, k) for k in range(len(numbers))}
+        left = {pool.submit(one, k) for k in which}
         while left:
-            done, left = wait(left, return_when=FIRST_COMPLETED)
-            for future in done:
-                k, found = future.result()
+            done, left = wait(left, timeout=PATIENCE, return_when=FIRST_COMPLETED)
+            for k, found in (future.result() for future in done):
                 if found is not None:
                     yield k, found
     finally:
-        stop.set()
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def single(text: str, numbers: Mapping[str, float | str], wanted: Wanted) -> Outcome:
-    """A member run by itself."""
+def single(preparing: Preparing, numbers: Numbers) -> Outcome:
+    """A member run by itself, as ``vfife run`` does without companions."""
+    wanted = preparing.wanted
     try:
-        mechanism = loads(text, set=list(numbers.items()))
+        mechanism = loads(preparing.text, set=list(numbers.items()))
         asked = Asked(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle, force_step=wanted.step is not None)
         result = carry_out(prepare(mechanism, asked))
     except VfifeError as error:
-        return Outcome(status="failed", reason=sentence(error))
-    return outcome(result, wanted)
-
-
-def sentence(error: VfifeError) -> str:
-    """An error in one line."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return " ".join(lines)
-
-
-def outcome(result: Result, wanted: Wanted) -> Outcome:
-    """What is wanted of a run."""
+        return Outcome(status=FAILED, reason=sentence(error))
     record, choice = result.record, result.record.assembly.choice
     per = outputs_of_a_turn(record.assembly) or 0
-    made = (len(record.steps) - 1) // per if per else 0
-    steps = int(record.steps[-1])
+    made, steps = (len(record.steps) - 1) // per if per else 0, int(record.steps[-1])
     if record.status != Status.COMPLETE:
-        return Outcome({}, made, None, str(record.status), f"{record.status} after {steps} steps", choice.step, steps)
-    settled = None if wanted.settle is None or made == wanted.turns else made
-    values = mean_measures(record, None if result.reference is None else result.reference.measures, made, wanted.last)
-    chosen = {name: values[name] for name in wanted.measures if name in values} if wanted.measures else values
-    return Outcome(chosen, made, settled, "complete", None, choice.step, steps)
+        return Outcome({}, made, None, str(record.status), unsound(record), choice.step, steps)
+    parts = list(each_turn(record, max(1, made - wanted.last + 1), made)) if made else [record]
+    values = preparing.measures.over(parts, None if result.reference is None else result.reference.measures)
+    settling = None if wanted.settle is None else Settling(record.assembly, record.kept, wanted.settle)
+    if settling is not None:
+        settling.restore(record.rows)
+    settled = made if settling is not None and settling.ended else None
+    return Outcome(values, made, settled, str(Status.COMPLETE), None, choice.step, steps)
 
 
-def mean_measures(record: Record, reference: Mapping[str, float] | None, made: int, last: int) -> dict[str, float]:
-    """Means over the last turns, and counts of the whole run."""
-    parts = list(each_turn(record, max(1, made - last + 1), made)) if made else [record]
-    turnly = []
-    for part in parts:
-        found = over_turn(part, last_turn(part))
-        turnly.append(found | compared(part, found, reference))
-    mean = {}
-    for name in turnly[-1]:
-        values = [turn[name] for turn in turnly if name in turn]
-        mean[name] = math.fsum(values) / len(values)
-    return mean | over_run(record)
+def unsound(record: Record) -> str:
+    """Why a run is not complete, in a sentence."""
+    time = record.steps[-1] * record.assembly.choice.step
+    if record.status == Status.DIVERGED:
+        remedy = "take a smaller step, or look for parts that are far too stiff or light"
+        return f"numbers left all bounds after step {record.reached}, {time:.4g} s: {remedy}"
+    return f"it ended as {record.status} after step {record.reached}, {time:.4g} s"

@@ -17,16 +17,21 @@ from .distributions import Array, Distribution
 
 MOST_DIMENSIONS = 1000
 HALF = 0.5**54  # no place lies on a limit
+LEVELS, JUMP = 4, 2  # of Morris's grid
 
 
 def points(parameters: Sequence[Distribution], method: str, count: int, seed: int = 0) -> Array:
-    """Values in SI units, shape (count, parameters), at the places of a method: "random", "latin" or "sobol". Raises Refused."""
+    """Values in SI units, a row for each place of a method. Raises Refused."""
     unit = places(method, count, len(parameters), seed)
     return np.stack([one.quantile(unit[:, k]) for k, one in enumerate(parameters)], axis=1) if parameters else unit
 
 
 def places(method: str, count: int, dimensions: int, seed: int = 0) -> Array:
-    """Places in the unit cube, shape (count, dimensions), every number above 0 and below 1. Raises Refused."""
+    """Places in the unit cube, shape (rows, dimensions), every number above 0 and below 1. Raises Refused.
+
+    "random", "latin" and "sobol" have ``count`` rows. Two designs ask for sensitivities: "saltelli" has count (dimensions + 2) rows, "morris"
+    count (dimensions + 1).
+    """
     if method not in METHODS:
         raise Refused("an unknown way to choose points", f'"{method}"', ", ".join(METHODS), "write one of these words")
     if not 0 < count <= 2**30:
@@ -61,10 +66,34 @@ def sobol(count: int, dimensions: int, seed: int) -> Array:
     return found
 
 
+def saltelli(count: int, dimensions: int, seed: int) -> Array:
+    """Saltelli's design (2010) on Sobol's sequence: two independent places A and B, and between them A with one number of B, for each number."""
+    both = sobol(count, 2 * dimensions, seed)
+    first, second = both[:, :dimensions], both[:, dimensions:]
+    rows = np.repeat(first[:, None, :], dimensions + 2, axis=1)
+    for k in range(dimensions):
+        rows[:, k + 1, k] = second[:, k]
+    rows[:, -1] = second
+    return rows.reshape(-1, dimensions)
+
+
+def morris(count: int, dimensions: int, seed: int) -> Array:
+    """Trajectories of Morris (1991): from a place on a grid of four levels, 1/8 to 7/8, each number in turn is moved by two of them."""
+    drawn = fractions(np.random.PCG64(seed), 2 * count * dimensions).reshape(count, 2, dimensions)
+    start = np.floor(LEVELS * drawn[:, 0])
+    order = np.argsort(drawn[:, 1], axis=1, kind="stable")
+    rows = np.repeat(start[:, None, :], dimensions + 1, axis=1)
+    for k in range(count):
+        for turn, axis in enumerate(order[k]):
+            rows[k, turn + 1 :, axis] += JUMP if start[k, axis] < JUMP else -JUMP
+    found: Array = (rows.reshape(-1, dimensions) + 0.5) / LEVELS
+    return found
+
+
 def fractions(source: np.random.PCG64, count: int) -> Array:
     """Numbers above 0 and below 1 from the whole numbers of a generator, whose stream NumPy keeps from version to version."""
     whole: np.ndarray[Any, np.dtype[np.uint64]] = np.asarray(source.random_raw(count)) >> np.uint64(11)
     return np.asarray(whole * 0.5**53 + HALF)
 
 
-METHODS: dict[str, Callable[[int, int, int], Array]] = {"latin": latin, "random": random, "sobol": sobol}
+METHODS: dict[str, Callable[[int, int, int], Array]] = {"latin": latin, "random": random, "sobol": sobol, "saltelli": saltelli, "morris": morris}

@@ -1,0 +1,97 @@
+"""Assemblies that differ from another one in the numbers of its revolute joints with clearance: what :func:`assemble` gives, without closing anew.
+
+A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the step; nothing else of an assembly whose
+journals start centred.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..kernels.topology import Topology
+from ..laws import Material
+from ..model.joints import ClearanceRevolute
+from ..model.surfaces import surfaces
+from .assembled import Assembly, StepChoice
+from .entities import touches_of
+from .fill import touch_rows
+from .timestep import choose_step, coarse
+
+NOWHERE = (0, (0.0, 0.0))
+MOST_CHOICES = 4096  # steps that are remembered
+
+
+class Refit:
+    """Makes such assemblies from one, which ``assemble`` made with the same ``step``, ``expected`` and ``run``."""
+
+    def __init__(self, assembly: Assembly, step: float | str | None, expected: Mapping[str, float], **run: Any) -> None:
+        self.assembly, self.step, self.expected, self.run = assembly, step, expected, run
+        mechanism, layout = assembly.mechanism, assembly.layout
+        self.places = {name: k for k, name in enumerate(assembly.contact_joints) if isinstance(mechanism.contacts[name], ClearanceRevolute)}
+        self.usable = mechanism.start.journals == "centred" and len(self.places) == len(assembly.contacts)
+        self.masses = {name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places}
+        self.materials = {
+            name: [mechanism.bodies[body].material if body != "ground" else Material() for body, _ in mechanism.contacts[name].sides]
+            for name in self.places
+        }
+        self.apart = {name: self._apart(k) for name, k in self.places.items()}
+        self.slots = layout.rows_of("contact_slots")
+        self.choices: dict[bytes, tuple[StepChoice, Topology]] = {assembly.state[self.slots].tobytes(): (assembly.choice, assembly.topology)}
+
+    def _apart(self, index: int) -> float:
+        """Distance of a journal from its bearing at the start (m)."""
+        topology, layout, state = self.assembly.topology, self.assembly.layout, self.assembly.state
+
+        def seen(side: str) -> tuple[float, float]:
+            particle = getattr(topology, f"contact_{side}")[index]
+            x, y = (float(state[layout.row(f"contact_{side}_{axis}", index)]) for axis in "xy")
+            px, py, angle = (float(state[layout.row(f"particle_{axis}", particle)]) for axis in ("x", "y", "theta"))
+            c, s = math.cos(angle), math.sin(angle)
+            return px + c * x - s * y, py + s * x + c * y
+
+        return math.dist(seen("bearing"), seen("journal"))
+
+    def with_joints(self, joints: Mapping[str, ClearanceRevolute]) -> Assembly | None:
+        """The assembly with some of its joints replaced by others of the same laws; None where it has to be made anew, or cannot be."""
+        old, layout = self.assembly, self.assembly.layout
+        if not self.usable or not joints.keys() <= self.places.keys():
+            return None
+        state = old.state.copy()
+        for name, joint in joints.items():
+            former, index = old.mechanism.contacts[name], self.places[name]
+            alike = (joint.sides, type(joint.contact), type(joint.friction)) == (former.sides, type(former.contact), type(former.friction))
+            if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
+                return None
+            pair = dataclasses.replace(joint.pair(*self.materials[name]), effective_mass=self.masses[name])
+            touch = touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0]
+            for row, values in touch_rows(old.mechanism, layout, touch, index, pair):
+                state[row : row + len(values)] = values
+        if not np.isfinite(state[self.slots]).all():
+            return None
+        mechanism = dataclasses.replace(old.mechanism, joints={**old.mechanism.joints, **joints})
+        found = dataclasses.replace(old, mechanism=mechanism, state=state)
+        choice, topology = self._stepped(found)
+        state[layout["step"]] = choice.step
+        return dataclasses.replace(found, choice=choice, topology=topology)
+
+    def _stepped(self, found: Assembly) -> tuple[StepChoice, Topology]:
+        """The step, and the topology that it makes, which hang on the laws of contact alone."""
+        key = found.state[self.slots].tobytes()
+        if key not in self.choices:
+            touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in found.mechanism.contacts.items()]
+            owners = [name for name, body in found.bodies.items() for _ in body.elements]
+            mobility = 0 if found.mobility is None else found.mobility.after_drives
+            layout, topology = found.layout, found.topology
+            names = (touches, self.step, self.expected, owners, found.ideals)
+            choice = choose_step(found.mechanism, layout, found.state, topology, *names, free=mobility, **self.run)
+            if found.ideals:
+                topology = dataclasses.replace(topology, coarse=coarse(found.mechanism, choice, layout, found.state))
+            if len(self.choices) < MOST_CHOICES:
+                self.choices[key] = choice, topology
+            return choice, topology
+        return self.choices[key]

@@ -1,0 +1,178 @@
+"""What to do with a study that was made, or that is still growing: show, draw, export."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..results.lock import holder
+from .options import JsonOption
+from .terminal import amount_of_bytes, errors, grid, output, print_json, row, sentences, writing
+
+if TYPE_CHECKING:
+    from ..results.studied import Study
+
+MOST_SHOWN = 10
+FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a study was kept in.", show_default=False)]
+Members = Annotated[bool, typer.Option("--members", help="Every member with what it came to.")]
+
+
+def show(file: FileArgument, members: Members = False, as_json: JsonOption = False) -> None:
+    """What a study came to so far: each measure's least, mean and largest value and where, and what failed."""
+    found = read(file)
+    if as_json:
+        print_json(payload(found) | ({"members": found.rows()} if members else {}))
+        return
+    printed(found, members)
+
+
+def read(file: Path) -> Study:
+    """A study as its file has it now."""
+    with sentences(str(file)):
+        from ..results.studied import Study
+
+        found = Study.open(file)
+    if found.lost:
+        errors().print(f"note: {found.lost:,} members of this file are damaged and left out; the same study run again computes them", markup=False)
+    return found
+
+
+def extremes(found: Study) -> dict[str, dict[str, Any]]:
+    """Least, mean and largest value of each measure, and at which values of the parameters."""
+    told = {}
+    for name, unit in found.measures.items():
+        values = [(float(value), one) for value, one in zip(found.values(name), found.done, strict=True) if math.isfinite(value)]
+        least, largest = (min(values, key=lambda pair: pair[0]), max(values, key=lambda pair: pair[0])) if values else (None, None)
+        names = [one.name for one in found.parameters]
+        told[name] = {
+            "unit": unit,
+            "count": len(values),
+            "least": None if least is None else least[0],
+            "least_at": None if least is None else dict(zip(names, found.at(least[1]), strict=True)),
+            "mean": math.fsum(value for value, _ in values) / len(values) if values else None,
+            "largest": None if largest is None else largest[0],
+            "largest_at": None if largest is None else dict(zip(names, found.at(largest[1]), strict=True)),
+        }
+    return told
+
+
+def payload(found: Study) -> dict[str, Any]:
+    """What ``--json`` prints."""
+    return {
+        "study": found.name,
+        "file": None if found.path is None else str(found.path),
+        "model": found.model,
+        "status": found.status,
+        "planned": len(found.members),
+        "counts": found.counts,
+        "wanted": found.asked["wanted"],
+        "parameters": [{"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind} for one in found.parameters],
+        "measures": extremes(found),
+        "failed": [{"member": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in found.failed],
+    }
+
+
+def printed(found: Study, members: bool = False) -> None:
+    """The tables for people."""
+    from rich.text import Text
+
+    console = output()
+    counts = ", ".join(f"{count:,} {word}" for word, count in found.counts.items() if count)
+    at_work = None if found.path is None else holder(found.path.absolute().parent, f"{found.path.name}.lock")
+    said = f"{len(found.members):,} members, {counts}" + (f"; {at_work} is at work" if at_work else "")
+    console.print(Text.assemble((f"{found.model}: ", "bold"), said))
+    wanted = found.asked["wanted"]
+    until = "" if wanted["settle"] is None else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
+    over = "the last turn" if wanted["last"] == 1 else f"the last {wanted['last']} turns (means)"
+    console.print(f"{wanted['turns']:,} turns{until}; measures are of {over}")
+    varied = grid("varied", "values", "numbers of the model")
+    for k, one in enumerate(found.parameters):
+        row(varied, one.name, said_of([found.at(member)[k] for member in found.members], one.unit, one.kind, one.words), ", ".join(one.paths))
+    console.print(varied)
+    console.print(measured(found))
+    if members:
+        console.print(every(found))
+    for member, reason in found.failed[:MOST_SHOWN]:
+        console.print(Text.assemble((f"member {member.number}: ", "bold"), f"{where(found, member)}: {reason}"), soft_wrap=True)
+    if len(found.failed) > MOST_SHOWN:
+        console.print(f"... and {len(found.failed) - MOST_SHOWN:,} more; --json has all of them")
+
+
+def measured(found: Study) -> Any:
+    """The table of the measures."""
+    table = grid("measure", "least", "at", "mean", "largest", "at", right=(1, 3, 4))
+    for name, one in extremes(found).items():
+        cells = [quantity(one[key], one["unit"]) for key in ("least", "mean", "largest")]
+        at = [placed(found, one[key]) for key in ("least_at", "largest_at")]
+        row(table, name, cells[0], at[0], cells[1], cells[2], at[1])
+    return table
+
+
+def every(found: Study) -> Any:
+    """The table of the members."""
+    names, measures = [one.name for one in found.parameters], list(found.measures)
+    table = grid("member", *names, *measures, "status", right=tuple(range(len(names) + len(measures) + 1)))
+    units = {**{one.name: one.unit for one in found.parameters}, **found.measures}
+    for one in found.rows():
+        row(table, one["member"], *(quantity(one[name], units[name]) for name in (*names, *measures)), one["status"])
+    return table
+
+
+def where(found: Study, member: Any) -> str:
+    """Values of a member's parameters in words."""
+    return placed(found, dict(zip((one.name for one in found.parameters), found.at(member), strict=True)))
+
+
+def placed(found: Study, at: dict[str, Any] | None) -> str:
+    """Values of parameters in words."""
+    units = {one.name: one.unit for one in found.parameters}
+    return "" if at is None else ", ".join(f"{name} {quantity(value, units[name])}" for name, value in at.items())
+
+
+def quantity(value: Any, unit: str) -> str:
+    """A quantity with a prefix; words as they are."""
+    from ..report.digits import prefixed
+
+    if value is None or isinstance(value, str):
+        return value or "-"
+    if unit in ("1", "%") or not value or not math.isfinite(value):
+        return f"{value:.6g}" + (" %" if unit == "%" else "")
+    return prefixed(value, unit) if unit in ("m", "N", "Pa", "W", "J", "s") else f"{value:.5g} {unit}"
+
+
+def said_of(values: list[Any], unit: str, kind: str, words: str) -> str:
+    """Values of a parameter in words."""
+    single = list(dict.fromkeys(values))
+    if any(isinstance(value, str) for value in single):
+        return ", ".join(map(str, single))
+    low, high = quantity(min(single), unit), quantity(max(single), unit)
+    named = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
+    return f"{named}{len(single):,}, {low} to {high}" if len(single) > 1 else low
+
+
+ENDINGS = (".csv", ".nc", ".parquet")
+ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")]
+
+
+def export(
+    file: FileArgument,
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="File to write: .csv, .nc or .parquet.", show_default=False)],
+    force: ForceFile = False,
+) -> None:
+    """Write a study as a table of its members (CSV, Parquet) or a labelled dataset (NetCDF), with units."""
+    from .ended import refuse_taken
+
+    with sentences(str(target)):
+        if target.suffix.lower() not in ENDINGS:
+            known = f"{', '.join(ENDINGS[:-1])} and {ENDINGS[-1]}"
+            raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
+        refuse_taken(target, force)
+    found = read(file)
+    with sentences(str(file)), writing(str(target), "The study is as it was, and so is what was there before."):
+        from ..results.studyexport import write
+
+        write(found, target)
+    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")

@@ -1,0 +1,239 @@
+"""``vfife study``: many members of one model, run from a study file into one file, which is shown, drawn, exported and added to."""
+
+from __future__ import annotations
+
+import shlex
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from ..solvers.status import Status
+from .options import JsonOption, LawsOption, take_laws
+from .plainly import Command, Plainly
+from .signals import NOW
+from .studied import export, show
+from .terminal import DIVERGED, amount_of_bytes, command, fail, print_json, sentences, span, tell, writing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..model.mechanism import Mechanism
+    from ..results.studied import Study
+    from ..results.studyfile import StudyFile
+    from ..study.engine import Outcome
+
+RUN = "run"
+StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Study file in TOML.", show_default=False)]
+FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a study was kept in.", show_default=False)]
+Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.study", help="Where to keep it.", show_default="runs/STUDY.study")]
+Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
+Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
+Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads.", show_default="one a core")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
+Added = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="NAME=VALUE,VALUE", help='Values to add, as in play="0.3 mm, 0.4 mm"; they are combined with all others.'),
+]
+Point = Annotated[
+    list[str] | None, typer.Option("--point", metavar="NAME=VALUE,NAME=VALUE", help="One member, a value for each parameter; may be repeated.")
+]
+Count = Annotated[int | None, typer.Option(metavar="N", min=1, help="So many samples in all.")]
+
+
+class Group(Plainly, TyperGroup):
+    """The commands of a study. What is no command is a study file, which is run."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Puts the command before a study file."""
+        if args and args[0] not in self.commands and args[0] != "--help":
+            args = [RUN, *args]
+        return super().parse_args(ctx, args)
+
+
+study = typer.Typer(
+    cls=Group,
+    no_args_is_help=True,
+    help="Run a model once for every choice of some of its numbers: vfife study STUDY.toml. What the members come to is kept in one file, "
+    "which can be read while it grows; after a kill the same command goes on.",
+)
+
+
+@study.command(RUN, cls=Command)
+def run(
+    file: StudyArgument,
+    output: Target = None,
+    laws: LawsOption = None,
+    force: Force = False,
+    yes: Yes = False,
+    workers: Workers = None,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a study; `run` itself may be left out.
+
+    A forecast of time and bytes comes first. Members that the file has already are not computed again, so the same command goes on after a kill,
+    and computes what was added to STUDY.toml. A member that fails is kept with its reason. Exit codes: 2 for input that cannot be used, 3 where a
+    member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
+    """
+    with sentences(str(file)):
+        from ..study.planfile import load_plan
+
+        take_laws(laws)
+        plan, base = load_plan(file)
+        target = output if output is not None else Path("runs") / f"{file.stem}.study"
+        refuse_foreign(target, force)
+    told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet)
+
+    def opened() -> StudyFile:
+        from ..study.carry import opened as made
+
+        target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
+        return made(target, plan, base, file.stem, replace=force)
+
+    carried(target, opened, base, workers, as_json, quiet)
+
+
+@study.command(cls=Command)
+def resume(
+    file: FileArgument,
+    laws: LawsOption = None,
+    workers: Workers = None,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a study that was interrupted or killed, from its file alone."""
+    add(file, None, None, None, laws, True, workers, as_json, quiet)
+
+
+@study.command(cls=Command)
+def add(
+    file: FileArgument,
+    values: Added = None,
+    point: Point = None,
+    count: Count = None,
+    laws: LawsOption = None,
+    yes: Yes = False,
+    workers: Workers = None,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
+    with sentences(str(file)):
+        from ..study.more import added, split
+
+        take_laws(laws)
+        items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
+        plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
+    told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
+
+    def opened() -> StudyFile:
+        from ..results.studyfile import StudyFile
+
+        found = StudyFile.write(file)
+        found.add(plan.numbers(), asked)
+        return found
+
+    carried(file, opened, base, workers, as_json, quiet)
+
+
+study.command(cls=Command)(show)
+study.command(cls=Command)(export)
+
+
+def refuse_foreign(target: Path, force: bool) -> None:
+    """Raises ValueError where something else has the name of the study file."""
+    from ..results.header import study_head
+
+    if target.exists() and study_head(target) is None:
+        raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
+
+
+def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: Path, yes: bool, quiet: bool, begun: Path | None = None) -> None:
+    """The forecast, and the end of what nobody can mean."""
+    from .forecast import forecast, groups, too_much
+
+    with sentences(str(target)):
+        found = forecast(numbers, base, turns, target if begun is None else begun)
+        kinds = groups(numbers, base)
+    if much := too_much(found, target):
+        if found["bytes"] > found["free"]:
+            from .terminal import STORAGE
+
+            fail(f"{target}: this study takes {much}. Nothing was begun, and nothing is touched.", STORAGE)
+        if not yes:
+            fail(f"this study takes {much}; add --yes if that is meant, or ask for fewer members or turns. Nothing was begun.")
+    if quiet:
+        return
+    done = f", {found['done']:,} of which are there already" if found["done"] else ""
+    each = f"{found['steps']:,.0f} steps each" if found["members"] else ""
+    tell(
+        "forecast",
+        f"{found['members']:,} members{done}, some {each}: {span(found['seconds'])} with {found['workers']} threads of {found['lanes']} lanes, "
+        f"{amount_of_bytes(found['bytes'])} in {target}.",
+        "bold",
+    )
+    for text in kinds:
+        tell("note", text)
+
+
+def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, as_json: bool, quiet: bool) -> None:
+    """Computes what is left; says what was kept, and ends with the exit code of that."""
+    from .progress import ProgressLine
+
+    kept = f"Members that ended are kept in {target}; the same command goes on after them."
+    with sentences(str(target)), writing(str(target), kept):
+        from ..study.carry import carry_out, read_back
+        from ..study.studies import locked
+
+        target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
+        with locked(target) as lock:
+            NOW.last.append(lock.release)
+            NOW.saved = kept
+            with opened() as file:
+                with ProgressLine(quiet) as line:
+                    whole = carry_out(file, base, workers=workers, told=Line(line))
+                found = read_back(file)
+    if as_json:
+        from .studied import payload
+
+        print_json(payload(found))
+    elif not quiet:
+        from .studied import printed
+
+        printed(found)
+    if not whole:
+        go_on = f"{command()} study resume {shlex.quote(str(target))}"
+        tell(Status.INTERRUPTED, f"{NOW.by}: {len(found.outcomes):,} of {len(found.members):,} members have ended; go on with: {go_on}")
+        raise typer.Exit(NOW.code)
+    ended(found)
+
+
+def ended(found: Study) -> None:
+    """The exit code of members that failed, which are told."""
+    bad = [reason for one, reason in found.failed if found.outcomes[one.number]["status"] != Status.COMPLETE]
+    if bad:
+        tell("failed", f"{len(bad):,} of {len(found.members):,} members gave no measures; the first: {bad[0]}", "bold red")
+        raise typer.Exit(DIVERGED)
+
+
+class Line:
+    """The progress line of a study: members, members a second, time left, failures."""
+
+    def __init__(self, line: Any) -> None:
+        self.line, self.began, self.failed = line, time.monotonic(), 0
+        self.first: int | None = None
+
+    def __call__(self, done: int, of: int, outcome: Outcome) -> None:
+        """Shows where the study stands; called after each member."""
+        from ..solvers.progress import Progress
+
+        self.first = done - 1 if self.first is None else self.first
+        self.failed += outcome.status != Status.COMPLETE
+        seconds = max(time.monotonic() - self.began, 1e-9)
+        rate = (done - self.first) / seconds
+        left = f"{span((of - done) / rate)} left" if done < of else f"in {span(seconds)}"
+        bad = f"  {self.failed:,} failed" if self.failed else ""
+        self.line(Progress(done, of, seconds, f"{done:,} of {of:,} members  {rate:.3g} members/s  {left}{bad}"))

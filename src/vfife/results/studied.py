@@ -1,0 +1,259 @@
+"""A study as its readers see it: parameters, members, what they came to, and all of it as one labelled dataset."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import VfifeError, shown, suggestion
+from ..solvers.status import Status
+from .studyfile import WHAT, Kept, StudyFile
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+# Units of measures, by the ends of their names.
+UNITS = {
+    "acceleration.max": "m/s^2", "angular_acceleration.lip": "%", "angular_acceleration.max": "rad/s^2", "approach_speed.max": "m/s",
+    "compression.max": "Pa", "contact_half_width.max": "m", "contact_pressure.max": "Pa", "deep_landings": "1", "deflection.max": "m",
+    "efficiency": "1", "force.lip": "%", "force.max": "N", "friction_energy.total": "J", "grazing": "1", "impact_energy.total": "J",
+    "impacts": "1", "landing_depth.max": "m", "moment.max": "N m", "penetration.max": "m", "position.high": "m", "position.low": "m",
+    "power.mean": "W", "pressure_velocity.max": "W/m^2", "pressure_velocity.mean": "W/m^2", "bearing_pressure.max": "Pa",
+    "shaking_force.max": "N", "shaking_moment.max": "N m", "share.continuous_contact": "1", "share.free_flight": "1", "share.impact": "1",
+    "sliding_distance.total": "m", "sliding_velocity.max": "m/s", "stress.place": "m", "tension.max": "Pa", "torque.max": "N m",
+    "torque.mean": "N m", "torque.ripple": "1", "velocity.max": "m/s",
+}  # fmt: skip
+SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A parameter: its name, where it is in the model, unit, how its values were chosen."""
+
+    name: str
+    paths: tuple[str, ...]
+    unit: str
+    kind: str
+    words: str = ""
+
+    @property
+    def gridded(self) -> bool:
+        """Whether its values were given one by one."""
+        return self.kind in ("values", "range")
+
+
+class Study:
+    """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads xarray.
+
+    ``meta`` says what is asked, ``members`` are all that are planned, ``outcomes`` those that ended, by their places.
+    """
+
+    def __init__(self, path: Path | None, meta: Mapping[str, Any], members: Sequence[Kept], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
+        self.path, self.meta, self.members = path, dict(meta), tuple(members)
+        self.outcomes = {one.number: outcomes[one.number] for one in members if one.number in outcomes}
+        self.lost = 0
+
+    @classmethod
+    def open(cls, path: str | Path) -> Study:
+        """A study file as it is now, also while it grows. Raises RunFileError."""
+        with StudyFile.open(path) as file:
+            members = file.members()
+            found = cls(Path(path), file.meta, members, file.outcomes())
+            found.lost = file.lost
+            return found
+
+    def __repr__(self) -> str:
+        return f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.members)} members; see .data, .parameters, .measures, .plot()>"
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What was asked, as the file keeps it."""
+        found: dict[str, Any] = self.meta[WHAT]
+        return found
+
+    @property
+    def name(self) -> str:
+        """Name of the study."""
+        return str(self.asked.get("name", ""))
+
+    @property
+    def model(self) -> str:
+        """Name of the mechanism."""
+        return str(self.asked.get("model", ""))
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """What was wanted, with units."""
+        return dict(self.asked["measures"])
+
+    @cached_property
+    def parameters(self) -> tuple[Varied, ...]:
+        """What is varied."""
+        return tuple(Varied(**{**one, "paths": tuple(one["paths"])}) for one in self.asked["parameters"])
+
+    @cached_property
+    def done(self) -> tuple[Kept, ...]:
+        """The members that ended, in the order in which they were planned."""
+        return tuple(one for one in self.members if one.number in self.outcomes)
+
+    @property
+    def left(self) -> tuple[Kept, ...]:
+        """The members that are still to be computed."""
+        return tuple(one for one in self.members if one.number not in self.outcomes)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many members ended in which way, and how many are left."""
+        found = dict(Counter(str(one["status"]) for one in self.outcomes.values()))
+        return {Status.COMPLETE.value: 0, **found, "left": len(self.left)}
+
+    @property
+    def status(self) -> str:
+        """How the study stands: complete where every member ended, else what its file says."""
+        return Status.COMPLETE.value if not self.left else str(self.meta.get("status", "unfinished"))
+
+    @property
+    def failed(self) -> list[tuple[Kept, str]]:
+        """Members that gave no measures, or not all of them, each with its reason."""
+        return [(one, str(self.outcomes[one.number]["reason"])) for one in self.done if self.outcomes[one.number]["reason"]]
+
+    # -------------------------------------------------------------------------------------------------------- numbers
+
+    def at(self, member: Kept) -> tuple[float | str, ...]:
+        """Values of the parameters of a member, SI units."""
+        return tuple(member.numbers[one.paths[0]] for one in self.parameters)
+
+    def points(self) -> NDArray[np.float64]:
+        """Values of the parameters of the members that ended, shape (members, parameters), SI units; of words the place in their list."""
+        columns = []
+        for k in range(len(self.parameters)):
+            column = [self.at(one)[k] for one in self.done]
+            words = {word: float(n) for n, word in enumerate(dict.fromkeys(value for value in column if isinstance(value, str)))}
+            columns.append([words[value] if isinstance(value, str) else value for value in column])
+        return np.array(columns, dtype=float).reshape(len(self.parameters), len(self.done)).T
+
+    def values(self, measure: str) -> NDArray[np.float64]:
+        """A measure of the members that ended, shape (members,), NaN of those that have none. Raises VfifeError for a name that was not wanted."""
+        if measure not in self.measures:
+            remedy = suggestion(measure, self.measures, "name one that was wanted")
+            raise VfifeError(f"{self.path or 'this study'}: it has no measure {shown(measure)}: {remedy}")
+        return np.array([self.outcomes[one.number]["measures"].get(measure, math.nan) for one in self.done], dtype=float)
+
+    def parameter(self, name: str) -> Varied:
+        """A parameter by its name, or by its path. Raises VfifeError for one there is not."""
+        for one in self.parameters:
+            if name == one.name or name in one.paths:
+                return one
+        remedy = suggestion(name, [one.name for one in self.parameters], "name one that is varied")
+        raise VfifeError(f"{self.path or 'this study'}: no parameter is called {shown(name)}: {remedy}")
+
+    # ----------------------------------------------------------------------------------------------------------- data
+
+    @cached_property
+    def axes(self) -> dict[str, list[Any]]:
+        """Dimensions of the dataset and what lies along them: the parameters themselves where members fill a grid, with ``sample`` for those of
+        which samples were taken; else ``member`` alone.
+        """
+        own = [self.at(one) for one in self.members]
+        lines = [k for k, one in enumerate(self.parameters) if one.gridded]
+        found: dict[str, list[Any]] = {self.parameters[k].name: in_order(values[k] for values in own) for k in lines}
+        samples = list(dict.fromkeys(self._sample(values) for values in own))
+        if len(lines) < len(self.parameters):
+            found[SAMPLE] = samples
+        full = math.prod(len(one) for one in found.values()) == len(own)
+        return found if full and lines else {MEMBER: own}
+
+    def _sample(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
+        return tuple(value for value, one in zip(values, self.parameters, strict=True) if not one.gridded)
+
+    def place(self, member: Kept) -> tuple[int, ...]:
+        """Where a member lies along the axes."""
+        values = self.at(member)
+        if MEMBER in self.axes:
+            return (self._places[MEMBER][values],)
+        own = {one.name: value for one, value in zip(self.parameters, values, strict=True)} | {SAMPLE: self._sample(values)}
+        return tuple(self._places[name][own[name]] for name in self.axes)
+
+    @cached_property
+    def _places(self) -> dict[str, dict[Any, int]]:
+        return {name: {value: k for k, value in enumerate(values)} for name, values in self.axes.items()}
+
+    @cached_property
+    def data(self) -> xarray.Dataset:
+        """Measures over what is varied, with units, and of each member its status, turns and step. Members that are left, or gave none, are NaN."""
+        import xarray
+
+        shape = tuple(len(values) for values in self.axes.values())
+        dims = tuple(self.axes)
+        arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in (*self.measures, "turns", "settled", "step")}
+        status = np.full(shape, "left", dtype=object)
+        for one in self.done:
+            at, outcome = self.place(one), self.outcomes[one.number]
+            for name in self.measures:
+                arrays[name][at] = outcome["measures"].get(name, math.nan)
+            for name in ("turns", "settled", "step"):
+                arrays[name][at] = math.nan if outcome[name] is None else outcome[name]
+            status[at] = outcome["status"]
+        units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
+        found: dict[str, Any] = {name: (dims, values, {"units": units[name]}) for name, values in arrays.items()}
+        found["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
+        return xarray.Dataset(found, self._coordinates(), self.attributes)
+
+    def _coordinates(self) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for k, one in enumerate(self.parameters):
+            said = {"units": one.unit, "long_name": ", ".join(one.paths)}
+            if one.name in self.axes:
+                found[one.name] = (one.name, np.array(self.axes[one.name]), said)
+            elif MEMBER in self.axes:
+                found[one.name] = (MEMBER, np.array([values[k] for values in self.axes[MEMBER]]), said)
+            else:
+                among = [other.name for other in self.parameters if not other.gridded].index(one.name)
+                found[one.name] = (SAMPLE, np.array([values[among] for values in self.axes[SAMPLE]]), said)
+        return found
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Where the data come from."""
+        wanted = self.asked["wanted"]
+        return {
+            "model": self.model, "study": self.name, "note": self.asked.get("note", ""), "turns": wanted["turns"], "last": wanted["last"],
+            "settle": -1.0 if wanted["settle"] is None else wanted["settle"], "vfife_version": self.asked["versions"]["vfife"],
+        }  # fmt: skip
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A flat map for every member, for tables: parameters, measures, status, turns, settled, step, reason."""
+        found = []
+        for one in self.members:
+            outcome = self.outcomes.get(one.number)
+            row: dict[str, Any] = {"member": one.number, **dict(zip((two.name for two in self.parameters), self.at(one), strict=True))}
+            measures = {} if outcome is None else outcome["measures"]
+            row |= {name: measures.get(name) for name in self.measures}
+            row |= {name: None if outcome is None else outcome[name] for name in ("status", "turns", "settled", "step", "reason")}
+            row["status"] = row["status"] or "left"
+            found.append(row)
+        return found
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """One table for pandas, a row a member."""
+        import xarray
+
+        rows = self.rows()
+        columns = {name: ("member", np.array([row[name] for row in rows])) for name in rows[0] if name != "member"}
+        found: pandas.DataFrame = xarray.Dataset(columns, {"member": [row["member"] for row in rows]}).to_dataframe()
+        return found
+
+
+def in_order(values: Any) -> list[Any]:
+    """Each value once: numbers in their order, words in that in which they came."""
+    found = list(dict.fromkeys(values))
+    return found if any(isinstance(value, str) for value in found) else sorted(found)

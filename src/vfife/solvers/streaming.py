@@ -1,0 +1,217 @@
+"""Members stepped in lanes on all cores: whoever ends makes room for the next at once, and none knows what runs beside it.
+
+Each thread has lanes of one topology. Members of other step sizes, and other numbers of steps a turn, share them: each has its own outputs and
+its own end. The machine code runs without Python's lock; in Python a member is looked at once for so many of its outputs, and when it ends.
+"""
+
+from __future__ import annotations
+
+import os
+import queue
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeAlias, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..assembly.bounds import bounds, limited_rows
+from ..codegen.native import widest
+from ..codegen.ondevice import MEMBERS, DeviceStream
+from ..codegen.streams import Starter, Stream
+from .record import recorded_rows
+from .transient import choose_loop
+
+Array = NDArray[np.float64]
+
+SECONDS, FIRST, GROWTH = 0.25, 1000, 4  # of a call between two looks at the clock; steps of the first; from one to the next, at the most
+PATIENCE = 0.2  # s between two looks at signals
+
+
+class Ending(Protocol):
+    """What may have ended."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether it needs no more."""
+
+
+class Member(Ending, Protocol):
+    """A simulation for a lane: it takes the rows ``handed`` after ``every`` of its steps, ``outputs`` of them at a time, until it has ``ended``."""
+
+    assembly: Assembly
+    handed: NDArray[np.uint32]
+    every: int
+    outputs: int
+    loop: str
+
+    def start(self, state: Array) -> None:
+        """The state after its first step, (rows,)."""
+
+    def take(self, rows: Array, broken: int, state: Array) -> None:
+        """Outputs, shape (outputs, handed), fewer where it broke after so many of its steps (-1: it did not), and its present state, (rows,)."""
+
+    def end(self) -> Member | None:
+        """Its last word: what takes its place, where it has to be made again."""
+
+
+Found: TypeAlias = "queue.SimpleQueue[Ending | BaseException | None]"
+
+
+def kind(member: Member, loops: dict[Any, str]) -> tuple[Any, ...]:
+    """What members have in common that share lanes."""
+    assembly, handed = member.assembly, member.handed.tobytes()
+    if (assembly.topology, member.loop) not in loops:
+        loops[assembly.topology, member.loop] = choose_loop(assembly, member.loop)  # type: ignore[arg-type]
+    loop = loops[assembly.topology, member.loop]
+    return assembly.topology, loop, len(assembly.tables), assembly.mechanism.settings.parts, member.outputs, handed
+
+
+@dataclass
+class Waiting:
+    """Members that wait for a lane, by their kinds; they are made when they are asked for."""
+
+    source: Iterator[Member | Ending]
+    found: Found
+    share: int  # that one thread takes at first, so that few members are shared fairly
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    queues: dict[tuple[Any, ...], deque[Member]] = field(default_factory=dict)
+    loops: dict[Any, str] = field(default_factory=dict)
+
+    def next(self, wanted: tuple[Any, ...] | None) -> tuple[tuple[Any, ...], Member] | None:
+        """A member of a kind, or of any; None where there is none left."""
+        with self.lock:
+            for found, waiting in self.queues.items():
+                if waiting and wanted in (None, found):
+                    return found, waiting.popleft()
+            for member in self.source:
+                if member.ended:
+                    self.found.put(member)
+                    continue
+                member = cast(Member, member)
+                found = kind(member, self.loops)
+                if wanted in (None, found):
+                    return found, member
+                self.queues.setdefault(found, deque()).append(member)
+        return None
+
+
+def stepped(
+    members: Iterable[Member | Ending], count: int, *, lanes: int | None = None, workers: int | None = None, stop: threading.Event | None = None,
+    device: str | None = None,
+) -> Iterator[Ending]:  # fmt: skip
+    """Steps members, ``count`` of them or so, and gives each when it has ended, what had ended before as it is; with ``stop`` set, no more.
+
+    ``lanes``: side by side in one vector register, as many as this machine's hold if not given; ``workers``: threads, one a core if not given.
+    ``device``: "cuda" has a card step them, by one thread, as many side by side as it can.
+    """
+    if device == "cuda":
+        lanes, workers = min(lanes or MEMBERS, count), 1
+    found: Found = queue.SimpleQueue()
+    ended, stop = threading.Event(), stop or threading.Event()
+    workers = max(1, min(workers or os.cpu_count() or 1, count))
+    waiting = Waiting(iter(members), found, -(-count // workers))
+    arguments = waiting, found, lanes or widest(), lambda: ended.is_set() or stop.is_set(), DeviceStream if device == "cuda" else Stream
+    threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
+    for thread in threads:
+        thread.start()
+    try:
+        while workers:
+            try:
+                one = found.get(timeout=PATIENCE)
+            except queue.Empty:
+                continue
+            if isinstance(one, BaseException):
+                raise one
+            if one is None:
+                workers -= 1
+            else:
+                yield one
+    finally:
+        ended.set()
+        for thread in threads:
+            thread.join()
+
+
+def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool], streaming: type[Stream | DeviceStream]) -> None:
+    """One thread: lanes of one kind after the other, until no member is left."""
+    try:
+        while not halted() and (first := waiting.next(None)) is not None:
+            Lanes(*first, waiting, found, lanes, streaming).run(halted)
+        found.put(None)
+    except BaseException as error:
+        found.put(error)
+
+
+class Lanes:
+    """The lanes of a thread, and who is in them."""
+
+    def __init__(
+        self, shared: tuple[Any, ...], first: Member, waiting: Waiting, found: Found, lanes: int, streaming: type[Stream | DeviceStream]
+    ) -> None:
+        topology, loop, tables, parts, outputs, _ = shared
+        self.kind, self.waiting, self.found = shared, waiting, found
+        lanes = lanes if loop == "generated" else 1
+        sound, limited = recorded_rows(first.assembly), limited_rows(first.assembly)
+        self.stream = streaming(topology, lanes, loop, first.handed, outputs, sound, limited, tables, parts)
+        self.lanes = self.stream.lanes
+        self.starter = Starter(topology, lanes if streaming is Stream else widest(), loop, tables, parts)
+        self.members: dict[int, Member] = {}
+        self.next: dict[int, Member | None] = {lane: first if lane == 0 else None for lane in range(self.lanes)}
+        for lane in range(1, min(self.lanes, waiting.share)):
+            self.next[lane] = self._next()
+        self.begins = np.zeros(self.lanes, dtype=np.int64)
+        self.room = FIRST
+
+    def _next(self) -> Member | None:
+        found = self.waiting.next(self.kind)
+        return None if found is None else found[1]
+
+    def run(self, halted: Callable[[], bool]) -> None:
+        """Until all have ended and no other waits."""
+        while (self.members or any(self.next.values())) and not halted():
+            if self.next and self.stream.beat == 0:
+                self._fill()
+            self._advance()
+            self._look()
+
+    def _fill(self) -> None:
+        """Puts those that wait into the lanes that are free; a lane for which there is none repeats another."""
+        for lane, member in self.next.items():
+            if member is not None:
+                assembly = member.assembly
+                simulation = self.starter.begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
+                member.start(simulation.state + 0.0)
+                self.members[lane], self.begins[lane] = member, self.stream.put(lane, simulation, member.every, member.outputs)
+        self.next.clear()
+        for lane in set(range(self.lanes)) - set(self.members):
+            self.stream.repeat(lane, next(iter(self.members)))
+
+    def _advance(self) -> None:
+        before, began = self.stream.done, time.perf_counter()
+        self.stream.advance(min(self.room, self.stream.beat) if self.next else self.room)
+        spent, made = time.perf_counter() - began, self.stream.done - before
+        if made >= FIRST:
+            self.room = max(1, min(GROWTH * max(self.room, made), int(made * SECONDS / max(spent, 1e-6))))
+
+    def _look(self) -> None:
+        """Each that has its outputs takes them, and makes room where it has ended."""
+        stream = self.stream
+        for lane, member in list(self.members.items()):
+            broken = int(stream.broken[lane]) - int(self.begins[lane]) if stream.broken[lane] > 0.0 else -1
+            if stream.at[lane] < stream.stop[lane] and broken < 0:
+                continue
+            member.take(stream.rows(lane), broken, stream.state(lane))
+            if not member.ended:
+                stream.go_on(lane, member.outputs)
+                continue
+            stream.leave(lane)
+            del self.members[lane]
+            other = member.end()
+            if other is None:
+                self.found.put(member)
+            self.next[lane] = self._next() if other is None else other

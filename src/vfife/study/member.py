@@ -1,0 +1,146 @@
+"""A member of a study while it is stepped: of it no more is kept than its last turns, and what a turn ends with."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..analysis.energy import ledger
+from ..analysis.trust import DEEP_HALVINGS
+from ..analysis.wanted import WantedMeasures
+from ..assembly.assembled import Assembly
+from ..assembly.bounds import Bounds, limited_rows
+from ..model.mechanism import Mechanism
+from ..solvers.arguments import Loop
+from ..solvers.companions import measured_rows
+from ..solvers.record import Record, recorded_rows
+from ..solvers.repeating import Settling, outputs_of_a_turn
+from ..solvers.transient import choose_loop
+
+Array = NDArray[np.float64]
+
+ENDS = 64  # ends of turns that are kept to see whether energy is accounted for; every second of them goes when there are more
+DOUBTFUL = 0.1  # of the energy limit: a ledger that is as open at the ends of turns is looked at output by output
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is asked of every member: ``measures`` by the names that ``vfife run --json`` gives them, all where there are none.
+
+    It is stepped for so many ``turns`` at the most, and ends before where turns repeat within ``settle`` (1). Measures of a turn are means over the
+    ``last`` turns. ``step`` (s): None takes the automatic step of each.
+    """
+
+    measures: tuple[str, ...]
+    turns: int
+    settle: float | None = None
+    last: int = 1
+    step: float | None = None
+
+
+def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
+    """Whether a member may be stepped in a lane: turns of a crank at constant speed, in whole outputs, and a step that is written out."""
+    settings = assembly.mechanism.settings
+    return settings.analysis != "static" and outputs_of_a_turn(assembly) is not None and choose_loop(assembly, loop) == "generated"
+
+
+@dataclass
+class Stepped:
+    """A simulation in a lane. ``again`` assembles it with another step, ``reference`` are measures of the ideal mechanism.
+
+    It is ``doubtful`` where its own run has to tell what became of it: where numbers left all bounds, or energy may be unaccounted for.
+    """
+
+    number: int
+    assembly: Assembly
+    wanted: Wanted
+    measures: WantedMeasures
+    reference: Mapping[str, float] | None
+    again: Callable[[Mechanism, float], Assembly]
+    loop: str = "auto"
+    turns: int = field(default=0, init=False)
+    doubtful: bool = field(default=False, init=False)
+    values: dict[str, float] = field(default_factory=dict, init=False)
+
+    def __post_init__(self) -> None:
+        assembly, settle = self.assembly, self.wanted.settle
+        self.per = outputs_of_a_turn(assembly) or 1
+        self.recorded = recorded_rows(assembly)
+        self.handed, fine = self.recorded, True
+        if self.measures.by_turn:
+            self.handed, fine = rows_by_turn(assembly), settle is not None
+        self.outputs, self.every = (self.per, assembly.choice.outputs_every) if fine else (1, assembly.choice.outputs_every * self.per)
+        self.bounds = Bounds(assembly, self.handed)
+        self.settling = None if settle is None else Settling(assembly, self.handed, settle)
+        self.last: deque[Array] = deque(maxlen=self.wanted.last)
+
+    def start(self, state: Array) -> None:
+        """The first output."""
+        self.before, self.ends = state[None, self.handed], [(0, state[self.recorded])]
+
+    def take(self, rows: Array, broken: int, state: Array) -> None:
+        """A turn."""
+        present = state[self.recorded] + 0.0
+        self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any()) or not np.isfinite(present).all()
+        if self.doubtful:
+            return
+        self.turns += 1
+        self.ends.append((self.turns, present))
+        if len(self.ends) > ENDS:
+            del self.ends[1::2]
+        self.last.append(np.concatenate([self.before, rows]))
+        self.before = rows[-1:]
+        if self.settling is not None:
+            self.settling.take(rows)
+        self.final = state
+
+    @property
+    def ended(self) -> bool:
+        """Whether no turn is left to make."""
+        return self.doubtful or self.turns == self.wanted.turns or (self.settling is not None and self.settling.ended)
+
+    @property
+    def settled(self) -> int | None:
+        """The turn after which it ended because turns repeat."""
+        return self.turns if self.settling is not None and self.settling.ended else None
+
+    def end(self) -> Stepped | None:
+        """Takes its measures; where first contacts landed too deep for an automatic step, it is made again with half of that."""
+        choice, assembly = self.assembly.choice, self.assembly
+        if self.doubtful:
+            return None
+        deep = bool(np.any(self.final[assembly.layout["contact_deep"]]))
+        if deep and choice.automatic and len(choice.tried) < DEEP_HALVINGS[0]:
+            return dataclasses.replace(self, assembly=self._halved())
+        size = self.per * choice.outputs_every
+        steps, rows = zip(*self.ends, strict=True)
+        whole = Record(assembly, np.array(steps, dtype=np.int64) * size, np.array(rows), self.recorded)
+        self.doubtful = ledger(whole).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
+        first = self.turns - len(self.last)
+        records = []
+        for k, own in enumerate(self.last, first):
+            at = np.arange(k * self.outputs, (k + 1) * self.outputs + 1, dtype=np.int64) * self.every
+            records.append(Record(assembly, at, own, self.handed))
+        self.values = self.measures.over(records, self.reference)
+        del self.final, self.before
+        self.last.clear()
+        self.ends.clear()
+        return None
+
+    def _halved(self) -> Assembly:
+        """The same with half the step, which stays an automatic one."""
+        choice = self.assembly.choice
+        found = self.again(self.assembly.mechanism, 0.5 * choice.step)
+        tried = (*choice.tried, (choice.step, None))
+        return dataclasses.replace(found, choice=dataclasses.replace(found.choice, automatic=True, tried=tried))
+
+
+def rows_by_turn(assembly: Assembly) -> NDArray[np.uint32]:
+    """Rows of S that tell the measures of a turn of which its extremes and its end are enough, whether turns repeat, and whether it broke."""
+    forces = np.asarray(assembly.layout.rows_of("contact_normal_force"), dtype=np.uint32)
+    return np.unique(np.concatenate([measured_rows(assembly), limited_rows(assembly), forces]))

@@ -1,0 +1,162 @@
+"""Parameters with which measures are least under limits: a search that asks for as many members at once as run side by side.
+
+The search has no memory of its own. It draws from its seed and hears outcomes in the order of its members, so that the same search asks for the
+same members again: what a study file has of them is not computed twice, and a search that was killed goes on by being begun anew.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from ..errors import VfifeError
+
+EXTRA = 'the search is done by optuna, which is not installed here: pip install "vfife[optimise]"'
+BATCH = 16  # members asked for at once; it is part of the search, so it does not hang on the machine
+STARTUP = 2  # batches at random first
+
+Number = float | str
+Numbers = dict[str, Number]
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What may be varied: from ``low`` to ``high`` in SI units, evenly or by its logarithm, or one of ``values``."""
+
+    name: str
+    low: float = math.nan
+    high: float = math.nan
+    logarithmic: bool = False
+    values: tuple[Number, ...] = ()
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A limit of a measure: at least ``low``, at most ``high``."""
+
+    measure: str
+    low: float = -math.inf
+    high: float = math.inf
+
+    def excess(self, value: float) -> float:
+        """How far beyond it a value is, zero or less where it is kept; infinite for no value."""
+        over = max(value - self.high, self.low - value)
+        return over if math.isfinite(value) else math.inf
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is searched for: the least of ``minimised`` measures over ``axes``, within ``bounds``, in so many ``members``."""
+
+    axes: tuple[Axis, ...]
+    minimised: tuple[str, ...]
+    bounds: tuple[Bound, ...] = ()
+    members: int = 200
+    seed: int = 0
+    batch: int = BATCH
+
+
+@dataclass(frozen=True)
+class Found:
+    """A member of the search: its place among them, its parameters, measures (None where it failed), whether it keeps the limits."""
+
+    number: int
+    parameters: Numbers
+    values: Values | None
+    feasible: bool
+
+
+Ask = Callable[[Sequence[Numbers]], Sequence[Values | None]]
+
+
+def searched(search: Search, ask: Ask, told: Callable[[list[Found]], None] | None = None) -> list[Found]:
+    """Every member of a search, in order. ``ask`` computes members, or takes them from where they are kept, and says None for one that failed;
+    ``told`` hears of each batch. Raises VfifeError without optuna.
+
+    One measure is searched by the tree-structured Parzen estimator, several by NSGA-II; both hold to the limits by their excess.
+    """
+    optuna = imported()
+    excess: dict[int, list[float]] = {}
+
+    def constraints(trial: Any) -> list[float]:
+        return excess[trial.number]
+
+    study = optuna.create_study(directions=["minimize"] * len(search.minimised), sampler=sampler(optuna, search, constraints))
+    spaces, found = {one.name: space(optuna, one) for one in search.axes}, list[Found]()
+    while len(found) < search.members:
+        trials = [study.ask(spaces) for _ in range(min(search.batch, search.members - len(found)))]
+        batch: list[Found] = []
+        for trial, values in zip(trials, ask([dict(trial.params) for trial in trials]), strict=True):
+            one = judged(search, trial.number, dict(trial.params), values)
+            # Rounded: a sampler may compare what it is told, and the excess of a member that failed has to be a number.
+            excess[trial.number] = [min(bound.excess((values or {}).get(bound.measure, math.nan)), 1e300) for bound in search.bounds]
+            objectives = [(values or {}).get(name, math.nan) for name in search.minimised]
+            if all(map(math.isfinite, objectives)):
+                study.tell(trial, objectives)
+            else:
+                study.tell(trial, state=optuna.trial.TrialState.FAIL)
+            batch.append(one)
+        found += batch
+        if told is not None:
+            told(batch)
+    return found
+
+
+def judged(search: Search, number: int, parameters: Numbers, values: Values | None) -> Found:
+    """A member with whether it has all that is minimised, within the limits."""
+    known = values or {}
+    whole = all(math.isfinite(known.get(name, math.nan)) for name in search.minimised)
+    return Found(number, parameters, values, whole and all(bound.excess(known.get(bound.measure, math.nan)) <= 0.0 for bound in search.bounds))
+
+
+def best(search: Search, found: Sequence[Found]) -> list[Found]:
+    """The Pareto front: members within the limits than which no other is as good in every minimised measure and better in one, sorted by the first.
+
+    Of one measure that is the least. Of members with equal measures the first is told.
+    """
+    kept: dict[tuple[float, ...], Found] = {}
+    for one in found:
+        if one.feasible and one.values is not None:
+            kept.setdefault(tuple(one.values[name] for name in search.minimised), one)
+    front = [at for at in sorted(kept) if not any(dominates(other, at) for other in kept)]
+    return [kept[at] for at in front]
+
+
+def dominates(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether one is nowhere worse and somewhere better."""
+    return all(a <= b for a, b in zip(one, other, strict=True)) and any(a < b for a, b in zip(one, other, strict=True))
+
+
+def space(optuna: ModuleType, axis: Axis) -> Any:
+    """What optuna is told of a parameter."""
+    if axis.values:
+        return optuna.distributions.CategoricalDistribution(list(axis.values))
+    return optuna.distributions.FloatDistribution(axis.low, axis.high, log=axis.logarithmic)
+
+
+def sampler(optuna: ModuleType, search: Search, constraints: Callable[[Any], list[float]]) -> Any:
+    """The sampler of a search; optuna calls how it takes limits an experiment, and says so each time."""
+    limited = constraints if search.bounds else None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if len(search.minimised) == 1:
+            return optuna.samplers.TPESampler(
+                seed=search.seed, n_startup_trials=STARTUP * search.batch, multivariate=True, constant_liar=True, constraints_func=limited
+            )
+        return optuna.samplers.NSGAIISampler(seed=search.seed, population_size=2 * search.batch, constraints_func=limited)
+
+
+def imported() -> ModuleType:
+    """optuna, which is quiet. Raises VfifeError where it is not installed."""
+    try:
+        import optuna
+    except ImportError:
+        raise VfifeError(EXTRA) from None
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    module: ModuleType = optuna
+    return module

@@ -1,0 +1,188 @@
+"""Numbers by path to mechanisms that can be stepped: what members have in common is worked out once.
+
+Most numbers of a study are those of joints with play, which reach neither the ideal mechanism nor the closed start: such members are made from one
+that was assembled. Where other numbers differ, the mechanism is read, closed and run without its play anew.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+from ..analysis.measures import PEAKS, last_turn, over_turn
+from ..analysis.wanted import WantedMeasures
+from ..assembly.assemble import assemble
+from ..assembly.assembled import Assembly
+from ..assembly.possible import outlook
+from ..assembly.refit import Refit
+from ..errors import Path, VfifeError
+from ..fields import Measure, Reading, value_of
+from ..model.joints import ClearanceRevolute
+from ..model.mechanism import Mechanism
+from ..modelfile import dump, loads
+from ..modelfile.override import PathFault, parsed, resolve
+from ..simulation import ideal_of
+from ..solvers.status import Status
+from ..solvers.transient import run
+from .member import Stepped, Wanted, streams
+
+Numbers = Mapping[str, float | str]
+LAWS = ("contact", "friction")
+KEPT = 64  # mechanisms with other numbers than those of play that are remembered
+
+
+@dataclass(frozen=True)
+class Made:
+    """A mechanism whose play may be changed: what is assembled of it, and the largest values of the ideal one."""
+
+    refit: Refit
+    reference: Mapping[str, float] | None
+    again: Callable[[Mechanism, float], Assembly]
+
+
+@dataclass
+class Unstepped:
+    """A member that is not stepped in a lane: why it cannot be run, or nothing where it has a run of its own."""
+
+    number: int
+    reason: str | None = None
+    ended: bool = True
+
+
+class Written(Reading):
+    """Reads single values as those of a model file."""
+
+    written = True
+
+
+@dataclass
+class Preparing:
+    """Prepares members of a mechanism one after the other."""
+
+    base: Mechanism
+    wanted: Wanted
+    known: dict[tuple[tuple[str, float | str], ...], Made | str | None] = field(default_factory=dict)
+    paths: dict[str, Path | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        settings = dataclasses.replace(self.base.settings, settle=self.wanted.settle, companions=0)
+        self.base = dataclasses.replace(self.base, settings=settings)
+        self.text = dump(self.base)
+        self.raw = tomllib.loads(self.text)
+        self.measures = WantedMeasures(self.wanted.measures)
+
+    def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | Unstepped]:
+        """The members, in their order."""
+        for k, one in enumerate(numbers):
+            try:
+                yield self.member(k, one)
+            except VfifeError as error:
+                yield Unstepped(k, sentence(error))
+
+    def member(self, k: int, numbers: Numbers) -> Stepped | Unstepped:
+        """One of them. Raises VfifeError where it cannot be assembled."""
+        play = {path: value for path, value in numbers.items() if self.of_play(path) is not None}
+        rest = {path: value for path, value in numbers.items() if path not in play}
+        made = self.made(rest)
+        if made is None:
+            return Unstepped(k)
+        assembly = self.refitted(made, play) if play else made.refit.assembly
+        if assembly is None:
+            made = self.make(numbers)
+            if made is None:
+                return Unstepped(k)
+            assembly = made.refit.assembly
+        return Stepped(k, assembly, self.wanted, self.measures, made.reference, made.again)
+
+    def of_play(self, path: str) -> Path | None:
+        """Joint and field of a number that only a revolute joint with clearance has; None of any other."""
+        if path not in self.paths:
+            self.paths[path] = None
+            try:
+                at = resolve(self.raw, path)
+            except PathFault:
+                return None
+            joint = self.base.joints.get(str(at[1])) if at[0] == "joint" and len(at) in (3, 4) else None
+            if isinstance(joint, ClearanceRevolute) and measure(noun_of(joint, at), str(at[-1])) is not None:
+                self.paths[path] = at
+        return self.paths[path]
+
+    def refitted(self, made: Made, play: Numbers) -> Assembly | None:
+        """The assembly with other numbers of its play; None where a value is none that can be taken as it is."""
+        joints: dict[str, ClearanceRevolute] = {}
+        by = Written()
+        for path, value in play.items():
+            at = self.of_play(path) or ()
+            name, key = str(at[1]), str(at[-1])
+            joint: Any = joints.get(name) or made.refit.assembly.mechanism.joints[name]
+            noun = noun_of(joint, at)
+            held = measure(noun, key)
+            read = held.read(parsed(value) if isinstance(value, str) else value, at, by) if held is not None else None
+            if by.refused or not isinstance(read, float):
+                return None
+            try:
+                changed = dataclasses.replace(noun, **{key: read})
+                joints[name] = changed if noun is joint else dataclasses.replace(joint, **{str(at[2]): changed})
+            except ValueError:
+                return None
+        return made.refit.with_joints(joints)
+
+    def made(self, rest: Numbers) -> Made | None:
+        """The mechanism with such other numbers, with the play of the base. Raises VfifeError where there can be none."""
+        key = tuple(sorted(rest.items()))
+        if key not in self.known:
+            if len(self.known) >= KEPT:
+                del self.known[next(iter(self.known))]
+            try:
+                self.known[key] = self.make(rest)
+            except VfifeError as error:
+                self.known[key] = str(error)
+        found = self.known[key]
+        if isinstance(found, str):
+            raise VfifeError(found)
+        return found
+
+    def make(self, numbers: Numbers) -> Made | None:
+        """A mechanism read, assembled and run without its play; None for one that does not go into a lane."""
+        wanted = self.wanted
+        mechanism = loads(self.text, set=list(numbers.items()))
+        turns = float(wanted.turns)
+        if mechanism.settings.analysis == "static":
+            return None
+        seen = outlook(mechanism, turns)
+        ideal = ideal_of(mechanism, turns) if seen.through else None
+        reference = None
+        if ideal is not None:
+            record = run(ideal)
+            if record.status != Status.COMPLETE:
+                return None
+            reference = over_turn(record, last_turn(record), PEAKS)
+        expected = {name.removesuffix(".force.max"): value for name, value in (reference or {}).items() if name.endswith(".force.max")}
+        asked: dict[str, Any] = {"turns": turns, "force_step": wanted.step is not None}
+        assembly = assemble(mechanism, wanted.step, expected=expected, **asked)
+        if not streams(assembly):
+            return None
+        return Made(Refit(assembly, wanted.step, expected, **asked), reference, partial(assemble, expected=expected, **asked))
+
+
+def noun_of(joint: ClearanceRevolute, at: Path) -> Any:
+    """The joint, or its law, that has the number at a path."""
+    return joint if len(at) == 3 else getattr(joint, str(at[2])) if at[2] in LAWS else None
+
+
+def measure(noun: Any, key: str) -> Measure | None:
+    """What a field of a noun holds, where it is a quantity."""
+    for one in dataclasses.fields(noun) if noun is not None else ():
+        if one.name == key and one.metadata:
+            held = value_of(one)
+            return held if isinstance(held, Measure) and not held.series and not held.words else None
+    return None
+
+
+def sentence(error: VfifeError) -> str:
+    """An error in one line."""
+    return " ".join(line.strip() for line in str(error).splitlines() if line.strip())

@@ -1,0 +1,94 @@
+"""How the answer moves: one mechanism with many numbers, from a study file or from Python, kept in one study file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import Fault, ModelError, kind_of, shown
+from ..model.mechanism import Mechanism
+from ..modelfile import load
+from ..results.lock import Lock
+from ..results.studied import Study
+from .carry import carry_out, opened, read_back
+from .plan import Plan
+from .planfile import load_plan, of_mapping, understood
+
+ENDING = ".study"
+
+
+def study(
+    model: str | Path | Mechanism,
+    vary: Mapping[str, Any] | None = None,
+    measures: str | Iterable[str] | None = None,
+    *,
+    file: str | Path | None = None,
+    force: bool = False,
+    workers: int | None = None,
+    lanes: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    **more: Any,
+) -> Study:
+    """Runs a mechanism once for every choice of some of its numbers, and gives what was wanted of each run.
+
+    >>> vfife.study(model, {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}, ["C.force.max"], turns=10).data  # doctest: +SKIP
+
+    ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of values, or by any name a table as a
+    study file has it (``path``, ``values``, ``from`` and ``to`` ...). ``measures``: names of measures, or max, min, mean, rms, range of a channel,
+    as in "mean(C.force)". ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``, ``count``, ``seed``,
+    ``set``. ``file``: the study file to keep it in; what is in it already is not computed again, and where another study is there it gives way to
+    ``force`` alone. ``workers``, ``lanes``: threads, and members side by side in each. ``progress`` hears how many of how many members have ended.
+    Ctrl-C ends it with what has. Raises ModelError with all faults, HeldError where another process writes the file, StorageError where it cannot
+    be written.
+    """
+    plan, base, name = asked_in_python(model, vary, measures, more)
+    if file is None:
+        with tempfile.TemporaryDirectory() as folder:
+            found = made(Path(folder) / f"s{ENDING}", plan, base, name, force, workers, lanes, progress)
+        found.path = None
+        return found
+    return made(Path(file), plan, base, name, force, workers, lanes, progress)
+
+
+def made(
+    path: Path,
+    plan: Plan,
+    base: Mechanism,
+    name: str,
+    force: bool = False,
+    workers: int | None = None,
+    lanes: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Study:
+    """A plan carried out into its file."""
+    with locked(path), opened(path, plan, base, name, replace=force) as file:
+        carry_out(file, base, workers=workers, lanes=lanes, told=None if progress is None else lambda done, of, _: progress(done, of))
+        return read_back(file)
+
+
+def locked(path: Path) -> Lock:
+    """The right to write a study file. Raises HeldError."""
+    return Lock(path.absolute().parent, f"{path.name}.lock", "this study")
+
+
+def asked_in_python(model: Any, vary: Any, measures: Any, more: Mapping[str, Any]) -> tuple[Plan, Mechanism, str]:
+    """The plan of the arguments. Raises ModelError with all faults."""
+    if vary is None and measures is None and isinstance(model, str | os.PathLike):
+        if more:
+            fault = Fault(
+                next(iter(more)), "a study file says this itself", shown(next(iter(more.values()))), "", "leave it out, or change the file"
+            )
+            raise ModelError([fault], "study()")
+        plan, base = load_plan(Path(model))
+        return plan, base, Path(model).stem
+    if not isinstance(model, str | os.PathLike | Mechanism):
+        fault = Fault("model", f"this is {kind_of(model)}", shown(model), "a Mechanism, or a model file", "make one, or name a file")
+        raise ModelError([fault], "study()")
+    base = model if isinstance(model, Mechanism) else load(Path(model))
+    named = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
+    raw = of_mapping({"measures": named, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **more})
+    plan, base = understood(raw, "study()", base=base)
+    return plan, base, base.name

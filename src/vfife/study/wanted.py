@@ -1,0 +1,69 @@
+"""What is wanted of each member, checked against the model before anything is run: measures by name, reductions of channels."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ..assembly.assemble import assemble
+from ..errors import VfifeError, shown, suggestion
+from ..fields import Reading, Refused
+from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
+from ..results.studied import UNITS
+from ..results.view import View, standing
+from .engine import Wanted
+from .plan import Asked
+
+REDUCTION = re.compile(r"(max|min|mean|rms|range)\((.+)\)$")
+
+
+def wanted_of(asked: Asked) -> Wanted:
+    """What the engine is asked for."""
+    step = None if asked.step == "auto" else float(asked.step)
+    return Wanted(tuple(asked.measures), asked.turns, asked.settle, asked.last, step)
+
+
+def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) -> None:
+    """Tells names that no measure of the model has, and channels that it does not have."""
+    try:
+        view = standing(assemble(base))
+    except VfifeError as error:
+        by.tell(("model",), Refused(f"it cannot be assembled: {error}", base.name, "", "see vfife check"))
+        return
+    known = known_measures(view)
+    owners = {name for part in (base.bodies, base.joints, base.drivers, base.springs, base.loads) for name in part} | {"ground", "mechanism"}
+    for k, name in enumerate(names or ()):
+        reduced = REDUCTION.fullmatch(name)
+        if reduced is not None:
+            if reduced[2] not in view.series:
+                remedy = suggestion(reduced[2], view.series, "name a channel of the run")
+                by.tell(("measures", k), Refused("there is no such channel", shown(name), "", remedy))
+        elif name not in known:
+            owner, _, ending = name.partition(".")
+            if owner not in owners or ending not in UNITS:
+                remedy = suggestion(name, known, "vfife run MODEL.toml --json has the names")
+                by.tell(("measures", k), Refused("there is no such measure", shown(name), "", remedy))
+    if names and len(set(names)) < len(names):
+        by.tell(("measures",), Refused("the same measure twice", "", "each one once", "remove it"))
+
+
+def known_measures(view: View) -> list[str]:
+    """Names of measures that the model has at its start, and those that need a turn."""
+    from ..analysis.measures import measures
+
+    found = list(measures(view.record))
+    found += [f"{name.removesuffix('.max')}.lip" for name in found if name.endswith((".force.max", ".angular_acceleration.max"))]
+    found += [f"{name.removesuffix('.max')}.{kind}" for name in found if name.endswith(".torque.max") for kind in ("mean", "ripple")]
+    found += [name.replace(".torque.max", ".power.mean") for name in found if name.endswith(".torque.max")]
+    return [*found, "mechanism.efficiency"]
+
+
+def check_turns(base: Mechanism, asked: Asked, by: Reading) -> None:
+    """Tells what keeps members from being counted in turns."""
+    if base.settings.analysis == "static":
+        by.tell(("model",), Refused("a static analysis has no turns", base.name, "a model that moves", 'set "run.analysis" = "dynamic" in [set]'))
+    elif turn_of(base) is None:
+        by.tell(("model",), Refused("no driver turns a crank, so turns cannot be counted", base.name, "", "drive a body"))
+    if None not in (asked.last, asked.turns) and asked.last > asked.turns:
+        by.tell(("last",), Refused("more turns than a member makes", str(asked.last), f"at most {asked.turns}", "give fewer, or more turns"))

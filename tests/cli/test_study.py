@@ -1,0 +1,144 @@
+"""`vfife study`: from a study file to one file, which is shown, exported and added to; what goes wrong is a sentence and an exit code."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from study.studies import ASKED, Closed
+from vfife.results.lock import Lock
+from vfife.results.studied import Study
+from vfife.study import carry
+
+Command = Callable[..., Any]
+
+
+@pytest.fixture
+def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
+    found = Closed()
+    monkeypatch.setattr(carry, "run_members", found)
+    (tmp_path / "s.toml").write_text(ASKED)
+    return found
+
+
+def test_the_same_command_goes_on_and_computes_nothing_twice(command: Command, closed: Closed) -> None:
+    done = command("study", "s.toml")
+    assert done.exit_code == 0, done.stderr
+    assert "forecast: 6 members, some " in done.stderr and "kB in runs/s.study" in done.stderr
+    assert "play" in done.stdout and "100 µm to 300 µm" in done.stdout and "12 N" in done.stdout
+    assert len(closed.computed) == 6
+    assert command("study", "run", "s.toml", "-q").exit_code == 0
+    assert len(closed.computed) == 6
+    told = json.loads(command("study", "show", "runs/s.study", "--json", "--members").stdout)
+    assert told["status"] == "complete"
+    assert told["measures"]["C.force.max"]["largest"] == 200.0**2 * 3e-4
+    assert told["measures"]["C.force.max"]["largest_at"] == {"play": 3e-4, "speed": 200.0}
+    assert [one["C.force.max"] for one in told["members"]] == Study.open("runs/s.study").values("C.force.max").tolist()
+
+
+def test_values_points_and_what_was_broken_off_are_added(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    closed.computed.clear()
+    assert command("study", "add", "x.study", "play=0.4 mm, 0.1 mm", "-q").exit_code == 0
+    assert [one["joint.C.clearance"] for one in closed.computed] == [4e-4, 4e-4]
+    assert command("study", "add", "x.study", "--point", "play=1 mm,speed=50 rad/s", "-q").exit_code == 0
+    assert closed.computed[2:] == [{"joint.C.clearance": 1e-3, "driver.crank.speed": 50.0}]
+    assert Study.open("x.study").data["C.force.max"].dims == ("member",), "one point beside a grid"
+    assert command("study", "resume", "x.study", "-q").exit_code == 0
+    assert len(closed.computed) == 3
+    assert command("study", "add", "x.study", "speed=150", "-q").exit_code == 0
+    assert len(closed.computed) == 7
+
+
+def test_samples_are_added_to_a_sequence(command: Command, closed: Closed, tmp_path: Path) -> None:
+    lines = ASKED.replace("count = 2\n", "").replace("turns = 2", 'turns = 2\nmethod = "sobol"\ncount = 4')
+    (tmp_path / "s.toml").write_text(lines)
+    command("study", "s.toml", "-o", "x.study", "-q")
+    first = Study.open("x.study").data
+    assert first["C.force.max"].dims == ("play", "sample") and first.speed.dims == ("sample",)
+    assert command("study", "add", "x.study", "--count", "8", "-q").exit_code == 0
+    assert len(closed.computed) == 24
+    assert np.array_equal(Study.open("x.study").data.speed.values[:4], first.speed.values)
+    done = command("study", "add", "x.study", "speed=150")
+    assert (done.exit_code, "samples are taken of speed" in done.stderr) == (2, True)
+
+
+def test_a_member_that_fails_is_told_and_exit_code_3(command: Command, closed: Closed) -> None:
+    closed.fails = 2e-4
+    done = command("study", "s.toml", "-o", "x.study")
+    assert done.exit_code == 3
+    assert "2 of 6 members gave no measures; the first: diverged after 7 steps" in done.stderr
+    assert "member 2: play 200 µm, speed 100 rad/s: diverged after 7 steps" in done.stdout
+
+
+def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, tmp_path: Path) -> None:
+    import xarray
+
+    closed.without = 1e-4
+    command("study", "s.toml", "-o", "x.study", "-q")
+    found = Study.open("x.study")
+    for name in ("out.csv", "out.nc"):
+        done = command("study", "export", "x.study", name)
+        assert done.exit_code == 0, done.stderr
+    with (tmp_path / "out.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["C.force.max [N]"]) for row in rows] == found.values("C.force.max").tolist()
+    assert [float(row["play [m]"]) for row in rows] == found.points()[:, 0].tolist()
+    assert (rows[0]["C.impacts"], rows[0]["reason"]) == ("", "it has no measure C.impacts")
+    with xarray.open_dataset(tmp_path / "out.nc", engine="h5netcdf") as data:
+        assert data.identical(found.data.load()) or np.array_equal(data["C.force.max"], found.data["C.force.max"])
+        assert data["C.force.max"].attrs["units"] == "N" and data.play.attrs["long_name"] == "joint.C.clearance"
+    assert command("study", "export", "x.study", "out.csv").exit_code == 2
+    assert "there are .csv, .nc and .parquet" in command("study", "export", "x.study", "out.doc").stderr
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert command("study", "export", "x.study", "out.parquet").exit_code == 0
+    table = parquet.read_table(tmp_path / "out.parquet")
+    assert table["C.force.max"].to_numpy().tolist() == found.values("C.force.max").tolist()
+    assert table["C.impacts"].null_count == 2
+    assert table.schema.field("speed").metadata[b"units"] == b"rad/s"
+
+
+def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Closed, tmp_path: Path) -> None:
+    (tmp_path / "bad.toml").write_text(ASKED.replace("joint.C.clearance", "joint.C.clearence"))
+    (tmp_path / "other.study").write_text("a letter")
+    cases = {
+        ("study", "bad.toml"): 'Did you mean "joint.C.clearance"',
+        ("study", "missing.toml"): "it cannot be read",
+        ("study", "show", "missing.study"): "there is no study file of this name",
+        ("study", "s.toml", "-o", "other.study", "--force"): "no study file; name another one",
+        ("study", "show", "other.study"): "this is no study file",
+    }
+    for words, says in cases.items():
+        done = command(*words)
+        assert (done.exit_code, says in done.stderr) == (2, True), (words, done.stderr)
+    command("study", "s.toml", "-o", "x.study", "-q")
+    for word, says in (("plya=1", 'did you mean "play"'), ("play=1 s", "this is a time"), ("play", "this is not NAME=VALUE")):
+        done = command("study", "add", "x.study", word)
+        assert (done.exit_code, says in done.stderr) == (2, True), done.stderr
+    with Lock(tmp_path, "x.study.lock", "this study"):
+        done = command("study", "s.toml", "-o", "x.study", "-q")
+    assert (done.exit_code, "writes this study; wait until it has ended" in done.stderr) == (2, True)
+    assert len(Study.open("x.study").done) == 6
+
+
+def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(command: Command, closed: Closed, tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", "turns = 500000"))
+    done = command("study", "s.toml", "-o", "x.study")
+    assert done.exit_code == 2
+    assert "for 6 members of" in done.stderr and "add --yes if that is meant" in done.stderr
+    assert not Path("x.study").exists()
+    assert command("study", "s.toml", "-o", "x.study", "--yes", "-q").exit_code == 0
+
+
+def test_members_of_other_kinds_are_grouped_and_told(command: Command, closed: Closed, tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(ASKED + '[vary.law]\npath = "joint.C.contact.law"\nvalues = ["lankarani-nikravesh", "flores"]\n')
+    done = command("study", "s.toml", "-o", "x.study")
+    assert done.exit_code == 0, done.stderr
+    assert "members of 2 kinds are run group by group" in done.stderr
+    assert "joint.C.contact.law = flores: 6" in done.stderr
