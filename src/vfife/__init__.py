@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
+    from .study.derivatives import sensitivity
     from .study.stepped import Simulation
     from .study.studies import study
 
@@ -63,6 +64,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "modes": "analysis.modes",
     "resume": "simulation",
     "save_model": "modelfile.files",
+    "sensitivity": "study.derivatives",
     "simulate": "simulation",
     "study": "",  # the room, which can be called
 }
@@ -96,6 +98,7 @@ _above.ANSWERS |= {
     "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
+    "figures": _later("plots.study", "figures"),
 }
 
 
@@ -175,6 +178,7 @@ __all__ = [
     "quantity",
     "resume",
     "save_model",
+    "sensitivity",
     "simulate",
     "study",
 ]

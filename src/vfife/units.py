@@ -136,6 +136,7 @@ def quantity_in_si(digits: str, unit: str) -> float:
     return float(Fraction(digits) * exact) * rough * math.pi**pi
 
 
+@functools.lru_cache(maxsize=1024)
 def dimension_of(unit: str) -> tuple[str, str]:
     """What a quantity in this unit is called, and an example of one."""
     exponents = _measure(unit)[1]

@@ -5,13 +5,12 @@ Where there is no Chromium, or no Playwright to drive it, these tests are skippe
 
 import base64
 import dataclasses
-import importlib.util
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from live.browsers import needs_browser
 from live.pages import page_of
 from vfife import gallery
 from vfife.codegen.runner import Runner
@@ -21,25 +20,8 @@ from vfife.live.sliders import asked_slides
 from vfife.modelfile import loads
 from vfife.solvers.record import recorded_rows
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-WHY = "needs a browser: install the package chromium, and playwright into the environment of the tests"
-pytestmark = pytest.mark.skipif(CHROMIUM is None or importlib.util.find_spec("playwright") is None, reason=WHY)
-
-SWITCHES = (
-    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync",
-)  # fmt: skip
+pytestmark = needs_browser
 EVIL = '<img src=x onerror="window.struck=1"><b>bold</b>'
-
-
-@pytest.fixture(scope="module")
-def browser():
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=CHROMIUM, args=list(SWITCHES))
-        yield found
-        found.close()
 
 
 @pytest.fixture

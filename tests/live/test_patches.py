@@ -102,6 +102,8 @@ def test_ranges_are_read_with_their_units():
     assert (one.values[0], one.values[-1], one.values[one.here]) == (1e-5, 5e-4, 2e-4)
     (two,) = asked_slides(mechanism, ["joint.C.clearance = 10 µm .. 0.5 mm"])
     assert two.values == one.values
+    (three,) = asked_slides(mechanism, ["joint.C.clearance=0.2..0.21mm"])  # the last digit is none of the unit
+    assert (three.values[0], three.values[-1]) == (2e-4, 2.1e-4)
     (speed,) = asked_slides(mechanism, ["driver.crank.speed=1000..2000 rpm"])
     assert speed.values[0] == pytest.approx(1000 * np.pi / 30, rel=1e-2)
     assert value_at(mechanism, "joint.C.contact.restitution") == (0.9, "1")

@@ -9,13 +9,16 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from copy import copy
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..kernels.topology import Topology
 from ..laws import Material
 from ..model.joints import ClearanceRevolute
+from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from .assembled import Assembly, StepChoice
 from .entities import touches_of
@@ -40,6 +43,7 @@ class Refit:
             for name in self.places
         }
         self.apart = {name: self._apart(k) for name, k in self.places.items()}
+        self.row = layout.row("step")
         self.slots = layout.rows_of("contact_slots")
         self.choices: dict[bytes, tuple[StepChoice, Topology]] = {assembly.state[self.slots].tobytes(): (assembly.choice, assembly.topology)}
 
@@ -73,24 +77,24 @@ class Refit:
                 state[row : row + len(values)] = values
         if not np.isfinite(state[self.slots]).all():
             return None
-        mechanism = dataclasses.replace(old.mechanism, joints={**old.mechanism.joints, **joints})
-        found = dataclasses.replace(old, mechanism=mechanism, state=state)
-        choice, topology = self._stepped(found)
-        state[layout["step"]] = choice.step
-        return dataclasses.replace(found, choice=choice, topology=topology)
+        mechanism = copy(old.mechanism)
+        mechanism.joints = {**old.mechanism.joints, **joints}
+        choice, topology = self._stepped(mechanism, state)
+        state[self.row] = choice.step
+        return dataclasses.replace(old, mechanism=mechanism, state=state, choice=choice, topology=topology)
 
-    def _stepped(self, found: Assembly) -> tuple[StepChoice, Topology]:
+    def _stepped(self, mechanism: Mechanism, state: NDArray[np.float64]) -> tuple[StepChoice, Topology]:
         """The step, and the topology that it makes, which hang on the laws of contact alone."""
-        key = found.state[self.slots].tobytes()
+        key = state[self.slots].tobytes()
         if key not in self.choices:
-            touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in found.mechanism.contacts.items()]
-            owners = [name for name, body in found.bodies.items() for _ in body.elements]
-            mobility = 0 if found.mobility is None else found.mobility.after_drives
-            layout, topology = found.layout, found.topology
-            names = (touches, self.step, self.expected, owners, found.ideals)
-            choice = choose_step(found.mechanism, layout, found.state, topology, *names, free=mobility, **self.run)
-            if found.ideals:
-                topology = dataclasses.replace(topology, coarse=coarse(found.mechanism, choice, layout, found.state))
+            touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()]
+            owners = [name for name, body in self.assembly.bodies.items() for _ in body.elements]
+            mobility = 0 if self.assembly.mobility is None else self.assembly.mobility.after_drives
+            layout, topology = self.assembly.layout, self.assembly.topology
+            names = (touches, self.step, self.expected, owners, self.assembly.ideals)
+            choice = choose_step(mechanism, layout, state, topology, *names, free=mobility, **self.run)
+            if self.assembly.ideals:
+                topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, layout, state))
             if len(self.choices) < MOST_CHOICES:
                 self.choices[key] = choice, topology
             return choice, topology

@@ -24,6 +24,7 @@ from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .sensitivity import sensitivity
 from .signals import NOW, Signals
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
@@ -77,6 +78,7 @@ for command in (
     check,
     modes,
     compare,
+    sensitivity,
     info,
     impacts,
     plot,

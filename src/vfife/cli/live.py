@@ -1,4 +1,4 @@
-"""``vfife live``: a page in which a mechanism runs."""
+"""``vfife live``: a page in which a mechanism runs, as a file or served with Python behind it."""
 
 from __future__ import annotations
 
@@ -8,24 +8,41 @@ from typing import Annotated
 import typer
 
 from .options import LawsOption, SetOption, overrides, take_laws
+from .signals import NOW, end_at_once
 from .terminal import amount_of_bytes, fail, sentences, tell, writing
 
-Source = Annotated[Path, typer.Argument(metavar="MODEL|RUN", help="Model file, or the folder of a run, whose step it takes.", show_default=False)]
-Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="The page.", show_default="MODEL.html")]
+SOURCE = "Model file, or the folder of a run, whose step it takes; without one the page begins at the gallery."
+Source = Annotated[Path | None, typer.Argument(metavar="[MODEL|RUN]", help=SOURCE, show_default=False)]
+Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="Write a page that needs no server.", show_default=False)]
 SLIDE = "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; others than these there are none then."
 Slide = Annotated[list[str] | None, typer.Option("--slide", metavar="PATH=LOW..HIGH", help=SLIDE)]
 NoSlide = Annotated[bool, typer.Option("--no-sliders", help="Without any slider.")]
+Port = Annotated[int, typer.Option("--port", metavar="N", help="Port of this machine to be served on.", show_default="one that is free")]
+NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Only print the address.")]
+EXTRA = "it takes the extra live (starlette and uvicorn); pip install 'vfife[live]', or write a page that needs no server: -o PAGE.html"
 
 
 def live(
-    source: Source, out: Out = None, slide: Slide = None, no_sliders: NoSlide = False, set_: SetOption = None, laws: LawsOption = None
-) -> None:
-    """Write a page in which the mechanism runs: one file, opened from disk in any browser, without a server or a network.
+    source: Source = None, out: Out = None, slide: Slide = None, no_sliders: NoSlide = False, port: Port = 0, no_browser: NoBrowser = False,
+    set_: SetOption = None, laws: LawsOption = None,
+) -> None:  # fmt: skip
+    """See a mechanism run in a browser: served with Python behind it, or written as a page that needs no server.
 
-    It steps with the bits of vfife run --companions 0. Sliders change every clearance, the speed of drivers, friction and restitution,
-    unless --slide names others.
+    Without -o the page is served on this machine alone, until Ctrl-C: models are chosen from the gallery or the folder, edited, saved, run, and
+    followed when their files change. With -o one file is written that runs in any browser. Both step with the bits of vfife run --companions 0.
+    Sliders change every clearance, the speed of drivers, friction and restitution, unless --slide names others.
     """
-    if out is not None and not out.absolute().parent.is_dir():
+    if out is None:
+        serve(source, slide, no_sliders, port, not no_browser, set_, laws)
+        return
+    if source is None:
+        fail(f"-o {out}: nothing says what runs in it; name a model or a run")
+    write(source, out, slide, no_sliders, set_, laws)
+
+
+def write(source: Path, out: Path, slide: list[str] | None, no_sliders: bool, set_: list[str] | None, laws: list[Path] | None) -> None:
+    """Writes a page that needs no server."""
+    if not out.absolute().parent.is_dir():
         fail(f"-o {out}: there is no folder {out.absolute().parent}; make it first")
     with sentences(str(source)):
         from ..live import asked_slides, default_slides, model_of
@@ -38,12 +55,58 @@ def live(
         slides = [] if no_sliders else asked_slides(mechanism, slide) if slide else default_slides(mechanism)
         found = patched(mechanism, slides, step)
         page = written(found).encode("utf-8")
-        place = out if out is not None else Path(f"{(source.resolve() if source.is_dir() else source).stem}.html")
         if len(page) > LARGEST:
             sizes = f"{amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may"
             raise ValueError(f"the page takes {sizes}; slide less, or use fewer elements")
     for note in found.notes:
         tell("note", f"{note}.")
-    with writing(str(place)):
-        kept(place, page.decode("utf-8"))
-    typer.echo(f"{place}: {amount_of_bytes(len(page))}, sliders: {', '.join(one.name for one in found.slides) or 'none'}; open it in a browser.")
+    with writing(str(out)):
+        kept(out, page.decode("utf-8"))
+    typer.echo(f"{out}: {amount_of_bytes(len(page))}, sliders: {', '.join(one.name for one in found.slides) or 'none'}; open it in a browser.")
+
+
+def serve(
+    source: Path | None, slide: list[str] | None, no_sliders: bool, port: int, browser: bool, set_: list[str] | None, laws: list[Path] | None
+) -> None:
+    """Serves the page until Ctrl-C."""
+    with sentences(str(source) if source else "vfife live"):
+        try:
+            from ..live.served.serving import served
+        except ModuleNotFoundError as error:
+            if error.name not in ("starlette", "uvicorn"):
+                raise
+            fail(f"vfife live: {EXTRA}")
+        from ..live.served.session import Session
+        from ..results.header import is_run_file
+
+        take_laws(laws)
+        settings = overrides(set_)
+        a_run = source is not None and (source.is_dir() or is_run_file(source))
+        folder = Path.cwd() if source is None or a_run else source.absolute().parent
+        session = Session(folder, slide, not no_sliders, [f"--laws={Path(one).absolute()}" for one in laws or ()])
+        if source is None and (settings or slide):
+            raise ValueError("--set and --slide are for a model that is named; name one, or leave them out")
+        first = None if source is None else session.shelf.from_run(source, settings) if a_run else session.shelf.from_file(source, settings)
+        session.pages.first = None if first is None else first.id
+        try:
+            with served(session, port) as serving:
+                address = serving.address + (f"#{first.id}" if first else "")
+                typer.echo(f"{address}\nServed to browsers on this machine (port {serving.port}) that know this address, until Ctrl-C.")
+                NOW.saved = "What was saved is on disk."
+                if browser:
+                    show(address)
+                serving.wait()
+        except KeyboardInterrupt:
+            if left := session.unsaved:
+                NOW.saved = f"What was saved is on disk; changed and not saved: {', '.join(left)}."
+            end_at_once()  # threads may be assembling or drawing, and need not be waited for
+
+
+def show(address: str) -> None:
+    """Opens a browser, where there is one; what it prints goes nowhere."""
+    import webbrowser
+
+    try:
+        webbrowser.open(address)
+    except (webbrowser.Error, OSError):
+        tell("note", "no browser could be opened; open the address in one.")

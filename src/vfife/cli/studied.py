@@ -176,3 +176,22 @@ def export(
 
         write(found, target)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+
+
+FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="FILE-figures")]
+FigureOption = Annotated[list[str] | None, typer.Option("--figure", metavar="NAME", help="maps, curves, parallel or fronts; all unless named.")]
+MeasureOption = Annotated[list[str] | None, typer.Option("--measure", metavar="NAME", help="A measure to draw, in this order; all unless named.")]
+Kind = Annotated[str, typer.Option("--kind", metavar="KIND", help="png, svg or pdf.")]
+
+
+def plot(file: FileArgument, folder: FiguresOption = None, figure: FigureOption = None, measure: MeasureOption = None, kind: Kind = "png") -> None:
+    """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the better)."""
+    found = read(file)
+    with sentences(str(file)), writing(str(file), "The study is as it was."):
+        from ..plots.study import drawn
+
+        target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
+        target.mkdir(parents=True, exist_ok=True)
+        paths = drawn(found, target, figure or (), measure or (), f".{kind.lower().removeprefix('.')}")
+    for path in paths:
+        typer.echo(path)

@@ -14,7 +14,7 @@ from ..solvers.status import Status
 from .options import JsonOption, LawsOption, take_laws
 from .plainly import Command, Plainly
 from .signals import NOW
-from .studied import export, show
+from .studied import export, plot, show
 from .terminal import DIVERGED, amount_of_bytes, command, fail, print_json, sentences, span, tell, writing
 
 if TYPE_CHECKING:
@@ -140,6 +140,7 @@ def add(
 
 
 study.command(cls=Command)(show)
+study.command(cls=Command)(plot)
 study.command(cls=Command)(export)
 
 

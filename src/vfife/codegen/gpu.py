@@ -41,6 +41,14 @@ class Thread(Lane):
         """Address of a row."""
         return Writer.row(self, row, copy)
 
+    def function(self, f: Function) -> tuple[str, ...]:
+        """Value, two derivatives, kinks and value one step later of a function."""
+        self.truths = frozenset(Trace(f.operations, {}).truths)
+        for operation in f.operations:
+            self.operation(operation)
+        values = self.polynomial(str(f.table), self.value(f.argument))
+        return values + (self.polynomial(str(f.table), "%after")[0] if f.of_time else values[0],)
+
     def phi(self, name: str, first: str, second: str, blocks: tuple[str, str]) -> None:
         """A number that is one thing coming from one block and another from the other."""
         self.out.append(f"  {name} = phi double [ {first}, %{blocks[0]} ], [ {second}, %{blocks[1]} ]")
@@ -90,7 +98,7 @@ def _search(w: Thread, found: list[Function], layout: Layout) -> None:
     ahead = w.fresh(f"sitofp i64 {w.fresh('add i64 %step, 1')} to double")
     for name, n in (("time", f"%{STEP_NUMBER}"), ("after", ahead)):
         w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double {n}, {shift}')}, {dt}")
-    w.out += [f"  %ahead = select i1 true, double {dt}, double 0.0", "  %shift = add i64 0, 0"]
+    w.out += [f"  %ahead = select i1 true, double {dt}, double 0.0"]
     for number, f in enumerate(found):
         w.mark = f"f{number}"
         for row, value in zip(f.rows, w.function(f), strict=True):
@@ -145,11 +153,11 @@ def written(topology: Topology) -> str:
     found, layout, step = functions(topology), Layout(topology), trace(topology)
     return "\n".join(
         [
-            searched(found, 1, layout, stride=TILE),
+            searched(found, 1, layout, (), stride=TILE),
             lean(step, found, layout),
             whole(trace(topology, True), 1, bool(found), bool(step.rare), TILE),
             resize(resizing(topology), 1, TILE),
-            re.sub(r"^define [^@]*@(advance|displace)\(.*?^}\n", "", driver(layout, 1, TILE), flags=re.M | re.S),  # a card has streams alone
+            re.sub(r"^define [^@]*@(advance|displace)\(.*?^}\n", "", driver(layout, 1, stride=TILE), flags=re.M | re.S),  # a card has streams alone
             member(layout),
         ]
     )

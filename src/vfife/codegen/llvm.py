@@ -14,6 +14,7 @@ from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
+from .tangent import Tangents, named, of_size, of_time, tangent
 from .trace import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
@@ -31,8 +32,7 @@ class Writer:
     """Instructions for W simulations side by side; a row begins ``stride`` numbers after the one before, which is W unless another is given."""
 
     def __init__(self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = (), stride: int = 0) -> None:
-        self.width, self.truths, self.moving = width, frozenset(truths), frozenset(moving)
-        self.stride = stride or width
+        self.width, self.truths, self.moving, self.stride = width, frozenset(truths), frozenset(moving), stride or width
         self.out: list[str] = []
         self.number = "double" if width == 1 else f"<{width} x double>"
         self.truth = "i1" if width == 1 else f"<{width} x i1>"
@@ -153,19 +153,14 @@ class Lane(Writer):
         """Address of a row in the lane."""
         return self.fresh(f"getelementptr double, ptr %{copy}, i64 {self.fresh(f'add i64 %w, {row * self.stride}')}")
 
-    def function(self, f: Function) -> tuple[str, ...]:
-        """Value, two derivatives, kinks and value one step later of a function."""
-        self.truths = frozenset(Trace(f.operations, {}).truths)
-        for operation in f.operations:
-            self.operation(operation)
-        table = self.fresh(f"add i64 %shift, {f.table}")
-        values = self.polynomial(table, self.value(f.argument))
-        return values + (self.polynomial(table, "%after")[0] if f.of_time else values[0],)
-
     def polynomial(self, table: str, x: str) -> tuple[str, ...]:
         """Value, two derivatives and kinks of a table."""
         result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 {table}, double {x})")
         return tuple(self.fresh(f"extractvalue {ANSWER} {result}, {k}") for k in range(4))
+
+    def along(self, own: str, rate: str, slope: str) -> str:
+        """Change of a function whose table changes by ``own`` and whose argument by ``slope``."""
+        return self.fresh(f"fadd double {own}, {self.fresh(f'fmul double {rate}, {slope}')}")
 
 
 def literal(x: float) -> str:
@@ -248,22 +243,46 @@ never:
 """
 
 
-def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int] = (), stride: int = 0) -> str:
-    """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them."""
+def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int], directions: int = 0, stride: int = 0) -> str:
+    """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them.
+
+    With ``directions`` the tables of a lane are followed by those of their derivatives, and these by the derivatives of its numbers in each.
+    """
     if not found:
         return f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n"
     w = Lane(stride or width, moving)
+    if directions:
+        w.out.append(f"  %length = udiv i64 %stride, {directions + 2}")
     dt, shift = (w.fresh(f"load double, ptr {w.row(layout.row(name))}, align 8") for name in ("step", "shift"))
     for name, n in (("time", "nd"), ("after", "md")):
         w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double %{n}, {shift}')}, {dt}")
     w.out.append(f"  %ahead = select i1 %start, double 0.0, double {dt}")
     for number, f in enumerate(found):
-        w.mark = f"f{number}"
-        for name in rows_used(f.operations):
+        run = Tangents(layout.rows, directions)
+        run.slopes |= of_time(layout.row("step"))(run) if directions else {}
+        run.run(f.operations)
+        slopes = run.slope(f.argument), run.slope("after")
+        operations = run.tape.needed([run.value(f.argument), *slopes[0], *slopes[1]]) if directions else f.operations
+        w.mark, w.truths = f"f{number}", frozenset(Trace(operations, {}).truths)
+        for name in rows_used(operations):
             w.load(int(name[1:]))
-        values = w.function(f)
-        for row, value in zip(f.rows, values, strict=True):
+        for operation in operations:
+            w.operation(operation)
+        table = w.fresh(f"add i64 %shift, {f.table}")
+        argument = w.value(named(run.value(f.argument)) if directions else f.argument)
+        values = w.polynomial(table, argument)
+        later = w.polynomial(table, "%after") if f.of_time else values
+        for row, value in zip(f.rows, (*values, later[0]), strict=True):
             w.out.append(f"  store double {value}, ptr {w.row(row)}, align 8")
+        third = w.polynomial(w.fresh(f"add i64 {table}, %length"), argument)[2] if directions else ""
+        for k in range(directions):
+            own = w.fresh(f"add i64 {table}, {w.fresh(f'mul i64 %length, {k + 2}')}")
+            slope, after = (w.value(named(one[k])) for one in slopes)
+            parts = w.polynomial(own, argument)
+            found_slopes = [w.along(part, rate, slope) for part, rate in zip(parts[:3], (values[1], values[2], third), strict=True)]
+            next_slope = w.along(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else found_slopes[0]
+            for row, value in zip(f.rows, (*found_slopes, w.value(0.0), next_slope), strict=True):
+                w.out.append(f"  store double {value}, ptr {w.row(row + (k + 1) * layout.rows)}, align 8")
     body = "\n".join(w.out)
     return f"""define internal {FUNCTIONS} noinline {{
 entry:
@@ -314,11 +333,11 @@ def lanes(width: int) -> str:
     )  # fmt: skip
 
 
-def driver(layout: Layout, width: int, stride: int = 0) -> str:
-    """Text of ``advance`` and of what it calls, beside the steps."""
+def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> str:
+    """Text of ``advance`` and ``stream``, and of what they call beside the steps."""
     w, stride = Writer(width), stride or width
-    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows}
-    words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
+    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
+    words |= {"ROWS": layout.rows * (directions + 1)} | {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
     text = DRIVER.read_text()
     for word, value in words.items():
         text = text.replace(word, str(value))
@@ -326,15 +345,19 @@ def driver(layout: Layout, width: int, stride: int = 0) -> str:
     return "\n".join([*declared, lanes(width), text])
 
 
-def written(topology: Topology, width: int) -> str:
-    """Text of a module with ``advance``, which ``driver.ll`` describes."""
+def written(topology: Topology, width: int, directions: int = 0) -> str:
+    """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
     found, layout, step = functions(topology), Layout(topology), trace(topology)
+    steps, change = [step, trace(topology, True)], resizing(topology)
+    if directions:
+        steps = [tangent(one, layout.rows, directions) for one in steps]
+        change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
     return "\n".join(
         [
-            searched(found, width, layout, step.stores),
-            lean(step, width, bool(found)),
-            whole(trace(topology, True), width, bool(found), bool(step.rare)),
-            resize(resizing(topology), width),
-            driver(layout, width),
+            searched(found, width, layout, steps[0].stores, directions),
+            lean(steps[0], width, bool(found)),
+            whole(steps[1], width, bool(found), bool(step.rare)),
+            resize(change, width),
+            driver(layout, width, directions),
         ]
     )

@@ -83,9 +83,9 @@ def origin(topology: Topology) -> list[bytes]:
     return [cache.sources(), repr(numbers).encode(), repr([f"{law.__module__}.{law.__qualname__}" for law in laws]).encode(), names.encode()]
 
 
-def name_of(topology: Topology, width: int) -> str:
+def name_of(topology: Topology, width: int, directions: int = 0) -> str:
     """File of the cache with a topology's machine code."""
-    parts = (llvmlite_version(), platform.machine(), *processor(), str(width))
+    parts = (llvmlite_version(), platform.machine(), *processor(), str(width), str(directions))
     return f"step-{cache.digest([*origin(topology), *(part.encode() for part in parts)])}.o"
 
 
@@ -179,16 +179,16 @@ class Loaded:
 
 
 @lru_cache(maxsize=64)
-def straight_line(topology: Topology, width: int) -> Loaded:
-    """The step of a topology in so many lanes, from the cache or compiled."""
+def straight_line(topology: Topology, width: int, directions: int = 0) -> Loaded:
+    """The step of a topology in so many lanes, with its derivatives in so many directions, from the cache or compiled."""
     with WRITING:
-        name = name_of(topology, width)
+        name = name_of(topology, width, directions)
         code = cache.read(name)
         if code is not None:
             return Loaded(code, width)
         from .llvm import written
 
         cache.missed()
-        code = object_code(written(topology, width))
+        code = object_code(written(topology, width, directions))
         cache.keep(name, code)
         return Loaded(code, width)

@@ -106,6 +106,9 @@ class Runner:
     Where lanes are ``watched``, each is looked at after every 1000 steps, counted from the first (``look``); ``broken`` says of one whose numbers
     had left all bounds then after how many steps that was. It stops no other; a call ends when all that are watched are broken. Rows of a lane
     after it broke mean nothing.
+
+    With ``directions``, in the generated loop, the state is followed by as many derivatives of it, of as many rows each; ``tables`` are followed by
+    the tables of their derivatives by their argument, and by those in each direction.
     """
 
     def __init__(
@@ -119,15 +122,18 @@ class Runner:
         parts: int = PARTS,
         shares: Rows | None = None,
         watched: Watched | None = None,
+        directions: int = 0,
     ) -> None:
         self.topology, self.loop = topology, loop
         self.kept = np.ascontiguousarray(kept, dtype=np.uint32)
         self.layout = Layout(topology)
         self.lanes = states.shape[1]
-        self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
+        rows = self.layout.rows
+        own = np.array(self.layout.of("extreme"), dtype=np.uint32)
+        self.extremes = np.concatenate([own + np.uint32(k * rows) for k in range(directions + 1)])
         self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
         self.done = 0
-        self.S, self.spare = aligned(self.layout.rows * self.lanes), aligned(self.layout.rows * self.lanes)
+        self.S, self.spare = (aligned(rows * (directions + 1) * self.lanes) for _ in range(2))
         self.shares = aligned(self.lanes)
         self.shares[:] = 0.0 if shares is None else shares
         self.states[:] = states
@@ -135,7 +141,7 @@ class Runner:
         self.look, self.broken = NEVER, aligned(self.lanes)
         limited, limits = self._watch(watched)
         self.memory = Memory(self.S, self.spare, self.functions, parts, self.shares, self.kept, self.extremes, limited, limits, self.broken)
-        chosen = straight_line(topology, self.lanes) if loop == "generated" else DataDriven(topology, self.lanes, loop == "interpreted")
+        chosen = straight_line(topology, self.lanes, directions) if loop == "generated" else DataDriven(topology, self.lanes, loop == "interpreted")
         self.take = chosen(self.memory)
 
     def _watch(self, watched: Watched | None) -> tuple[Integers, Rows]:

@@ -122,6 +122,8 @@ class Layout:
             self.records[entity] = starts
             self.rows += int(sizes.sum())
         self.known: dict[str, NDArray[np.intp]] = {}
+        self.whole: dict[str, NDArray[np.intp]] = {}
+        self.roles: dict[tuple[Role, ...], tuple[int, ...]] = {}
 
     def __getitem__(self, name: str) -> NDArray[np.intp]:
         if name not in self.known:
@@ -132,7 +134,9 @@ class Layout:
 
     def rows_of(self, name: str) -> NDArray[np.intp]:
         """All rows of a block, entity by entity, also where it is wider than one row."""
-        return np.asarray((self[name][:, None] + np.arange(BY_NAME[name].width)).reshape(-1), dtype=np.intp)
+        if name not in self.whole:
+            self.whole[name] = np.asarray((self[name][:, None] + np.arange(BY_NAME[name].width)).reshape(-1), dtype=np.intp)
+        return self.whole[name]
 
     def row(self, name: str, index: int = 0) -> int:
         """Row of entity ``index`` in block ``name``; of its first row where the block is wider. Of bound blocks the index is the particle's."""
@@ -147,5 +151,7 @@ class Layout:
 
     def of(self, *roles: Role) -> list[int]:
         """All rows of the given roles, block by block."""
-        chosen = [block for block in BLOCKS if block.role in roles]
-        return [row for block in chosen for row in self.rows_of(block.name).tolist()]
+        if roles not in self.roles:
+            chosen = [block for block in BLOCKS if block.role in roles]
+            self.roles[roles] = tuple(row for block in chosen for row in self.rows_of(block.name).tolist())
+        return list(self.roles[roles])

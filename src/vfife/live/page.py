@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from functools import lru_cache
 from html import escape
 from pathlib import Path
 
 from ..codegen import javascript
+from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
 from .given import given
 from .patches import Patched, patched
@@ -18,7 +20,7 @@ BROWSER = Path(__file__).with_name("browser")
 WORKER = ("stepper.js",)
 SCRIPTS = (
     "pieces.js", "numbers.js", "store.js", "running.js", "theme.js", "svg.js", "pen.js", "pose.js", "scene.js", "axes.js", "charts.js",
-    "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js",
+    "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js", "looks.js",
 )  # fmt: skip
 LARGEST = 2_000_000  # bytes
 
@@ -48,8 +50,14 @@ def written(found: Patched) -> str:
     return page
 
 
+@lru_cache(maxsize=16)
+def step_of(topology: Topology) -> str:
+    """The text of a step, kept for the next model that differs in numbers alone."""
+    return javascript.written(topology)
+
+
 def worker(found: Together) -> str:
     """What the worker runs: the step of the mechanism, that of its ideal reference, and what drives them."""
-    texts = [javascript.written(found.own.topology)] + ([javascript.written(found.ideal.topology)] if found.ideal else [])
+    texts = [step_of(one.topology) for one in (found.own, found.ideal) if one is not None]
     steps = ",\n".join(f"(() => {{\n{text}\nreturn advance;\n}})()" for text in texts)
     return f'"use strict";\nconst steps = [{steps}];\n' + "\n".join((BROWSER / name).read_text("utf-8") for name in WORKER)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
@@ -108,7 +108,8 @@ OTHERWISE = "it has other parts, or other outputs, than the page; over turns, in
 class Settings:
     """Settings of sliders, and what assembly gives for each of them with one number of steps between outputs."""
 
-    def __init__(self, mechanism: Mechanism, slides: Sequence[Slide], step: float | None) -> None:
+    def __init__(self, mechanism: Mechanism, slides: Sequence[Slide], step: float | None, going: Callable[[], None] = lambda: None) -> None:
+        self.going = going
         self.slides, self.text, self.given = tuple(slides), dump(mechanism), step
         self.ideals: list[Assembly] = []
         self.expected: Mapping[str, float] = {}
@@ -150,12 +151,14 @@ class Settings:
 
     def _every(self, moves: dict[int, int]) -> int:
         """Steps between two outputs that a setting would have by itself; 0 for one that no model may have."""
+        self.going()
         with suppress(VfifeError):
             return assemble(self.mechanism(self.moved(moves)), expected=self.expected).choice.outputs_every
         return 0
 
     def at(self, positions: tuple[int, ...]) -> Together | None:
         """Both mechanisms at a setting; None for one that no model may have, or that another text would run."""
+        self.going()
         if positions == self.here:
             return self.base
         key = tuple((slide.paths, slide.values[k]) for slide, k in zip(self.slides, positions, strict=True) if k != slide.here)
@@ -173,9 +176,12 @@ class Settings:
         return self.known[key]
 
 
-def patched(mechanism: Mechanism, slides: Sequence[Slide], step: float | None = None) -> Patched:
-    """Assembles the positions of all sliders, groups those whose patches do not combine, and checks settings of all of them at once."""
-    settings = Settings(mechanism, slides, step)
+def patched(mechanism: Mechanism, slides: Sequence[Slide], step: float | None = None, going: Callable[[], None] = lambda: None) -> Patched:
+    """Assembles the positions of all sliders, groups those whose patches do not combine, and checks settings of all of them at once.
+
+    ``going`` is called before each assembly; what it raises ends the whole.
+    """
+    settings = Settings(mechanism, slides, step, going)
     settings.refine()
     settings, notes = usable(settings)
     groups = joined(settings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +17,7 @@ POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
 SHARES = {"clearance": (0.4, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.0)}  # of the model's value, by default
 RESTITUTION = (0.4, 0.95)
+NUMBER = re.compile(r"^[+-]?[0-9.]+([eE][+-]?[0-9]+)?")  # before the unit of a range's upper end
 SECTIONS = {"joint": "joints", "body": "bodies", "driver": "drivers", "spring": "springs", "load": "loads", "gear": "gears"}
 
 
@@ -74,9 +76,7 @@ def asked_slides(mechanism: Mechanism, texts: Iterable[str]) -> list[Slide]:
         try:
             value, unit = value_at(mechanism, path)
             high_value = number(high, unit)
-            low_value = number(
-                low if not bare(low) else low + high[len(high.rstrip("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZµ°%^/* ()·1")) :], unit
-            )
+            low_value = number(f"{low} {NUMBER.sub('', high)}" if bare(low) else low, unit)
         except ValueError as error:
             raise ValueError(f"--slide {text}: {error}") from None
         if not low_value < high_value:

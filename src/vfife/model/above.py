@@ -1,13 +1,15 @@
-"""What a mechanism is asked for that rooms above this one answer: the package, which knows all rooms, enters them here when it is imported."""
+"""What a mechanism, or a study, is asked for that rooms above this one answer: the package, which knows all rooms, enters them here when it is
+imported.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-ANSWERS: dict[str, Callable[..., Any]] = {}  # to_toml, check, plot, html: functions of a mechanism
+ANSWERS: dict[str, Callable[..., Any]] = {}  # to_toml, check, plot, html: functions of a mechanism; figures: of a study
 
 
-def answered(question: str, mechanism: Any) -> Any:
+def answered(question: str, *given: Any) -> Any:
     """The answer of the room that has it."""
-    return ANSWERS[question](mechanism)
+    return ANSWERS[question](*given)

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
 
+from .style import STYLE
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+def saved_in_style(draw: Callable[[], Figure], path: Path) -> Path:
+    """Draws a figure in the style of all and writes it as :func:`saved` does."""
+    with matplotlib.rc_context(STYLE):
+        return saved(draw(), path)
 
 
 def saved(figure: Figure, path: Path) -> Path:

@@ -33,7 +33,7 @@ def mechanism_html(mechanism: Mechanism) -> str:
     from . import at_start
 
     try:
-        drawn = picture(at_start(mechanism), f"drawing of {mechanism.name}")
+        drawn = sharp(at_start(mechanism), f"drawing of {mechanism.name}")
     except VfifeError as error:
         drawn = f"<pre>{escape(str(error))}</pre>"
     return f"<h4>{escape(str(mechanism.name))}</h4>{drawn}{''.join(f'<b>{title}</b>{table(rows)}' for title, rows in parts(mechanism))}"
@@ -60,15 +60,21 @@ def pictures(result: View) -> dict[str, str]:
     return {f"{TITLES[name]}": sharp(figure, TITLES[name]) for name, figure in figures(result).items()}
 
 
-def sharp(figure: Figure, words: str) -> str:
-    """A figure as SVG, or as PNG where that is smaller."""
+def lines(figure: Figure, words: str) -> bytes:
+    """A figure as SVG; ``words`` name its parts, so that it is the same each time."""
     made = io.BytesIO()
     with matplotlib.rc_context({**STYLE, "svg.fonttype": "path", "svg.hashsalt": words}):
         figure.savefig(made, format="svg", metadata={"Date": None})
-    if len(made.getvalue()) > LARGEST:
+    return made.getvalue()
+
+
+def sharp(figure: Figure, words: str) -> str:
+    """A figure as SVG, or as PNG where that is smaller."""
+    made = lines(figure, words)
+    if len(made) > LARGEST:
         return picture(figure, words)
-    data = base64.b64encode(made.getvalue()).decode("ascii")
-    return f'<img alt="{escape(words)}" src="data:image/svg+xml;base64,{data}">'
+    data = base64.b64encode(made).decode("ascii")
+    return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/svg+xml;base64,{data}">'
 
 
 def picture(figure: Figure, words: str) -> str:

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
+from ..model.above import answered
 from ..solvers.status import Status
 from .studyfile import WHAT, Kept, StudyFile
 
 if TYPE_CHECKING:
     import pandas
     import xarray
+    from matplotlib.figure import Figure
 
 # Units of measures, by the ends of their names.
 UNITS = {
@@ -187,22 +189,25 @@ class Study:
     def _places(self) -> dict[str, dict[Any, int]]:
         return {name: {value: k for k, value in enumerate(values)} for name, values in self.axes.items()}
 
+    def laid_out(self, name: str) -> NDArray[np.float64]:
+        """A measure, or turns, settled or step, along the axes; NaN of members that are left or have none."""
+        found = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
+        for one in self.done:
+            outcome = self.outcomes[one.number]
+            value = outcome["measures"].get(name) if name in self.measures else outcome[name]
+            found[self.place(one)] = math.nan if value is None else value
+        return found
+
     @cached_property
     def data(self) -> xarray.Dataset:
         """Measures over what is varied, with units, and of each member its status, turns and step. Members that are left, or gave none, are NaN."""
         import xarray
 
-        shape = tuple(len(values) for values in self.axes.values())
         dims = tuple(self.axes)
-        arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in (*self.measures, "turns", "settled", "step")}
-        status = np.full(shape, "left", dtype=object)
+        arrays = {name: self.laid_out(name) for name in (*self.measures, "turns", "settled", "step")}
+        status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
         for one in self.done:
-            at, outcome = self.place(one), self.outcomes[one.number]
-            for name in self.measures:
-                arrays[name][at] = outcome["measures"].get(name, math.nan)
-            for name in ("turns", "settled", "step"):
-                arrays[name][at] = math.nan if outcome[name] is None else outcome[name]
-            status[at] = outcome["status"]
+            status[self.place(one)] = self.outcomes[one.number]["status"]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
         found: dict[str, Any] = {name: (dims, values, {"units": units[name]}) for name, values in arrays.items()}
         found["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
@@ -242,6 +247,20 @@ class Study:
             row["status"] = row["status"] or "left"
             found.append(row)
         return found
+
+    def plot(self, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]:
+        """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; those of ``names`` and ``measures`` where some are named.
+
+        Raises VfifeError for a name that nothing has.
+        """
+        found: dict[str, Figure] = answered("figures", self, names, measures)
+        return found
+
+    def export(self, path: str | Path) -> None:
+        """Writes a row a member as CSV or Parquet, the dataset as NetCDF, as the file's ending says. Raises VfifeError for another, OSError."""
+        from .studyexport import write
+
+        write(self, Path(path))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """One table for pandas, a row a member."""

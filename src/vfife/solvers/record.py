@@ -74,6 +74,28 @@ class Estimate:
 
 
 @dataclass
+class Columns:
+    """Where blocks stand among the rows ``kept`` of a layout."""
+
+    layout: Layout
+    kept: NDArray[np.uint32]
+    places: dict[str, NDArray[np.intp]] = field(default_factory=dict)
+    whole: dict[str, bool] = field(default_factory=dict)
+
+    def of(self, name: str) -> NDArray[np.intp]:
+        """Columns of a block."""
+        if name not in self.places:
+            self.places[name] = places(self.kept, self.layout[name])
+        return self.places[name]
+
+    def keeps(self, name: str) -> bool:
+        """Whether all of a block is there."""
+        if name not in self.whole:
+            self.whole[name] = bool(np.isin(self.layout[name], self.kept).all())
+        return self.whole[name]
+
+
+@dataclass
 class Record:
     """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps * step.
 
@@ -101,6 +123,13 @@ class Record:
     lost: tuple[str, ...] = ()
     reached: int = 0
     burst: Burst | None = None
+    columns: Columns | None = field(default=None, repr=False, compare=False)  # where blocks stand, which records of one layout may share
+
+    @property
+    def _columns(self) -> Columns:
+        if self.columns is None or self.columns.kept is not self.kept or self.columns.layout is not self.assembly.layout:
+            self.columns = Columns(self.assembly.layout, self.kept)
+        return self.columns
 
     @property
     def rows(self) -> Rows:
@@ -116,11 +145,11 @@ class Record:
 
     def block(self, name: str) -> NDArray[np.float64]:
         """Recorded values of a block, shape (outputs, entities)."""
-        return self.rows[:, places(self.kept, self.assembly.layout[name])]
+        return self.rows[:, self._columns.of(name)]
 
     def keeps(self, name: str) -> bool:
         """Whether a block was recorded; a record of an older version may lack one."""
-        return bool(np.isin(self.assembly.layout[name], self.kept).all())
+        return self._columns.keeps(name)
 
     def parameter(self, name: str) -> NDArray[np.float64]:
         """Values of a parameter block, shape (entities,)."""

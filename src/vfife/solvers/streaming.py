@@ -59,16 +59,29 @@ class Member(Ending, Protocol):
         """Its last word: what takes its place, where it has to be made again."""
 
 
+Kind: TypeAlias = tuple[int, str, int, int, int]
 Found: TypeAlias = "queue.SimpleQueue[Ending | BaseException | None]"
 
 
-def kind(member: Member, loops: dict[Any, str]) -> tuple[Any, ...]:
-    """What members have in common that share lanes."""
-    assembly, handed = member.assembly, member.handed.tobytes()
-    if (assembly.topology, member.loop) not in loops:
-        loops[assembly.topology, member.loop] = choose_loop(assembly, member.loop)  # type: ignore[arg-type]
-    loop = loops[assembly.topology, member.loop]
-    return assembly.topology, loop, len(assembly.tables), assembly.mechanism.settings.parts, member.outputs, handed
+class Kinds:
+    """What members have in common that share lanes; long descriptions that were met before are known by the objects that they are."""
+
+    def __init__(self) -> None:
+        self.met: dict[tuple[int, int, str], tuple[Any, Any, int]] = {}
+        self.numbers: dict[Any, int] = {}
+        self.loops: dict[int, str] = {}
+
+    def of(self, member: Member) -> Kind:
+        """Topology and rows that are handed out by their number, loop, length of tables, parts, outputs."""
+        assembly, handed = member.assembly, member.handed
+        key = id(assembly.topology), id(handed), member.loop
+        if key not in self.met:
+            number = self.numbers.setdefault((assembly.topology, handed.tobytes(), member.loop), len(self.numbers))
+            if number not in self.loops:
+                self.loops[number] = choose_loop(assembly, member.loop)  # type: ignore[arg-type]
+            self.met[key] = assembly.topology, handed, number  # kept, so that nothing else comes to lie there
+        number = self.met[key][2]
+        return number, self.loops[number], len(assembly.tables), assembly.mechanism.settings.parts, member.outputs
 
 
 @dataclass
@@ -79,10 +92,10 @@ class Waiting:
     found: Found
     share: int  # that one thread takes at first, so that few members are shared fairly
     lock: threading.Lock = field(default_factory=threading.Lock)
-    queues: dict[tuple[Any, ...], deque[Member]] = field(default_factory=dict)
-    loops: dict[Any, str] = field(default_factory=dict)
+    queues: dict[Kind, deque[Member]] = field(default_factory=dict)
+    kinds: Kinds = field(default_factory=Kinds)
 
-    def next(self, wanted: tuple[Any, ...] | None) -> tuple[tuple[Any, ...], Member] | None:
+    def next(self, wanted: Kind | None) -> tuple[Kind, Member] | None:
         """A member of a kind, or of any; None where there is none left."""
         with self.lock:
             for found, waiting in self.queues.items():
@@ -93,7 +106,7 @@ class Waiting:
                     self.found.put(member)
                     continue
                 member = cast(Member, member)
-                found = kind(member, self.loops)
+                found = self.kinds.of(member)
                 if wanted in (None, found):
                     return found, member
                 self.queues.setdefault(found, deque()).append(member)
@@ -150,10 +163,9 @@ def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool]
 class Lanes:
     """The lanes of a thread, and who is in them."""
 
-    def __init__(
-        self, shared: tuple[Any, ...], first: Member, waiting: Waiting, found: Found, lanes: int, streaming: type[Stream | DeviceStream]
-    ) -> None:
-        topology, loop, tables, parts, outputs, _ = shared
+    def __init__(self, shared: Kind, first: Member, waiting: Waiting, found: Found, lanes: int, streaming: type[Stream | DeviceStream]) -> None:
+        _, loop, tables, parts, outputs = shared
+        topology = first.assembly.topology
         self.kind, self.waiting, self.found = shared, waiting, found
         lanes = lanes if loop == "generated" else 1
         sound, limited = recorded_rows(first.assembly), limited_rows(first.assembly)

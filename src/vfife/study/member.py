@@ -18,7 +18,7 @@ from ..assembly.bounds import Bounds, limited_rows
 from ..model.mechanism import Mechanism
 from ..solvers.arguments import Loop
 from ..solvers.companions import measured_rows
-from ..solvers.record import Record, recorded_rows
+from ..solvers.record import Columns, Record, recorded_rows
 from ..solvers.repeating import Settling, outputs_of_a_turn
 from ..solvers.transient import choose_loop
 
@@ -49,6 +49,21 @@ def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
     return settings.analysis != "static" and outputs_of_a_turn(assembly) is not None and choose_loop(assembly, loop) == "generated"
 
 
+class Plan:
+    """What is kept of members that differ in numbers of play: the rows that their lanes hand out, and where blocks stand among them.
+
+    Where one row for each turn tells all that is ``wanted``, and nobody asks whether turns repeat, a turn is handed out as one output.
+    """
+
+    def __init__(self, assembly: Assembly, wanted: Wanted, measures: WantedMeasures) -> None:
+        self.wanted, self.measures = wanted, measures
+        self.recorded = recorded_rows(assembly)
+        self.handed = rows_by_turn(assembly) if measures.by_turn else self.recorded
+        self.fine = wanted.settle is not None or not measures.by_turn
+        self.told, self.ends = Columns(assembly.layout, self.handed), Columns(assembly.layout, self.recorded)
+        self.deep = assembly.layout["contact_deep"]
+
+
 @dataclass
 class Stepped:
     """A simulation in a lane. ``again`` assembles it with another step, ``reference`` are measures of the ideal mechanism.
@@ -58,8 +73,7 @@ class Stepped:
 
     number: int
     assembly: Assembly
-    wanted: Wanted
-    measures: WantedMeasures
+    plan: Plan
     reference: Mapping[str, float] | None
     again: Callable[[Mechanism, float], Assembly]
     loop: str = "auto"
@@ -68,24 +82,21 @@ class Stepped:
     values: dict[str, float] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        assembly, settle = self.assembly, self.wanted.settle
+        assembly, plan = self.assembly, self.plan
         self.per = outputs_of_a_turn(assembly) or 1
-        self.recorded = recorded_rows(assembly)
-        self.handed, fine = self.recorded, True
-        if self.measures.by_turn:
-            self.handed, fine = rows_by_turn(assembly), settle is not None
-        self.outputs, self.every = (self.per, assembly.choice.outputs_every) if fine else (1, assembly.choice.outputs_every * self.per)
+        self.handed, every = plan.handed, assembly.choice.outputs_every
+        self.outputs, self.every = (self.per, every) if plan.fine else (1, every * self.per)
         self.bounds = Bounds(assembly, self.handed)
-        self.settling = None if settle is None else Settling(assembly, self.handed, settle)
-        self.last: deque[Array] = deque(maxlen=self.wanted.last)
+        self.settling = None if plan.wanted.settle is None else Settling(assembly, self.handed, plan.wanted.settle)
+        self.last: deque[Array] = deque(maxlen=plan.wanted.last)
 
     def start(self, state: Array) -> None:
         """The first output."""
-        self.before, self.ends = state[None, self.handed], [(0, state[self.recorded])]
+        self.before, self.ends = state[None, self.handed], [(0, state[self.plan.recorded])]
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
         """A turn."""
-        present = state[self.recorded] + 0.0
+        present = state[self.plan.recorded] + 0.0
         self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any()) or not np.isfinite(present).all()
         if self.doubtful:
             return
@@ -102,7 +113,7 @@ class Stepped:
     @property
     def ended(self) -> bool:
         """Whether no turn is left to make."""
-        return self.doubtful or self.turns == self.wanted.turns or (self.settling is not None and self.settling.ended)
+        return self.doubtful or self.turns == self.plan.wanted.turns or (self.settling is not None and self.settling.ended)
 
     @property
     def settled(self) -> int | None:
@@ -114,19 +125,19 @@ class Stepped:
         choice, assembly = self.assembly.choice, self.assembly
         if self.doubtful:
             return None
-        deep = bool(np.any(self.final[assembly.layout["contact_deep"]]))
+        deep = bool(np.any(self.final[self.plan.deep]))
         if deep and choice.automatic and len(choice.tried) < DEEP_HALVINGS[0]:
             return dataclasses.replace(self, assembly=self._halved())
         size = self.per * choice.outputs_every
         steps, rows = zip(*self.ends, strict=True)
-        whole = Record(assembly, np.array(steps, dtype=np.int64) * size, np.array(rows), self.recorded)
+        whole = Record(assembly, np.array(steps, dtype=np.int64) * size, np.array(rows), self.plan.recorded, columns=self.plan.ends)
         self.doubtful = ledger(whole).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
         first = self.turns - len(self.last)
         records = []
         for k, own in enumerate(self.last, first):
             at = np.arange(k * self.outputs, (k + 1) * self.outputs + 1, dtype=np.int64) * self.every
-            records.append(Record(assembly, at, own, self.handed))
-        self.values = self.measures.over(records, self.reference)
+            records.append(Record(assembly, at, own, self.handed, columns=self.plan.told))
+        self.values = self.plan.measures.over(records, self.reference)
         del self.final, self.before
         self.last.clear()
         self.ends.clear()

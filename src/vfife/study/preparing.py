@@ -20,7 +20,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.possible import outlook
 from ..assembly.refit import Refit
 from ..errors import Path, VfifeError
-from ..fields import Measure, Reading, value_of
+from ..fields import Measure, Refused, value_of
 from ..model.joints import ClearanceRevolute
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -28,7 +28,7 @@ from ..modelfile.override import PathFault, parsed, resolve
 from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run
-from .member import Stepped, Wanted, streams
+from .member import Plan, Stepped, Wanted, streams
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
@@ -40,6 +40,7 @@ class Made:
     """A mechanism whose play may be changed: what is assembled of it, and the largest values of the ideal one."""
 
     refit: Refit
+    plan: Plan
     reference: Mapping[str, float] | None
     again: Callable[[Mechanism, float], Assembly]
 
@@ -53,12 +54,6 @@ class Unstepped:
     ended: bool = True
 
 
-class Written(Reading):
-    """Reads single values as those of a model file."""
-
-    written = True
-
-
 @dataclass
 class Preparing:
     """Prepares members of a mechanism one after the other."""
@@ -66,7 +61,7 @@ class Preparing:
     base: Mechanism
     wanted: Wanted
     known: dict[tuple[tuple[str, float | str], ...], Made | str | None] = field(default_factory=dict)
-    paths: dict[str, Path | None] = field(default_factory=dict)
+    paths: dict[str, tuple[Path, Measure] | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         settings = dataclasses.replace(self.base.settings, settle=self.wanted.settle, companions=0)
@@ -85,7 +80,7 @@ class Preparing:
 
     def member(self, k: int, numbers: Numbers) -> Stepped | Unstepped:
         """One of them. Raises VfifeError where it cannot be assembled."""
-        play = {path: value for path, value in numbers.items() if self.of_play(path) is not None}
+        play = {path: value for path, value in numbers.items() if self.of_play(path)}
         rest = {path: value for path, value in numbers.items() if path not in play}
         made = self.made(rest)
         if made is None:
@@ -96,37 +91,43 @@ class Preparing:
             if made is None:
                 return Unstepped(k)
             assembly = made.refit.assembly
-        return Stepped(k, assembly, self.wanted, self.measures, made.reference, made.again)
+        return Stepped(k, assembly, made.plan, made.reference, made.again)
 
-    def of_play(self, path: str) -> Path | None:
-        """Joint and field of a number that only a revolute joint with clearance has; None of any other."""
+    def of_play(self, path: str) -> tuple[Path, Measure] | None:
+        """Where a number is that only a revolute joint with clearance and its laws have, and what it holds; None of any other."""
         if path not in self.paths:
-            self.paths[path] = None
-            try:
-                at = resolve(self.raw, path)
-            except PathFault:
-                return None
-            joint = self.base.joints.get(str(at[1])) if at[0] == "joint" and len(at) in (3, 4) else None
-            if isinstance(joint, ClearanceRevolute) and measure(noun_of(joint, at), str(at[-1])) is not None:
-                self.paths[path] = at
+            self.paths[path] = self._of_play(path)
         return self.paths[path]
+
+    def _of_play(self, path: str) -> tuple[Path, Measure] | None:
+        try:
+            at = resolve(self.raw, path)
+        except PathFault:
+            return None
+        joint = self.base.joints.get(str(at[1])) if at[0] == "joint" and len(at) in (3, 4) else None
+        if not isinstance(joint, ClearanceRevolute):
+            return None
+        held = measure(joint if len(at) == 3 else getattr(joint, str(at[2])) if at[2] in LAWS else None, str(at[-1]))
+        return None if held is None else (at, held)
 
     def refitted(self, made: Made, play: Numbers) -> Assembly | None:
         """The assembly with other numbers of its play; None where a value is none that can be taken as it is."""
-        joints: dict[str, ClearanceRevolute] = {}
-        by = Written()
+        given: dict[str, dict[str, dict[str, float]]] = {}
         for path, value in play.items():
-            at = self.of_play(path) or ()
-            name, key = str(at[1]), str(at[-1])
-            joint: Any = joints.get(name) or made.refit.assembly.mechanism.joints[name]
-            noun = noun_of(joint, at)
-            held = measure(noun, key)
-            read = held.read(parsed(value) if isinstance(value, str) else value, at, by) if held is not None else None
-            if by.refused or not isinstance(read, float):
+            if (known := self.of_play(path)) is None:
                 return None
+            at, held = known
             try:
-                changed = dataclasses.replace(noun, **{key: read})
-                joints[name] = changed if noun is joint else dataclasses.replace(joint, **{str(at[2]): changed})
+                read = held.take(parsed(value) if isinstance(value, str) else value, written=True)
+            except Refused:
+                return None
+            given.setdefault(str(at[1]), {}).setdefault(str(at[2]) if len(at) == 4 else "", {})[str(at[-1])] = read
+        joints: dict[str, ClearanceRevolute] = {}
+        for name, parts in given.items():
+            joint: Any = made.refit.assembly.mechanism.joints[name]
+            try:
+                laws = {kind: dataclasses.replace(getattr(joint, kind), **values) for kind, values in parts.items() if kind}
+                joints[name] = dataclasses.replace(joint, **parts.get("", {}), **laws)
             except ValueError:
                 return None
         return made.refit.with_joints(joints)
@@ -166,12 +167,12 @@ class Preparing:
         assembly = assemble(mechanism, wanted.step, expected=expected, **asked)
         if not streams(assembly):
             return None
-        return Made(Refit(assembly, wanted.step, expected, **asked), reference, partial(assemble, expected=expected, **asked))
-
-
-def noun_of(joint: ClearanceRevolute, at: Path) -> Any:
-    """The joint, or its law, that has the number at a path."""
-    return joint if len(at) == 3 else getattr(joint, str(at[2])) if at[2] in LAWS else None
+        return Made(
+            Refit(assembly, wanted.step, expected, **asked),
+            Plan(assembly, wanted, self.measures),
+            reference,
+            partial(assemble, expected=expected, **asked),
+        )
 
 
 def measure(noun: Any, key: str) -> Measure | None:

@@ -1,0 +1,95 @@
+"""``vfife sensitivity``: which numbers of a model matter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model
+from .progress import ProgressLine
+from .run import Companions, Duration, Quiet, Step, Turns
+from .terminal import grid, output, print_json, row, sentences, tell, writing
+
+if TYPE_CHECKING:
+    from ..results.derivatives import Sensitivity
+
+PEAKS = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
+Of = Annotated[list[str] | None, typer.Option("--of", metavar="MEASURE", help="Measures, * for any signs.", show_default=" and ".join(PEAKS))]
+To = Annotated[list[str] | None, typer.Option("--to", metavar="PATH", help="Numbers of the model, * for any signs.", show_default="all")]
+Top = Annotated[int, typer.Option("-n", "--top", metavar="N", min=1, help="So many numbers of each measure.")]
+Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
+Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False)]
+ENDINGS = (".png", ".svg", ".pdf")
+
+
+def sensitivity(
+    model: ModelArgument,
+    of: Of = None,
+    to: To = None,
+    top: Top = 8,
+    set_: SetOption = None,
+    laws: LawsOption = None,
+    step: Step = None,
+    turns: Turns = None,
+    duration: Duration = None,
+    companions: Companions = None,
+    figure: Figure = None,
+    csv: Table = None,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Which number matters? The derivative of every measure by every number of the model, from one run that carries its derivatives along.
+
+    Told are elasticities: by how many per cent a measure changes with one per cent of a number. Measures are of the last turn.
+    """
+    with sentences(str(model)):
+        for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",))):
+            if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
+                what = f"ending in {' or '.join(endings)}, in a folder that is there"
+                raise ValueError(f"{option} {path}: this is no file {what}; name one")
+        mechanism = read_model(model, set_, laws)
+        from ..study.derivatives import sensitivity as sensitive
+
+        length: dict[str, Any] = {"turns": turns, "duration": duration, "step": step}
+        beside: int | str | None = int(companions) if companions is not None and companions.isdigit() else companions
+        with ProgressLine(quiet) as line:
+            found = sensitive(mechanism, of or PEAKS, to or ("*",), companions=beside, progress=line, **length)
+    if csv is not None:
+        with writing(str(csv)):
+            found.write_csv(csv)
+    if figure is not None:
+        with writing(str(figure)):
+            from ..plots.files import saved_in_style
+            from ..plots.tornado import tornado
+
+            saved_in_style(lambda: tornado(found), figure)
+    if as_json:
+        print_json({"model": found.mechanism, "part": found.part, "refused": found.refused, "rows": found.rows()})
+    elif not quiet:
+        show(found, top)
+
+
+def show(found: Sensitivity, top: int) -> None:
+    """A table for people: of each measure the numbers that matter most."""
+    from rich.text import Text
+
+    console = output()
+    title = f"{found.mechanism}: what its measures depend on"
+    table = grid("measure", "value", "number", "per cent by 1 %", "from, to", title=title, right=(1, 3, 4))
+    for name, value in found.measures.items():
+        ranked = [item for item in found.ranked(name) if item[1]][:top] if name not in found.doubtful else []
+        for k, (path, elastic) in enumerate(ranked):
+            low, high = found.span(name, path)
+            span = f"{low:.3g}, {high:.3g}" if high > low else ""
+            mark = "" if found.known(name, path) else " ?"
+            row(table, name if k == 0 else "", f"{value:.5g}" if k == 0 else "", path, f"{elastic:+.3g}{mark}", span)
+    console.print(table)
+    told = "; from, to are over displaced runs, and ? is where they differ in sign" if any(one.displaced for one in found.derivatives) else ""
+    console.print(Text(f"Measures are of the {found.part}, in SI units{told}."))
+    if found.doubtful:
+        tell("note", f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean nothing.")
+    for path, why in found.refused.items():
+        if not why.startswith("zero"):
+            tell("note", f"{path}: {why}")

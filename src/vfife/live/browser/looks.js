@@ -1,0 +1,43 @@
+// How the mechanism is looked at, which the next page of the same one takes over: the page that serves this one puts it there.
+
+function looks() {
+  return {
+    head: clock.head,
+    perTurn,
+    playing: clock.playing,
+    speed: Number($("speed").value),
+    magnify: clock.sized ? Number($("magnify").value) : null,
+    theme: document.documentElement.dataset.theme,
+    selected: { ...selected },
+    show: { ...scene.show },
+    scrolled: window.scrollY,
+    moved: Object.fromEntries(
+      sliders.setting.moved.map((slide) => [slide.name, slide.values[sliders.setting.positions[given.slides.indexOf(slide)]]]),
+    ),
+  };
+}
+
+function lookAs(one) {
+  setTheme(one.theme);
+  if (one.perTurn && perTurn)
+    clock.head = perTurn * Math.min(Math.floor(one.head / one.perTurn), 1) + (one.head % one.perTurn) * (perTurn / one.perTurn);
+  clock.wanted = clock.head;
+  clock.begun = performance.now();
+  setSpeed(one.speed);
+  if (one.magnify !== null) setMagnify(one.magnify);
+  for (const [kind, value] of Object.entries(one.selected)) if (OPTIONS[kind]().includes(value)) select(kind, value);
+  for (const [kind, value] of Object.entries(one.show)) {
+    scene.show[kind] = value;
+    $(`show-${kind}`).checked = value;
+  }
+  play(one.playing);
+  let setting = new Setting();
+  given.slides.forEach((slide, s) => {
+    const at = slide.values.indexOf(one.moved[slide.name]);
+    if (at >= 0) setting = setting.with(s, at);
+  });
+  if (setting.moved.length) sliders.take(setting);
+  window.scrollTo(0, one.scrolled);
+}
+
+Object.assign(window.live, { looks, lookAs });

@@ -1,0 +1,407 @@
+// The page around the page: which model is shown, its fields and its text, its file, its runs.
+
+const $ = (id) => document.getElementById(id);
+const here = { pending: [], model: null, frame: null, next: null, full: 0, typed: 0, measured: null, run: null };
+
+// ----------------------------------------------------------------------------------------------------------------- asking
+
+async function ask(where, sent) {
+  const how = sent === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(sent) };
+  try {
+    const answer = await fetch(where, how);
+    if (answer.status === 403) return { ok: false, faults: [{ where: "", said: await answer.text() }] };
+    const said = await answer.json();
+    return answer.ok ? { ok: true, said } : { ok: false, status: answer.status, ...said };
+  } catch {
+    return { ok: false, faults: [{ where: "", said: "Python does not answer; was vfife live ended?" }] };
+  }
+}
+
+const at = (what) => `model/${here.model.id}/${what}`;
+
+function message(text) {
+  $("message").textContent = text;
+  $("message").hidden = !text;
+}
+
+function state(text) {
+  $("state").textContent = text;
+}
+
+// ------------------------------------------------------------------------------------------------------------------ model
+
+let form = null;
+
+async function show(model, by = "") {
+  const other = here.model?.id !== model.id;
+  const newer = other || model.version !== here.model.version;
+  if (newer || !here.shown) Object.assign(here, { pending: [], unsound: false });
+  here.model = model;
+  if (other) {
+    history.replaceState(null, "", `#${model.id}`);
+    document.title = `${model.title}: vfife live`;
+    here.full = 0;
+    message("");
+  }
+  $("acts").hidden = false;
+  $("gallery").hidden = true;
+  $("stage").hidden = false;
+  $("undo").disabled = model.undo === 0;
+  $("save").disabled = model.saved;
+  $("save").textContent = model.file ? "Save" : "Save as …";
+  $("run").textContent = model.saved ? "Run" : "Save and run";
+  choose();
+  tellState();
+  await fill();
+  tell(model.faults, by === "file" ? `${model.file} has faults now; what runs is the model as it was before.` : "");
+  untyped();
+  if (newer) load(other);
+}
+
+function tellState() {
+  const { model } = here;
+  const file = model.file ? `${model.file}${model.saved ? ", saved" : ", not saved"}` : "no file yet";
+  state(here.full === model.version || !here.waits ? file : `${file}; sliders are being assembled`);
+}
+
+async function fill() {
+  if ($("panel").hidden) return;
+  form ??= new Form($("fields"), (await ask("schema")).said, set);
+  if (here.shown !== `${here.model.id} ${here.model.version}`) {
+    form.faults = [];
+    form.show(here.model.values);
+    untyped();
+  }
+  here.shown = `${here.model.id} ${here.model.version}`;
+}
+
+// The text in the page is that of the model, unless something is typed that is not sound yet.
+function untyped() {
+  if (here.pending.length || here.unsound || document.activeElement === $("text")) return;
+  if ($("text").value !== here.model.text) $("text").value = here.model.text;
+  here.sent = here.model.text;
+}
+
+// Faults at the fields that they name, the others above them; changes that wait are told, and can be dropped.
+function tell(faults, before = "") {
+  const left = form && !$("panel").hidden && !$("fields").hidden ? form.tell(faults) : faults;
+  if ($("fields").hidden && form) form.faults = faults;
+  const said = [...(before && faults.length ? [before] : []), ...left.map((one) => one.said)];
+  const lines = said.map((text) => element("li", { textContent: text }));
+  if (here.pending.length) {
+    const drop = element("button", { type: "button", className: "small", textContent: "Drop" });
+    drop.onclick = () => {
+      here.shown = null;
+      show(here.model);
+    };
+    const many = here.pending.length > 1 ? `${here.pending.length} changes wait` : "This change waits";
+    lines.unshift(element("li", { textContent: `${many} until the model is sound; what runs is the model before. ` }, drop));
+  }
+  $("faults").replaceChildren(...lines);
+  if ($("panel").hidden) message(said.join(" "));
+}
+
+async function changed(answer) {
+  if (answer.ok) {
+    message("");
+    await show(answer.said);
+    return true;
+  }
+  if (answer.status === 409) {
+    const { ok, said } = await ask(`model/${here.model.id}`);
+    if (ok) await show(said);
+  }
+  tell(answer.faults);
+  if (answer.status !== 422) message(answer.faults.map((one) => one.said).join(" "));
+  return false;
+}
+
+// A value of the form. What gives no sound model by itself, as a law whose parameters are still to come, waits for the next changes.
+async function set(path, value) {
+  here.measured = performance.now();
+  const key = JSON.stringify(path);
+  const pending = [...here.pending.filter((one) => JSON.stringify(one.path) !== key), { path, value }];
+  const answer = await ask(at("set"), { changes: pending, version: here.model.version });
+  if (answer.draft) {
+    here.pending = pending;
+    form.show(answer.draft.values);
+    $("text").value = answer.draft.text;
+    here.sent = answer.draft.text;
+  } else if (answer.ok) here.pending = [];
+  return changed(answer);
+}
+
+async function type() {
+  const text = $("text").value;
+  if (text === here.sent) return;
+  here.sent = text;
+  here.measured = performance.now();
+  const answer = await ask(at("text"), { text, version: here.model.version });
+  here.unsound = !answer.ok;
+  if ($("text").value === text) await changed(answer);
+}
+
+// ------------------------------------------------------------------------------------------------------------------- page
+
+// The next page is made behind the one that is seen, and takes its place when the mechanism has begun to move in it.
+function load(other = false, sliders = false) {
+  here.next?.remove();
+  const { model } = here;
+  const frame = element("iframe", { title: "the mechanism running", className: "behind" });
+  frame.src = `${at("page")}?version=${model.version}${sliders ? "&sliders=1" : ""}`;
+  here.next = frame;
+  here.waits = true;
+  $("stage").append(frame);
+  const looked = other ? null : here.frame?.contentWindow?.live?.looks?.();
+  let taken = false;
+  const look = () => {
+    if (here.next !== frame) return;
+    const inside = frame.contentWindow;
+    if (inside?.document.body?.dataset.said) return refused(frame, inside.document.body.textContent);
+    const live = inside?.live;
+    if (live?.lookAs && looked && !taken) {
+      taken = true;
+      live.lookAs({ ...looked, moved: { ...(here.moved ?? {}), ...looked.moved } });
+    }
+    if (live?.lookAs && live.running.store.end > 1 && live.frames.count > 1) seen(frame, sliders, looked);
+    else requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+}
+
+function seen(frame, sliders, looked) {
+  here.frame?.remove();
+  here.frame = frame;
+  here.next = null;
+  here.moved = sliders ? null : { ...(here.moved ?? {}), ...(looked?.moved ?? {}) };
+  frame.className = "";
+  if (here.measured !== null) here.took = performance.now() - here.measured;
+  here.measured = null;
+  if (sliders || !here.model) here.full = here.model.version;
+  tellState();
+  const root = frame.contentDocument.documentElement;
+  const follow = () => {
+    document.documentElement.dataset.theme = root.dataset.theme;
+  };
+  new MutationObserver(follow).observe(root, { attributes: true });
+  follow();
+  root.addEventListener("keydown", keys);
+}
+
+function refused(frame, said) {
+  frame.remove();
+  here.next = null;
+  here.waits = false;
+  if (here.frame && !here.frame.contentWindow?.location.pathname.includes(`/${here.model.id}/`)) {
+    here.frame.remove();
+    here.frame = null;
+  }
+  tellState();
+  message(said);
+}
+
+// ------------------------------------------------------------------------------------------------------- what can be seen
+
+let shelf = null;
+
+async function stock() {
+  const answer = await ask("shelf");
+  if (!answer.ok) return message(answer.faults[0].said);
+  shelf = answer.said;
+  $("folder").textContent = shelf.folder;
+  choose();
+}
+
+function choose() {
+  if (!shelf) return;
+  const group = (label, entries) =>
+    entries.length && element("optgroup", { label }, ...entries.map(([value, text]) => element("option", { value, textContent: text })));
+  const files = shelf.files.map((name) => [`file:${name}`, name]);
+  const all = shelf.gallery.map((one) => [`gallery:${one.name}`, one.title]);
+  const texts = shelf.texts.map((one) => [`id:${one.id}`, one.name]);
+  const groups = [group("Opened", texts), group(`Folder ${shelf.folder}`, files), group("Gallery", all)].filter(Boolean);
+  $("choice").replaceChildren(element("option", { value: "", textContent: "Gallery …" }), ...groups);
+  const { model } = here;
+  if (!model) return;
+  const value = model.file ? `file:${model.file}` : model.id.startsWith("gallery-") ? `gallery:${model.id.slice(8)}` : `id:${model.id}`;
+  if (![...$("choice").options].some((one) => one.value === value)) $("choice").append(element("option", { value, textContent: model.name }));
+  $("choice").value = value;
+}
+
+function showGallery() {
+  if (!shelf) return;
+  here.model = null;
+  here.next?.remove();
+  here.frame?.remove();
+  Object.assign(here, { frame: null, next: null });
+  history.replaceState(null, "", location.pathname);
+  document.title = "vfife live";
+  $("stage").hidden = $("acts").hidden = $("panel").hidden = true;
+  $("edit").setAttribute("aria-expanded", "false");
+  state("");
+  const cards = (title, entries) =>
+    entries.length ? [element("h2", { textContent: title }), element("div", { className: "cards" }, ...entries)] : [];
+  const card = (asked, title, note, picture) => {
+    const made = element(
+      "button",
+      { type: "button", className: "card" },
+      element("b", { textContent: title }),
+      element("span", { textContent: note }),
+    );
+    if (picture) made.prepend(element("img", { src: `drawing/${picture}`, alt: "", loading: "lazy" }));
+    made.onclick = () => open(asked);
+    return made;
+  };
+  const files = shelf.files.map((name) => card({ file: name }, name, "a model file", null));
+  const shown = shelf.gallery.map((one) => card({ gallery: one.name }, one.title, one.note, one.name));
+  $("gallery").replaceChildren(...cards(`Models of the folder ${shelf.folder}`, files), ...cards("Gallery", shown));
+  $("gallery").hidden = false;
+  choose();
+}
+
+async function open(asked) {
+  here.measured = performance.now();
+  const answer = await ask("open", asked);
+  if (!answer.ok) return message(answer.faults.map((one) => one.said).join(" "));
+  await show(answer.said);
+  stock();
+}
+
+async function opened() {
+  const id = decodeURIComponent(location.hash.slice(1));
+  const answer =
+    id && (await ask(id.startsWith("gallery-") ? "open" : `model/${id}`, id.startsWith("gallery-") ? { gallery: id.slice(8) } : undefined));
+  await stock();
+  if (answer?.ok) await show(answer.said);
+  else showGallery();
+}
+
+// ------------------------------------------------------------------------------------------------------------ file and run
+
+function naming() {
+  const { model } = here;
+  $("name").value = model.name.endsWith(".toml") ? model.name : `${model.name.replaceAll("_", "-")}.toml`;
+  $("naming").returnValue = "";
+  $("naming").showModal();
+  $("name").select();
+  return new Promise((done) => {
+    $("naming").onclose = () => done($("naming").returnValue === "save" ? $("name").value.trim() : null);
+  });
+}
+
+async function save() {
+  if (!here.model || here.model.saved) return here.model?.saved ?? false;
+  const name = here.model.file ? undefined : await naming();
+  if (name === null) return false;
+  const good = await changed(await ask(at("save"), { name }));
+  if (good) stock();
+  return good;
+}
+
+async function run() {
+  if (!(await save())) return;
+  const answer = await ask(at("run"), {});
+  if (!answer.ok) return changed(answer);
+  here.run = here.model.id;
+  $("told-title").textContent = `Running ${here.model.file}`;
+  $("told-text").textContent = "with companions, as vfife run does …";
+  $("stop").hidden = false;
+  $("told").showModal();
+}
+
+// ------------------------------------------------------------------------------------------------------------- what happens
+
+const HEARD = {
+  model: (event) => here.model?.id === event.id && show(event, event.by),
+  gone: (event) => {
+    if (here.model?.id !== event.id) return;
+    message(event.said);
+    ask(`model/${event.id}`).then(({ ok, said }) => ok && show(said));
+  },
+  sliders: (event) => {
+    if (here.model?.id !== event.id || here.model.version !== event.version || here.full === event.version) return;
+    here.full = event.version;
+    tellState();
+    if (event.said) state(event.said);
+    else load(false, true);
+  },
+  end: () => {
+    source.close();
+    state("vfife live has been ended");
+  },
+  run: (event) => {
+    if (here.run !== event.id) return;
+    $("told-title").textContent = event.code ? "The run has ended, and not as it should" : "The run is done";
+    $("told-text").textContent = event.said;
+    $("stop").hidden = true;
+  },
+};
+
+const source = new EventSource("events");
+source.onmessage = ({ data }) => {
+  const event = JSON.parse(data);
+  HEARD[event.kind]?.(event);
+};
+source.onerror = () => state("Python does not answer");
+source.onopen = () => {
+  if (here.model) ask(`model/${here.model.id}`).then(({ ok, said }) => ok && show(said));
+};
+
+// --------------------------------------------------------------------------------------------------------------- controls
+
+async function edit(on = $("panel").hidden) {
+  $("panel").hidden = !on;
+  $("edit").setAttribute("aria-expanded", String(on));
+  if (!on || !here.model) return;
+  await fill();
+  untyped();
+  tell(here.model.faults);
+}
+
+function tab(name) {
+  for (const one of ["fields", "text"]) $(`tab-${one}`).setAttribute("aria-selected", String(one === name));
+  $("fields").hidden = name !== "fields";
+  $("text-side").hidden = name !== "text";
+  untyped();
+}
+
+function keys(event) {
+  if (!(event.ctrlKey || event.metaKey) || !here.model) return;
+  if (event.key === "s") save();
+  else if (event.key === "e") edit();
+  else return;
+  event.preventDefault();
+}
+
+document.addEventListener("keydown", keys);
+$("edit").onclick = () => edit();
+$("tab-fields").onclick = () => tab("fields");
+$("tab-text").onclick = () => tab("text");
+$("text").oninput = () => {
+  clearTimeout(here.typed);
+  here.typed = setTimeout(type, 350);
+};
+$("undo").onclick = async () => changed(await ask(at("undo"), {}));
+$("save").onclick = save;
+$("run").onclick = run;
+$("stop").onclick = () => ask(at("stop"), {});
+$("told-close").onclick = () => $("told").close();
+$("open").onclick = () => $("file").click();
+$("file").onchange = async () => {
+  const [file] = $("file").files;
+  if (file) await open({ name: file.name, text: await file.text() });
+  $("file").value = "";
+};
+$("choice").onchange = () => {
+  const [kind, ...rest] = $("choice").value.split(":");
+  const name = rest.join(":");
+  if (kind === "id") ask(`model/${name}`).then(({ ok, said }) => ok && show(said));
+  else if (name) open({ [kind]: name });
+  else showGallery();
+};
+window.addEventListener("hashchange", opened);
+document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+opened();
+
+// For whoever looks into the page with the browser's own tools; nothing in it uses this.
+window.shell = here;

@@ -1,0 +1,174 @@
+"""Addresses of a session, and what they answer."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from ...errors import VfifeError
+from .documents import LARGEST, Conflict, Draft, Json, told
+from .guard import WITHIN, Guard
+from .session import Session
+
+BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
+SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
+KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
+FILES = ("shell.html", "shell.js", "form.js", "shell.css")
+BEAT = 10.0  # s between two signs of life to a browser
+FAULT = "<!doctype html><meta charset=utf-8><body data-said=1><pre style='white-space: pre-wrap'>{}</pre>"
+
+Answer = Callable[[Request], Awaitable[Response]]
+
+
+def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
+    """The application, behind its guard."""
+
+    @asynccontextmanager
+    async def alive(_: Starlette) -> AsyncIterator[None]:
+        watching = asyncio.create_task(session.watch())
+        yield
+        watching.cancel()
+        session.close()
+
+    def doing(act: Callable[[Request, Json], Any]) -> Answer:
+        async def answer(request: Request) -> Response:
+            return await done(request, act)
+
+        return answer
+
+    async def running(request: Request) -> Response:
+        return await page(request, session)
+
+    async def shown(request: Request) -> Response:
+        return await drawn(request, session)
+
+    def of(request: Request) -> str:
+        return str(request.path_params["which"])
+
+    routes = [
+        Route("/", lambda _: file("shell.html")),
+        Route("/{name}.js", lambda request: file(f"{request.path_params['name']}.js")),
+        Route("/shell.css", lambda _: file("shell.css")),
+        Route("/schema", lambda _: Response(SCHEMA.read_bytes(), media_type="application/json")),
+        Route("/events", lambda _: StreamingResponse(events(session), media_type="text/event-stream")),
+        Route("/shelf", doing(lambda *_: session.shelf.json())),
+        Route("/model/{which}", doing(lambda request, _: session.shelf[of(request)].json())),
+        Route("/model/{which}/page", running),
+        Route("/drawing/{name}", shown),
+        Route("/open", doing(lambda _, asked: session.open(asked)), methods=["POST"]),
+        Route("/model/{which}/text", doing(lambda r, a: session.change(of(r), lambda d: d.take(a["text"], a["version"]))), methods=["POST"]),
+        Route("/model/{which}/set", doing(lambda r, a: session.change(of(r), lambda d: d.set(changes(a), a["version"]))), methods=["POST"]),
+        Route("/model/{which}/undo", doing(lambda r, _: session.change(of(r), lambda d: d.undo())), methods=["POST"]),
+        Route("/model/{which}/save", doing(lambda r, a: session.save(of(r), a.get("name"))), methods=["POST"]),
+        Route("/model/{which}/run", doing(lambda r, _: session.run(of(r))), methods=["POST"]),
+        Route("/model/{which}/stop", doing(lambda r, _: session.runs.stop(of(r))), methods=["POST"]),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=alive), secret, hosts)
+
+
+def file(name: str) -> Response:
+    """One of the files that the page is made of."""
+    if name not in FILES:
+        return Response(status_code=404)
+    return Response((BROWSER / name).read_bytes(), media_type=KINDS[Path(name).suffix])
+
+
+def changes(asked: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
+    """Paths of values and what each becomes, as they were sent. Raises ValueError for what are none."""
+    found = []
+    for one in asked["changes"]:
+        path, value = one["path"], one["value"]
+        if not isinstance(path, list) or not path or not all(isinstance(part, str | int) for part in path) or not isinstance(value, str | None):
+            raise ValueError("a change is a path, which is a list of names, and a text or nothing")
+        found.append((tuple(path), value))
+    return found
+
+
+async def done(request: Request, act: Callable[[Request, Json], Any]) -> Response:
+    """The answer to what was asked, or the faults of it: 404 for what there is not, 409 for what has changed, 422 for what cannot be."""
+    try:
+        asked = json.loads(await body(request)) if request.method == "POST" else {}
+        if not isinstance(asked, dict):
+            raise TypeError
+    except (ValueError, TypeError, RecursionError):
+        return JSONResponse({"faults": [{"where": "", "said": "what was sent is no object of JSON"}]}, 400)
+    try:
+        return JSONResponse(await run_in_threadpool(act, request, asked))
+    except Conflict as error:
+        return JSONResponse({"faults": told(error)}, 409)
+    except Draft as error:
+        return JSONResponse({"faults": told(error), "draft": {"text": error.text, "values": error.values}}, 422)
+    except (KeyError, LookupError):
+        return JSONResponse({"faults": [{"where": "", "said": "this model is not open here; choose one"}]}, 404)
+    except OSError as error:
+        return JSONResponse({"faults": [{"where": "", "said": f"it cannot be written: {error.strerror or error}"}]}, 422)
+    except (VfifeError, ValueError, TypeError) as error:
+        return JSONResponse({"faults": told(error)}, 422)
+
+
+async def body(request: Request) -> bytes:
+    """What was sent. Raises ValueError where it is more than any model."""
+    found = b""
+    async for part in request.stream():
+        found += part
+        if len(found) > 2 * LARGEST:
+            raise ValueError
+    return found
+
+
+async def page(request: Request, session: Session) -> Response:
+    """The page in which a model runs, or a sentence why it does not."""
+    headers = {"content-security-policy": WITHIN}
+    try:
+        document = session.shelf[request.path_params["which"]]
+        made = await run_in_threadpool(session.pages.page, document, request.query_params.get("sliders") == "1")
+        return HTMLResponse(made, headers=headers)
+    except LookupError:
+        return HTMLResponse(FAULT.format("This model is not open here; choose one."), 404, headers)
+    except (VfifeError, ValueError, ArithmeticError) as error:
+        return HTMLResponse(FAULT.format(escape(str(error))), 422, headers)
+
+
+async def drawn(request: Request, session: Session) -> Response:
+    """A drawing of the gallery: one at a time, after pages that somebody waits for, and none that nobody waits for any more."""
+    async with session.drawing:
+        while session.pages.building.locked():
+            await asyncio.sleep(0.02)
+        if await request.is_disconnected():
+            return Response(status_code=204)
+        from .drawings import drawing
+
+        try:
+            return Response(await run_in_threadpool(drawing, request.path_params["name"]), media_type="image/svg+xml")
+        except LookupError:
+            return Response(status_code=404)
+
+
+async def events(session: Session) -> AsyncIterator[str]:
+    """What happens, as it happens, with a sign of life now and then."""
+    queue: asyncio.Queue[Json] = asyncio.Queue()
+    session.listeners.add(queue)
+    try:
+        yield "retry: 500\n\n"
+        while True:
+            try:
+                event = await asyncio.wait_for(queue.get(), BEAT)
+            except TimeoutError:
+                yield ": here\n\n"
+                continue
+            yield f"data: {json.dumps(event, ensure_ascii=False)}\n\n"
+            if event["kind"] == "end":
+                return
+    finally:
+        session.listeners.discard(queue)

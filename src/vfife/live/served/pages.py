@@ -1,0 +1,107 @@
+"""Pages of models: first the mechanism that runs, then, when all their positions are assembled, its sliders."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ...errors import VfifeError
+from ..page import LARGEST, written
+from ..patches import patched
+from ..sliders import asked_slides, default_slides
+from .documents import Document
+
+Key = tuple[str, int]  # a document and its version
+KEPT = 12  # pages
+PAUSE = 0.5  # s, for which sliders wait for a page at most
+
+
+class Superseded(BaseException):
+    """Sliders of a model that has changed since; no error, which would be taken for one of the model."""
+
+
+class Pages:
+    """Makes pages; ``told`` is called with what a browser shall know. Sliders are assembled by a thread that yields to whoever waits for a page."""
+
+    def __init__(self, told: Callable[[dict[str, Any]], None], slide: Sequence[str] | None = None, sliders: bool = True) -> None:
+        self.told, self.slide, self.sliders = told, slide, sliders
+        self.first: str | None = None  # the document that --slide is for
+        self.made: OrderedDict[tuple[Key, bool], str] = OrderedDict()
+        self.wanted: OrderedDict[str, Document] = OrderedDict()
+        self.current: Key | None = None
+        self.building, self.changed, self.closed = threading.Lock(), threading.Condition(), False
+        self.thread = threading.Thread(target=self._work, name="sliders", daemon=True)
+        self.thread.start()
+
+    def page(self, document: Document, full: bool = False) -> str:
+        """The page of a document as it is; with its sliders where they are there and asked for. Raises VfifeError where it cannot run."""
+        key = document.id, document.version
+        if full and (key, True) in self.made:
+            return self.made[key, True]
+        with self.building:
+            if (key, False) not in self.made:
+                self._keep(key, False, written(patched(document.mechanism, [], document.its_step)))
+        self._want(document, key)
+        return self.made[key, False]
+
+    def _keep(self, key: Key, full: bool, page: str) -> None:
+        self.made[key, full] = page
+        while len(self.made) > KEPT:
+            self.made.popitem(last=False)
+
+    # --------------------------------------------------------------------------------------------------------- sliders
+
+    def _want(self, document: Document, key: Key) -> None:
+        if not self.sliders:
+            return
+        if (key, True) in self.made:
+            self.told({"kind": "sliders", "id": key[0], "version": key[1]})
+            return
+        with self.changed:
+            if self.current != key:
+                self.wanted[document.id] = document
+                self.wanted.move_to_end(document.id)
+            self.changed.notify()
+
+    def _work(self) -> None:
+        while True:
+            with self.changed:
+                while not self.wanted and not self.closed:
+                    self.changed.wait()
+                if self.closed:
+                    return
+                _, document = self.wanted.popitem()
+                mechanism, step = document.mechanism, document.its_step
+                self.current = document.id, document.version
+            self._assemble(document, self.current, mechanism, step)
+            self.current = None
+
+    def _assemble(self, document: Document, key: Key, mechanism: Any, step: float | None) -> None:
+        def going() -> None:
+            if self.closed or document.version != key[1]:
+                raise Superseded
+            if self.building.acquire(timeout=PAUSE):  # whoever waits for a page goes first
+                self.building.release()
+
+        about = {"kind": "sliders", "id": key[0], "version": key[1]}
+        try:
+            slides = asked_slides(mechanism, self.slide) if self.slide and key[0] == self.first else default_slides(mechanism)
+            if not slides:
+                return
+            page = written(patched(mechanism, slides, step, going))
+            if len(page.encode("utf-8")) > LARGEST:
+                raise VfifeError("with its sliders the page would be too large")
+            self._keep(key, True, page)
+            self.told(about)
+        except Superseded:
+            return
+        except (VfifeError, ValueError) as error:
+            self.told({**about, "said": f"No sliders: {str(error).splitlines()[0]}"})
+
+    def close(self) -> None:
+        """Ends the thread, at the next position at the latest."""
+        with self.changed:
+            self.closed = True
+            self.changed.notify()

@@ -1,0 +1,105 @@
+"""What browsers ask of a session, and what they are told without asking."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from .documents import Conflict, Document, Json
+from .pages import Pages
+from .runs import Runs
+from .shelf import Shelf
+
+INTERVAL = 0.2  # s between two looks at files
+
+
+class Session:
+    """Documents, their pages and runs; whatever changes is told to every browser that listens."""
+
+    def __init__(self, folder: Path, slide: Sequence[str] | None = None, sliders: bool = True, options: Sequence[str] = ()) -> None:
+        self.shelf = Shelf(folder)
+        self.pages = Pages(self.tell, slide, sliders)
+        self.runs = Runs(self.tell, self.shelf.folder, list(options))
+        self.lock = threading.RLock()
+        self.drawing = asyncio.Lock()  # matplotlib draws for one thread at a time
+        self.listeners: set[asyncio.Queue[Json]] = set()
+        self.loop: asyncio.AbstractEventLoop | None = None
+
+    # --------------------------------------------------------------------------------------------------------- telling
+
+    def tell(self, event: Json) -> None:
+        """Tells all browsers, from whatever thread."""
+        if self.loop is not None:
+            with suppress(RuntimeError):  # it is over
+                self.loop.call_soon_threadsafe(self._put, event)
+
+    def _put(self, event: Json) -> None:
+        for queue in self.listeners:
+            queue.put_nowait(event)
+
+    async def watch(self) -> None:
+        """Follows the files of what is open, as long as the session lasts."""
+        self.loop = asyncio.get_running_loop()
+        while True:
+            await asyncio.sleep(INTERVAL)
+            await asyncio.to_thread(self.look)
+
+    def look(self) -> None:
+        """Looks once at the files of what is open."""
+        for document in list(self.shelf.documents.values()):
+            with self.lock:
+                what = document.follow()
+            if what == "gone":
+                name = document.path.name if document.path else document.name
+                self.tell({"kind": "gone", "id": document.id, "said": f"{name} is not there any more. Its text stays here; Save writes it anew."})
+            elif what is not None:
+                self.tell({"kind": "model", **document.json(), "by": "file"})
+
+    # ---------------------------------------------------------------------------------------------------------- asking
+
+    def open(self, asked: Json) -> Json:
+        """Opens a mechanism of the gallery, a model file of the folder, or a text. Raises LookupError and ModelError."""
+        with self.lock:
+            if "gallery" in asked:
+                document = self.shelf.from_gallery(str(asked["gallery"]))
+            elif "file" in asked:
+                document = self.shelf.from_folder(str(asked["file"]))
+            else:
+                document = self.shelf.from_text(str(asked["name"]), str(asked["text"]))
+            return document.json()
+
+    def change(self, which: str, change: Callable[[Document], object]) -> Json:
+        """Changes a document, and tells all browsers. Raises LookupError, Conflict and ModelError."""
+        with self.lock:
+            document = self.shelf[which]
+            before = document.version, document.saved, document.faults
+            change(document)
+            found = document.json()
+            if (document.version, document.saved, document.faults) != before:
+                self.tell({"kind": "model", **found, "by": "browser"})
+        return found
+
+    def save(self, which: str, name: str | None) -> Json:
+        """Saves a document, under a name where it has no file yet. Raises Conflict, OSError."""
+        return self.change(which, lambda document: document.save(self.shelf.place(name) if name else None))
+
+    def run(self, which: str) -> None:
+        """Runs a saved document. Raises Conflict."""
+        document = self.shelf[which]
+        if not document.saved:
+            raise Conflict("save the model first: what is run is its file")
+        self.runs.begin(document)
+
+    def close(self) -> None:
+        """Ends what is under way; browsers that listen are told."""
+        self.tell({"kind": "end"})
+        self.pages.close()
+        self.runs.close()
+
+    @property
+    def unsaved(self) -> list[str]:
+        """Names of what was changed and not saved."""
+        return [one.name for one in self.shelf.documents.values() if one.text != one.opened and not one.saved]

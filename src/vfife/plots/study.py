@@ -1,0 +1,54 @@
+"""Figures of a study: heat maps, curves with bands, parallel coordinates, Pareto fronts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import matplotlib
+
+from ..errors import VfifeError, shown, suggestion
+from .bands import curves
+from .files import saved
+from .heatmaps import heat_maps
+from .parallel import parallel
+from .pareto import fronts
+from .style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..results.studied import Study
+
+FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {"maps": heat_maps, "curves": curves, "parallel": parallel, "fronts": fronts}
+KINDS = (".png", ".svg", ".pdf")
+
+
+def figures(study: Study, names: Collection[str] = (), measures: Collection[str] = ()) -> dict[str, Figure]:
+    """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; all that the study has something for, or those of ``names``.
+
+    ``measures``: those that are drawn, in this order, all unless some are named. Raises VfifeError for a name that nothing has.
+    """
+    for name in names:
+        if name not in FIGURES:
+            raise VfifeError(f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}")
+    for name in measures:
+        study.values(name)
+    chosen = list(measures) or list(study.measures)
+    with matplotlib.rc_context(STYLE):
+        found = {name: draw(study, chosen) for name, draw in FIGURES.items() if not names or name in names}
+    return {name: figure for name, figure in found.items() if figure is not None}
+
+
+def drawn(study: Study, folder: Path, names: Collection[str] = (), measures: Collection[str] = (), ending: str = ".png") -> list[Path]:
+    """Writes figures into a folder; returns the files. Raises VfifeError where there is nothing to draw yet."""
+    if ending not in KINDS:
+        raise VfifeError(f"no figure is written as {shown(ending)}; there are {', '.join(KINDS)}")
+    found = figures(study, names, measures)
+    if not found:
+        raise VfifeError(
+            f"{study.path or 'this study'}: there is nothing to draw: {len(study.done):,} of {len(study.members):,} members have ended"
+        )
+    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}):
+        return [saved(figure, folder / f"{name}{ending}") for name, figure in found.items()]

@@ -1,0 +1,39 @@
+"""``vfife sensitivity``: table, figure, JSON and CSV; sentences for what it cannot do."""
+
+import json
+from pathlib import Path
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+CRANK = EXAMPLES / "slider_crank.toml"
+
+
+def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
+    done = command("sensitivity", CRANK, "--of", "pin.force.max", "-n", 2, "--turns", 1, "--figure", "t.svg", "--csv", "all.csv", "--quiet")
+    assert done.exit_code == 0, done.stderr
+    assert (tmp_path / "t.svg").read_text().startswith("<?xml")
+    done = command("sensitivity", CRANK, "--of", "pin.force.max", "-n", 2, "--turns", 1)
+    lines = [line.split() for line in done.stdout.splitlines() if line.strip().startswith(("pin", "body"))]
+    assert [line[-2:] for line in lines] == [["driver.crank.speed", "+2"], ["body.crank.length", "+1.29"]]
+    rows = json.loads(command("sensitivity", CRANK, "--of", "pin.force.max", "--turns", 1, "--json").stdout)["rows"]
+    assert len(rows) + 1 == len((tmp_path / "all.csv").read_text().splitlines())
+    assert {"measure": "pin.force.max", "number": "driver.crank.speed"}.items() <= rows[0].items()
+
+
+def test_measures_that_companions_part_in_are_marked(command):
+    done = command("sensitivity", CRANK, "--of", "block.angular_acceleration.max", "--turns", 1)
+    assert done.exit_code == 0
+    assert "mean nothing" in done.stderr
+
+
+def test_faults_are_sentences(command, tmp_path):
+    for words, said in (
+        (("--of", "pin.forc.max"), 'Did you mean "pin.force.max"'),
+        (("--figure", "t.gif"), ".png"),
+        (("--csv", tmp_path / "no" / "all.csv"), "a folder that is there"),
+        (("--step", "-1 us"), "above 0"),
+    ):
+        done = command("sensitivity", CRANK, *words)
+        assert done.exit_code == 2 and said in " ".join(done.stderr.split()), done.stderr
+        assert "Traceback" not in done.stderr
+    done = command("sensitivity", EXAMPLES / "lee_frame.toml")
+    assert done.exit_code == 2 and "static" in done.stderr

@@ -1,0 +1,85 @@
+"""Derivatives of traced operations against those of calculus, and of whole steps: the numbers themselves keep their bits."""
+
+import math
+
+import numpy as np
+import pytest
+
+import mechanisms
+from support import bits
+from vfife.assembly.assemble import assemble
+from vfife.codegen.runner import Runner
+from vfife.codegen.tangent import tangent
+from vfife.codegen.trace import Mathematics, Rows, Symbol, Tape, Trace, select
+
+FUNCTIONS = {  # of x = row 0 and y = row 1: the function as it is traced, and its derivatives by x and y
+    "sum": (lambda x, y: x + 3.0 * y - 2.0, lambda x, y: (1.0, 3.0)),
+    "difference": (lambda x, y: 1.0 - x - y * y, lambda x, y: (-1.0, -2.0 * y)),
+    "product": (lambda x, y: x * x * y, lambda x, y: (2.0 * x * y, x * x)),
+    "quotient": (lambda x, y: x / (1.0 + y * y), lambda x, y: (1.0 / (1.0 + y * y), -2.0 * x * y / (1.0 + y * y) ** 2)),
+    "root": (lambda x, y: Mathematics.sqrt(x * x + y * y), lambda x, y: (x / math.hypot(x, y), y / math.hypot(x, y))),
+    "negative": (lambda x, y: -(x * y), lambda x, y: (-y, -x)),
+    "magnitude": (lambda x, y: abs(x - y), lambda x, y: (math.copysign(1.0, x - y), -math.copysign(1.0, x - y))),
+    "choice": (lambda x, y: select(x > y, lambda: x * x, lambda: y), lambda x, y: (2.0 * x, 0.0) if x > y else (0.0, 1.0)),
+    "rounding": (lambda x, y: x.tape.emit("round", x) + y, lambda x, y: (0.0, 1.0)),
+}
+
+
+def traced(function) -> Trace:
+    """Row 2 becomes the function of rows 0 and 1."""
+    tape = Tape()
+    rows = Rows(tape, {}, {2})
+    rows[2] = function(rows[0], rows[1])
+    stores = rows.stores()
+    return Trace(tape.needed(stores.values()), {row: value.name if isinstance(value, Symbol) else value for row, value in stores.items()})
+
+
+def carried_out(trace: Trace, state: list[float]) -> list[float]:
+    """A trace on numbers, operation by operation, by Python's own operators."""
+    values = {}
+
+    def of(operand):
+        if not isinstance(operand, str):
+            return operand
+        return state[int(operand[1:])] if operand[0] == "v" else values[operand]
+
+    does = {
+        "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b if b else math.inf, "sqrt": math.sqrt,
+        "abs": abs, "neg": lambda a: -a, ">": lambda a, b: a > b, "<": lambda a, b: a < b, "select": lambda c, a, b: a if c else b, "round": round,
+    }  # fmt: skip
+    for name, operator, operands in trace.operations:
+        values[name] = does[operator](*map(of, operands))
+    after = list(state)
+    for row, operand in trace.stores.items():
+        after[row] = of(operand)
+    return after
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("x, y", [(0.7, 1.9), (-2.3, -2.9), (1.1, 0.2)])
+def test_operations_have_the_derivatives_of_calculus(name, x, y):
+    """Two directions at once: that of x, and one of 2 x and -1 y together."""
+    function, derivatives = FUNCTIONS[name]
+    step = traced(function)
+    both = carried_out(tangent(step, 3, 2), [x, y, 0.0, 1.0, 0.0, 0.0, 2.0, -1.0, 0.0])
+    by_x, by_y = derivatives(x, y)
+    assert both[2] == carried_out(step, [x, y, 0.0])[2]
+    assert both[5] == pytest.approx(by_x, rel=1e-14, abs=1e-15)
+    assert both[8] == pytest.approx(2.0 * by_x - by_y, rel=1e-14, abs=1e-15)
+
+
+def test_a_magnitude_that_is_zero_has_a_derivative_that_is_no_infinity():
+    step = traced(lambda x, y: Mathematics.sqrt(x * x + y * y))
+    assert carried_out(tangent(step, 3, 1), [0.0, 0.0, 0.0, 1.0, 1.0, 0.0])[5] == 0.0
+
+
+def test_numbers_keep_their_bits_beside_their_derivatives():
+    """Contacts, events in smaller steps, functions of time: whatever stands behind the state."""
+    assembly = assemble(mechanisms.every_drive(), 4e-6, duration=2e-3, force_step=True)
+    kept = np.arange(assembly.layout.rows, dtype=np.uint32)
+    states, tables = np.repeat(assembly.state[:, None], 4, axis=1), np.repeat(assembly.tables[None, :], 4, axis=0)
+    alone = Runner(assembly.topology, states, tables, "generated", kept)
+    derived = Runner(assembly.topology, np.concatenate([states, 0.1 * states, -states]), np.tile(tables, 4), "generated", kept, directions=2)
+    for runner in (alone, derived):
+        runner.advance(1, 1)
+    assert np.array_equal(bits(alone.advance(250, 2)), bits(derived.advance(250, 2)))

@@ -1,0 +1,142 @@
+"""The served page in browsers: fields and their sentences, files and other browsers followed, saved, and closed to pages from elsewhere."""
+
+import re
+
+import pytest
+
+from live.browsers import needs_browser
+from vfife import gallery
+from vfife.modelfile import dump, load, loads
+
+pytest.importorskip("starlette")
+pytest.importorskip("uvicorn")
+
+from vfife.live.served.serving import served
+from vfife.live.served.session import Session
+
+pytestmark = needs_browser
+EVIL = '<img src=x onerror="window.struck=1"><b>bold</b>'
+FIELD = '[id="field-joint.C.clearance"]'
+WRONG = r"status of (409|422)"  # answers that a browser's console tells of, and that are meant
+
+
+@pytest.fixture
+def bar(tmp_path):
+    mechanism = gallery.four_bar_case_b()
+    mechanism.note = EVIL
+    path = tmp_path / "bar.toml"
+    path.write_text("# kept\n" + dump(mechanism), "utf-8")
+    return path
+
+
+@pytest.fixture
+def visit(browser, bar):
+    """Opens the page that is served; what goes wrong in it, and whatever it asks of another address, fails the test."""
+    faults, contexts = [], []
+    session = Session(bar.parent, slide=["joint.C.clearance=0.15..0.3mm"])
+    first = session.shelf.from_file(bar)
+    session.pages.first = first.id
+    with served(session) as serving:
+
+        def opened(where=f"#{first.id}", **options):
+            context = browser.new_context(**options)
+            contexts.append(context)
+            page = context.new_page()
+            page.on("pageerror", lambda error: faults.append(str(error)))
+            page.on("console", lambda told: faults.append(told.text) if told.type == "error" and not re.search(WRONG, told.text) else None)
+            page.on("request", lambda one: faults.append(one.url) if not one.url.startswith((serving.address, "blob:", "data:")) else None)
+            page.set_default_timeout(12000)
+            page.goto(serving.address + where)
+            return page
+
+        opened.serving, opened.session, opened.browser = serving, session, browser
+        yield opened
+        for context in contexts:
+            context.close()
+    assert faults == []
+
+
+def runs(page, wanted):
+    """Waits until the model that is seen to run has a clearance (m) of C."""
+    page.wait_for_function("() => shell.frame && !shell.next && shell.frame.contentWindow.live.running.store.end > 1")
+    page.wait_for_function(
+        "(wanted) => JSON.parse(shell.frame?.contentDocument.getElementById('given').textContent ?? '{}').model?.includes(wanted)",
+        arg=f"\nclearance = {wanted}\n",
+    )
+
+
+def test_a_field_is_edited_and_wrong_values_get_the_sentence_of_the_model_there(visit, bar):
+    page = visit()
+    runs(page, "0.0002")
+    assert page.evaluate("() => window.struck ?? shell.frame.contentWindow.struck") is None
+    page.keyboard.press("Control+e")
+    page.locator("details[data-table='joint.C'] summary").first.click()
+    field = page.locator(FIELD)
+    field.fill("0.24 mm")
+    field.press("Enter")
+    runs(page, "0.00024")
+    assert page.locator("#save").is_enabled()
+    field.fill("2 kg")
+    field.press("Enter")
+    row = page.locator(".row", has=field)
+    row.locator(".fault:not(:empty)").wait_for()
+    try:
+        loads(bar.read_text("utf-8"), [("joint.C.clearance", "2 kg")])
+    except ValueError as error:
+        assert row.locator(".fault").inner_text() == str(error).split(", ", 1)[1].replace(" (given by set)", "")
+    assert field.get_attribute("aria-invalid") == "true"
+    runs(page, "0.00024")
+    assert load(bar).joints["C"].clearance == 0.0002
+    field.fill("0.25 mm")
+    field.press("Enter")
+    runs(page, "0.00025")
+    page.keyboard.press("Control+s")
+    page.wait_for_function("() => shell.model.saved")
+    assert bar.read_text("utf-8").startswith("# kept\n") and 'clearance = "0.25 mm"' in bar.read_text("utf-8")
+
+
+def test_browsers_follow_the_file_and_one_another(visit, bar):
+    one, other = visit(), visit(viewport={"width": 390, "height": 780}, color_scheme="dark")
+    for page in (one, other):
+        runs(page, "0.0002")
+        page.wait_for_function("() => shell.frame.contentWindow.live.sliders.inputs.length === 1")
+    one.frame_locator("iframe").locator("#speed").fill("-2.5")
+    bar.write_text(bar.read_text("utf-8").replace("clearance = 0.0002", "clearance = 0.0003"), "utf-8")
+    for page in (one, other):
+        runs(page, "0.0003")
+    assert one.frame_locator("iframe").locator("#speed").input_value() == "-2.5"
+    other.click("#edit")
+    other.click("#tab-text")
+    other.locator("#text").fill(bar.read_text("utf-8").replace("clearance = 0.0003", "clearance = 0.00022"))
+    for page in (one, other):
+        runs(page, "0.00022")
+    assert other.evaluate("() => document.documentElement.scrollWidth <= window.innerWidth")
+    one.click("#undo")
+    runs(other, "0.0003")
+
+
+def test_a_page_from_elsewhere_gets_nothing(visit):
+    context = visit.browser.new_context()
+    context.route("http://elsewhere.example/**", lambda route: route.fulfill(body="<p>another page</p>", content_type="text/html"))
+    page = context.new_page()
+    page.goto("http://elsewhere.example/")
+    asked = "async ([url, how]) => { try { const a = await fetch(url, how); return a.type + a.status; } catch { return 'refused'; } }"
+    address = visit.serving.address
+    assert page.evaluate(asked, [f"{address}shelf", {}]) == "refused"
+    sent = {"method": "POST", "mode": "no-cors", "body": '{"gallery": "squeezer"}', "headers": {"content-type": "text/plain"}}
+    assert page.evaluate(asked, [f"{address}open", sent]) in ("opaque0", "refused")
+    assert "gallery-squeezer" not in visit.session.shelf.documents
+    page.evaluate("(url) => { document.body.append(Object.assign(document.createElement('iframe'), { src: url })); }", address)
+    page.wait_for_timeout(300)
+    assert all("vfife" not in (frame.content() if frame.url.startswith("http") else "") for frame in page.frames[1:])
+    context.close()
+
+
+def test_the_gallery_is_where_it_begins(visit):
+    page = visit("")
+    card = page.locator(".card", has_text="Jansen leg").first
+    card.wait_for()
+    page.wait_for_function("() => [...document.querySelectorAll('.card img')][0].naturalWidth > 0")
+    card.press("Enter")
+    page.wait_for_function("() => shell.frame && shell.model.id === 'gallery-jansen_leg'")
+    assert page.locator("#save").inner_text() == "Save as …"

@@ -1,0 +1,96 @@
+"""Figures of a study have its numbers: maps and curves are its arrays, a front is what no member beats, and what is missing stays so."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection, QuadMesh
+
+import vfife
+from study.studies import ASKED, Closed
+from vfife.errors import VfifeError
+from vfife.plots.bands import quantiles
+from vfife.plots.pareto import front
+from vfife.plots.studyaxes import broken, edges, logarithmic, shortened, unit_for
+from vfife.study import carry
+
+GRID = ASKED.replace("count = 2", "count = 4")
+
+
+def made(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **closed: Any) -> vfife.Study:
+    monkeypatch.setattr(carry, "run_members", Closed(**closed))
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    return vfife.study(path)
+
+
+def test_maps_curves_and_lines_have_the_numbers_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = made(GRID, tmp_path, monkeypatch, fails=2e-4)
+    figures = found.plot()
+    assert list(figures) == ["maps", "curves", "parallel", "fronts"]
+    values = found.data["C.force.max"].values
+    (mesh, *_) = (one for one in figures["maps"].axes[0].collections if isinstance(one, QuadMesh))
+    assert np.ma.allclose(mesh.get_array(), np.ma.masked_invalid(values)), "speed has more values, so it goes across"
+    assert np.ma.getmaskarray(mesh.get_array())[1].all(), "members that failed are no colour"
+    lines = figures["curves"].axes[0].lines
+    assert [np.allclose(line.get_ydata(), row, equal_nan=True) for line, row in zip(lines, values, strict=True)] == [True] * 3
+    (drawn,) = (one for one in figures["parallel"].axes[0].collections if isinstance(one, LineCollection))
+    assert len(drawn.get_segments()) == 8, "two of three clearances came to something"
+    assert list(found.plot("curves", measures=["C.impacts"])) == ["curves"]
+    with pytest.raises(VfifeError, match="did you mean"):
+        found.plot("curvs")
+    with pytest.raises(VfifeError, match="no measure"):
+        found.plot(measures=["C.fource"])
+
+
+def test_bands_are_quantiles_of_the_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = GRID.replace("count = 4\n", "").replace("turns = 2", 'turns = 2\nmethod = "random"\ncount = 200')
+    found = made(text, tmp_path, monkeypatch)
+    figures = found.plot("maps", "curves")
+    assert list(figures) == ["curves"]
+    middle, low, high = quantiles(found.laid_out("C.force.max"))
+    speeds = np.sort(found.data.speed.values)
+    for k, play in enumerate((1e-4, 2e-4, 3e-4)):
+        for line, share in ((low, 0.05), (middle, 0.5), (high, 0.95)):
+            assert line[k] == pytest.approx(play * np.quantile(speeds, share) ** 2, rel=0.01)
+    assert np.allclose(figures["curves"].axes[0].lines[0].get_ydata(), middle)
+    assert "over 200 samples" in figures["curves"]._suptitle.get_text()
+
+
+@pytest.mark.parametrize("measures", [2, 3])
+def test_a_front_is_what_no_other_point_beats(measures: int) -> None:
+    values = np.round(np.random.default_rng(measures).normal(size=(120, measures)), 1)
+    values = np.vstack([values, values[:5]])
+    beaten = [
+        any(all(a <= b for a, b in zip(other, one, strict=True)) and any(a < b for a, b in zip(other, one, strict=True)) for other in values)
+        for one in values
+    ]
+    assert front(values).tolist() == [not one for one in beaten]
+    assert 2 <= front(values).sum() < 60
+
+
+def test_axes_say_quantities_as_people_do() -> None:
+    assert unit_for([2e-4], "m") == (1e3, "mm")
+    assert unit_for([5000.0], "W") == (1e-3, "kW")
+    assert unit_for([50.0], "rad/s^2") == (1.0, "rad/s²")
+    assert edges(np.array([1.0, 2.0, 4.0])).tolist() == [0.5, 1.5, 3.0, 5.0]
+    assert logarithmic(np.geomspace(1.0, 100.0, 5)) and not logarithmic(np.linspace(1.0, 100.0, 5))
+    assert broken("follower.angular_acceleration.max").replace("\n", "") == "follower.angular_acceleration.max"
+    assert all(len(shortened(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n)
+
+
+def test_words_stand_in_their_order_and_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from vfife.plots.study import drawn
+
+    text = GRID + '[vary.law]\npath = "joint.C.contact.law"\nvalues = ["lankarani-nikravesh", "flores", "hertz"]\n'
+    found = made(text, tmp_path, monkeypatch)
+    (tmp_path / "out").mkdir()
+    paths = drawn(found, tmp_path / "out", ["parallel", "maps"], ending=".svg")
+    assert [path.name for path in paths] == ["maps.svg", "parallel.svg"]
+    assert "median over law" in found.plot("maps")["maps"]._suptitle.get_text()
+    words = {text.get_text() for text in found.plot("parallel")["parallel"].axes[0].texts}
+    assert {"lankarani-nikravesh", "flores", "hertz"} <= words
