@@ -6,7 +6,9 @@ its arguments are read from memory as the driver reads them.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+from collections.abc import Iterator
 from functools import lru_cache
 from types import SimpleNamespace
 
@@ -14,7 +16,7 @@ import numpy as np
 
 from vfife.assembly.assembled import Assembly
 from vfife.assembly.bounds import bounds, limited_rows
-from vfife.codegen import gpu
+from vfife.codegen import cuda, gpu
 from vfife.codegen.cuda import Card
 from vfife.codegen.native import Code, object_code
 from vfife.codegen.ondevice import DeviceStream
@@ -38,7 +40,7 @@ class FakeDriver:
     CUDA_VERSION = 13000
     CUdevice_attribute = SimpleNamespace(CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR=75, CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR=76)
 
-    def __init__(self, topology: Topology, *, memory: int = 1 << 30, version: int = 13000, capability: int = 90, **failing: int) -> None:
+    def __init__(self, topology: Topology | None, *, memory: int = 1 << 30, version: int = 13000, capability: int = 90, **failing: int) -> None:
         self.topology, self.memory, self.version, self.capability, self.failing = topology, memory, version, capability, failing
         self.calls: list[str] = []
         self.given: dict[int, np.ndarray] = {}
@@ -120,6 +122,18 @@ class FakeDriver:
 
     def cuCtxSynchronize(self):
         return ()
+
+
+@contextlib.contextmanager
+def in_this_machine(driver: FakeDriver) -> Iterator[FakeDriver]:
+    """Meanwhile this machine has the card."""
+    real, cuda._bindings = cuda._bindings, lambda: driver
+    cuda.card.cache_clear()
+    try:
+        yield driver
+    finally:
+        cuda._bindings = real
+        cuda.card.cache_clear()
 
 
 def rows_on_card(assembly: Assembly, driver: FakeDriver | None = None, lane: int = 0) -> np.ndarray:

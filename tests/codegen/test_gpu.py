@@ -1,15 +1,16 @@
 """One member a thread, on a card that the processor plays: the bits of members in lanes, whatever card and whoever beside; and what is told."""
 
 import builtins
+import contextlib
 
 import numpy as np
 import pytest
 
-from fake_card import FakeDriver, rows_on_card
+from fake_card import FakeDriver, in_this_machine, rows_on_card
 from lane_models import one_clearance, swing
 from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble, refitted
-from vfife.codegen import cuda, ondevice
+from vfife.codegen import ondevice
 from vfife.codegen.cuda import Card
 from vfife.codegen.gpu import TILE
 from vfife.errors import DeviceError
@@ -19,17 +20,10 @@ from vfife.solvers.ensemble import advance, ensemble, placed
 
 
 @pytest.fixture
-def driver(monkeypatch):
-    """Puts a card of a topology into this machine, with so much memory."""
-
-    def put(topology, **given) -> FakeDriver:
-        made = FakeDriver(topology, **given)
-        monkeypatch.setattr(cuda, "_bindings", lambda: made)
-        cuda.card.cache_clear()
-        return made
-
-    yield put
-    cuda.card.cache_clear()
+def driver():
+    """Puts a card of a topology into this machine."""
+    with contextlib.ExitStack() as stack:
+        yield lambda topology, **given: stack.enter_context(in_this_machine(FakeDriver(topology, **given)))
 
 
 def same(ours, theirs) -> bool:

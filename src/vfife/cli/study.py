@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
+    from ..study.carry import Runner
     from ..study.engine import Outcome
 
 RUN = "run"
@@ -32,6 +33,8 @@ Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.stu
 Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
 Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads.", show_default="one a core")]
+ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
+Device = Annotated[str | None, typer.Option(metavar="cuda", help=ON_CARD, show_default="the processor")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 Added = Annotated[
     list[str] | None,
@@ -69,6 +72,7 @@ def run(
     force: Force = False,
     yes: Yes = False,
     workers: Workers = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -79,10 +83,12 @@ def run(
     member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
     """
     with sentences(str(file)):
+        from ..study.engine import on_device
         from ..study.planfile import load_plan
 
         take_laws(laws)
         plan, base = load_plan(file)
+        run_on = on_device(device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
     told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet)
@@ -93,7 +99,7 @@ def run(
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
         return made(target, plan, base, file.stem, replace=force)
 
-    carried(target, opened, base, workers, as_json, quiet)
+    carried(target, opened, base, workers, run_on, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -101,11 +107,12 @@ def resume(
     file: FileArgument,
     laws: LawsOption = None,
     workers: Workers = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Go on with a study that was interrupted or killed, from its file alone."""
-    add(file, None, None, None, laws, True, workers, as_json, quiet)
+    add(file, None, None, None, laws, True, workers, device, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -117,14 +124,17 @@ def add(
     laws: LawsOption = None,
     yes: Yes = False,
     workers: Workers = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
     with sentences(str(file)):
+        from ..study.engine import on_device
         from ..study.more import added, split
 
         take_laws(laws)
+        run_on = on_device(device)
         items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
         plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
     told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
@@ -136,7 +146,7 @@ def add(
         found.add(plan.numbers(), asked)
         return found
 
-    carried(file, opened, base, workers, as_json, quiet)
+    carried(file, opened, base, workers, run_on, as_json, quiet)
 
 
 study.command(cls=Command)(show)
@@ -180,7 +190,9 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
         tell("note", text)
 
 
-def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, as_json: bool, quiet: bool) -> None:
+def carried(
+    target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, runner: Runner | None, as_json: bool, quiet: bool
+) -> None:
     """Computes what is left; says what was kept, and ends with the exit code of that."""
     from .progress import ProgressLine
 
@@ -195,7 +207,7 @@ def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, work
             NOW.saved = kept
             with opened() as file:
                 with ProgressLine(quiet) as line:
-                    whole = carry_out(file, base, workers=workers, told=Line(line))
+                    whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)
                 found = read_back(file)
     if as_json:
         from .studied import payload
