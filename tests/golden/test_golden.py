@@ -41,7 +41,7 @@ MODELS = {
     "machinery": (0.02, 4e-6),
 }  # fmt: skip
 RICH = ("four_bar", "four_bar_case_b", "four_bar_case_c", "slider_crank_loose_guide", "block_on_incline", "every law", *MODELS)
-ON_CARD = ("four_bar_case_c", "two_particle_bars", "swing", "machinery")
+ON_CARD = ("four_bar_case_c", "two_particle_bars", "machinery")
 NOTHING = 1e-9  # in units of SI; a force of a start is round-off below it
 
 

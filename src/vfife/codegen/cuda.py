@@ -36,7 +36,7 @@ class Card:
         try:
             self.call("cuInit", 0)
         except RuntimeError as error:  # the bindings look for the driver when they are first used
-            raise DeviceError(f"device cuda: there is no NVIDIA driver on this machine ({_line(error)}); install one, or {WITHOUT}") from error
+            raise DeviceError(f"device cuda: there is no NVIDIA driver on this machine ({_line(error)}); install one; {WITHOUT}") from error
         self._examine_driver()
         self.device = self.call("cuDeviceGet", 0)
         attributes = self.driver.CUdevice_attribute
