@@ -11,6 +11,7 @@ KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
 EXTRAS = ("cluster", "gpu", "live", "optimise", "parquet", "sensitivity", "video")
 # Declared, though no line imports it, and why.
 NOT_IMPORTED = {
+    "cuda-bindings": "imported by tests where pytest finds them",
     "distributed": "a cluster that the caller hands in; study asks nothing of it by name",
     "h5netcdf": "the engine that xarray is told to write with, by its name",
     "h5py": "what h5netcdf writes with",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import DeviceError
 
-LEAST = 70  # compute capability: older cards have a sixteenth of their speed, or less, for doubles of which too few are in use to try
+LEAST = 70  # compute capability (7.0) for which programs are written; later cards run them
 SAID = {
     2: "its memory is full; run fewer members at once, or end what else runs on it",
     100: "the driver sees no card; nvidia-smi lists those there are, and CUDA_VISIBLE_DEVICES says which of them a process may use",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import weakref
 
 import numpy as np
@@ -107,6 +108,7 @@ class DeviceStream:
         """What a lane has handed out since it went on, (outputs, handed)."""
         tile, at = divmod(lane, TILE)
         if not self.told[tile]:
+            self.card.enter()
             self.card.fetch(self.places["out"] + tile * self.handed[tile].nbytes, self.handed[tile])
             self.told[tile] = True
         found: Rows = self.handed[tile, at, : self.at[lane]] + 0.0
@@ -143,5 +145,7 @@ COUNTS = ("broken", "due", "every", "at", "stop", "reached")  # a number of each
 
 
 def _drop(there: Card, places: dict[str, int]) -> None:
-    for address in places.values():
-        there.drop(address)
+    with contextlib.suppress(DeviceError):  # at the end of a process the driver may have gone first
+        there.enter()
+        for address in places.values():
+            there.drop(address)

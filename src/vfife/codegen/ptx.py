@@ -7,11 +7,12 @@ from functools import lru_cache
 
 from ..kernels.topology import Topology
 from . import cache
+from .cuda import LEAST
 from .gpu import ARGUMENTS, TILE, kind, written
 from .lock import WRITING
 from .native import llvmlite_version, origin
 
-TRIPLE, OLDEST = "nvptx64-nvidia-cuda", 70  # what is written for a card runs on later ones, and a step has nothing that only later ones can do
+TRIPLE = "nvptx64-nvidia-cuda"
 
 
 def kernel() -> str:
@@ -32,7 +33,7 @@ define ptx_kernel void @simulate({given}) {{
 """
 
 
-def ptx(text: str, capability: int = OLDEST) -> str:
+def ptx(text: str, capability: int = LEAST) -> str:
     """A text as PTX for cards of a compute capability (70: 7.0) and all later ones."""
     import llvmlite.binding as llvm
 
