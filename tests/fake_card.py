@@ -11,6 +11,7 @@ import ctypes
 from collections.abc import Iterator
 from functools import lru_cache
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -136,7 +137,7 @@ def in_this_machine(driver: FakeDriver) -> Iterator[FakeDriver]:
         cuda.card.cache_clear()
 
 
-def rows_on_card(assembly: Assembly, driver: FakeDriver | None = None, lane: int = 0) -> np.ndarray:
+def rows_on_card(assembly: Assembly, driver: Any = None, lane: int = 0) -> np.ndarray:
     """What a card would hand out of one member, stepped by one of its threads: the start and every output, shape (outputs, kept)."""
     topology, choice, kept, parts = assembly.topology, assembly.choice, recorded_rows(assembly), assembly.mechanism.settings.parts
     first = Starter(topology, 1, "generated", assembly.tables.size, parts).begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
