@@ -1,10 +1,12 @@
 """No test is judged by time; laws that a test registers do not stay; files that take long begin first."""
 
+import functools
 import gc
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import typer.testing
 from hypothesis import settings
 
 from one_loop import ForAllLaws
@@ -33,6 +35,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Files keep their order among processes; by itself xdist begins with those of most tests."""
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
+    typer.testing._get_command = functools.cache(typer.testing._get_command)  # the command line, which a thousand tests ask, is put together once
     if "not verify" in config.option.markexpr:
         runner.DataDriven = ForAllLaws
 
