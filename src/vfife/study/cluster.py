@@ -19,6 +19,7 @@ from .batch import Numbers, question, run_batch
 from .engine import Outcome, Wanted, on_device
 from .spreading import Spread, Work, imported
 
+NOISY = ("asyncio", "distributed", "distributed.client")  # tell with tracebacks what is told here in sentences
 ANSWER = 10.0  # s that a scheduler has to answer
 
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -31,7 +32,8 @@ def cluster(address: str, processes: int | None = None) -> Iterator[Runner]:
     """
     distributed = imported()
     with ExitStack() as stack:
-        stack.enter_context(silence("asyncio"))  # which tells of every wait for a worker that is gone
+        for name in NOISY:
+            stack.enter_context(silence(name))
         try:
             if address == "local":
                 client = stack.enter_context(distributed.Client(stack.enter_context(processes_here(distributed, processes))))
