@@ -20,6 +20,7 @@ from .engine import Outcome, Wanted, on_device
 from .spreading import Spread, Work, imported
 
 NOISY = ("asyncio", "distributed", "distributed.client")  # tell with tracebacks what is told here in sentences
+DEAF = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"  # Ctrl-C is for who asks
 ANSWER = 10.0  # s that a scheduler has to answer
 
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -66,7 +67,13 @@ def processes_here(distributed: ModuleType, count: int | None) -> Iterator[Any]:
     with (
         dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
         distributed.LocalCluster(
-            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0, silence_logs="CRITICAL"
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=":0",
+            memory_limit=0,
+            silence_logs="CRITICAL",
+            preload=[DEAF],
         ) as local,
     ):
         yield local
