@@ -142,3 +142,15 @@ def test_members_of_other_kinds_are_grouped_and_told(command: Command, closed: C
     assert done.exit_code == 0, done.stderr
     assert "members of 2 kinds are run group by group" in done.stderr
     assert "joint.C.contact.law = flores: 6" in done.stderr
+
+
+def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    done = command("study", "plot", "x.study", "--figure", "curves", "--measure", "C.force.max", "--kind", "svg")
+    assert (done.exit_code, done.stdout.split()) == (0, ["x-figures/curves.svg"]), done.stderr
+    assert "did you mean" in command("study", "plot", "x.study", "--figure", "curvs").stderr
+    done = command("report", "x.study", "--no-live")
+    assert done.exit_code == 0, done.stderr
+    page = Path("x-report.html").read_text()
+    assert "6 members: 6 complete" in page and "12 N" in page and "<iframe" not in page
+    assert command("report", "x.study").exit_code == 2, "a file that is there stays"

@@ -33,7 +33,7 @@ SHORT = {"turns": 2, "step": 8e-6}
 
 def own(numbers: dict[str, Any], turns: int, step: float | None = None, **options: Any) -> Any:
     """The member's own run."""
-    return simulate(load_model(BASE, set=list(numbers.items())), turns=turns, step=step, companions=0, force_step=step is not None, **options)
+    return simulate(load_model(BASE, set=list(numbers.items())), turns=turns, step=step, companions=0, **options)
 
 
 def bits(found: dict[int, Outcome]) -> dict[int, Any]:
@@ -154,13 +154,17 @@ def test_member_that_fails_says_why_and_stops_no_other(bad: dict[str, Any], refe
 
 
 def test_member_that_diverges_is_told_as_its_own_run() -> None:
-    found = members([{"joint.C.contact.stiffness": 1e16}, {}], Wanted(SOME[:1], 1, step=2e-5))
-    record = own({"joint.C.contact.stiffness": 1e16}, 1, step=2e-5).record
-    assert found[0].status == str(record.status) != "complete"
+    """A journal that goes through its soft bearing; a step that is too large for one member is told before."""
+    soft = {"joint.C.contact.stiffness": 1e5}
+    found = members([soft, {}, {"joint.C.contact.stiffness": 1e16}], Wanted(SOME[:1], 1, step=5e-6))
+    record = own(soft, 1, step=5e-6).record
+    assert found[0].status == str(record.status) == "diverged"
     assert found[0].steps == record.steps[-1]
     assert found[0].reason is not None
     assert str(record.reached) in found[0].reason
     assert found[1].status == "complete"
+    assert found[2].status == "failed"
+    assert "too large" in str(found[2].reason)
 
 
 def test_stopped_members_are_left_out() -> None:

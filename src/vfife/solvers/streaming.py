@@ -113,17 +113,20 @@ class Waiting:
 
 
 def stepped(
-    members: Iterable[Member | Ending], count: int, *, lanes: int | None = None, workers: int | None = None, stop: threading.Event | None = None
-) -> Iterator[Ending]:
+    members: Iterable[Member | Ending], count: int, *, alike: int | None = None, lanes: int | None = None, workers: int | None = None,
+    stop: threading.Event | None = None,
+) -> Iterator[Ending]:  # fmt: skip
     """Steps members, ``count`` of them or so, and gives each when it has ended, what had ended before as it is; with ``stop`` set, no more.
 
-    ``lanes``: side by side in one vector register, as many as this machine's hold if not given; ``workers``: threads, one a core if not given.
+    ``lanes``: side by side in one vector register, as many as this machine's hold if not given, or as there are members that may share one, which
+    are ``alike``, all of them if not given; ``workers``: threads, one a core if not given.
     """
     found: Found = queue.SimpleQueue()
     ended, stop = threading.Event(), stop or threading.Event()
     workers = max(1, min(workers or os.cpu_count() or 1, count))
-    waiting = Waiting(iter(members), found, -(-count // workers))
-    arguments = waiting, found, lanes or widest(), lambda: ended.is_set() or stop.is_set()
+    waiting = Waiting(iter(members), found, max(1, -(-(alike or count) // workers)))
+    wide = lanes or min(widest(), 1 << (waiting.share - 1).bit_length())
+    arguments = waiting, found, wide, lambda: ended.is_set() or stop.is_set()
     threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
     for thread in threads:
         thread.start()

@@ -100,7 +100,7 @@ def single(preparing: Preparing, numbers: Numbers) -> Outcome:
     wanted = preparing.wanted
     try:
         mechanism = loads(preparing.text, set=list(numbers.items()))
-        asked = Asked(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle, force_step=wanted.step is not None)
+        asked = Asked(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle)
         result = carry_out(prepare(mechanism, asked))
     except VfifeError as error:
         return Outcome(status=FAILED, reason=sentence(error))
