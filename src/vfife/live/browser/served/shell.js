@@ -45,6 +45,7 @@ async function show(model, by = "") {
   }
   $("acts").hidden = false;
   $("gallery").hidden = true;
+  $("gallery").replaceChildren(); // whose drawings nobody waits for now
   $("stage").hidden = false;
   $("undo").disabled = model.undo === 0;
   $("save").disabled = model.saved;
