@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
+from ..report.study import quantity
 from ..solvers.status import Status
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .signals import NOW
-from .studied import quantity
 from .terminal import command, grid, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
