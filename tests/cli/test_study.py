@@ -113,11 +113,15 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         ("study", "show", "missing.study"): "there is no study file of this name",
         ("study", "s.toml", "-o", "other.study", "--force"): "no study file; name another one",
         ("study", "show", "other.study"): "this is no study file",
+        ("study", "s.toml", "-o", "nowhere/x.study"): "Make the folder nowhere first",
+        ("study", "shwo", "x.study"): "No such command 'shwo'",
     }
     for words, says in cases.items():
         done = command(*words)
         assert (done.exit_code, says in done.stderr) == (2, True), (words, done.stderr)
     command("study", "s.toml", "-o", "x.study", "-q")
+    assert "this is what a study was kept in" in command("study", "x.study").stderr
+    assert "nothing is left to compute: all 6 members" in command("study", "resume", "x.study").stderr
     for word, says in (("plya=1", 'did you mean "play"'), ("play=1 s", "this is a time"), ("play", "this is not NAME=VALUE")):
         done = command("study", "add", "x.study", word)
         assert (done.exit_code, says in done.stderr) == (2, True), done.stderr

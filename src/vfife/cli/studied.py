@@ -143,10 +143,10 @@ Kind = Annotated[str, typer.Option("--kind", metavar="KIND", help="png, svg or p
 def plot(file: FileArgument, folder: FiguresOption = None, figure: FigureOption = None, measure: MeasureOption = None, kind: Kind = "png") -> None:
     """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the better)."""
     found = read(file)
-    with sentences(str(file)), writing(str(file), "The study is as it was."):
+    target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
+    with sentences(str(file)), writing(str(target), "The study is as it was."):
         from ..plots.study import drawn
 
-        target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
         target.mkdir(parents=True, exist_ok=True)
         paths = drawn(found, target, figure or (), measure or (), f".{kind.lower().removeprefix('.')}")
     for path in paths:
