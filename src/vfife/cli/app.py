@@ -15,6 +15,7 @@ from .ended import export, info, plot
 from .impacts import impacts
 from .laws import laws
 from .live import live
+from .map import map_
 from .materials import materials
 from .modes import modes
 from .new import new
@@ -24,6 +25,7 @@ from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
 from .study import study
@@ -81,6 +83,7 @@ for command in (
     sensitivity,
     info,
     impacts,
+    optimise,
     plot,
     animate,
     report,
@@ -93,4 +96,5 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.command("map", cls=Command)(map_)
 app.add_typer(study, name="study", rich_help_panel=None)

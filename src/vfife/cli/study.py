@@ -11,8 +11,10 @@ import typer
 from typer.core import TyperGroup
 
 from ..solvers.status import Status
-from .options import JsonOption, LawsOption, take_laws
+from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .plainly import Command, Plainly
+from .sampled import indices, tolerance
+from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
 from .terminal import DIVERGED, amount_of_bytes, command, fail, print_json, sentences, span, tell, writing
@@ -31,7 +33,7 @@ FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.study", help="Where to keep it.", show_default="runs/STUDY.study")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
-Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads.", show_default="one a core")]
+Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or processes of a local cluster.", show_default="one a core")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 Added = Annotated[
     list[str] | None,
@@ -70,6 +72,7 @@ def run(
     force: Force = False,
     yes: Yes = False,
     workers: Workers = None,
+    cluster: ClusterOption = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -81,12 +84,15 @@ def run(
     """
     with sentences(str(file)):
         from ..results.header import study_head
+        from ..study.plan import SEARCH
         from ..study.planfile import load_plan
 
         take_laws(laws)
         if study_head(file) is not None:
             raise ValueError(f"{file}: this is what a study was kept in; see vfife study show, resume or add, or name its STUDY.toml")
         plan, base = load_plan(file)
+        if plan.asked.method == SEARCH:
+            raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
     told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet)
@@ -97,7 +103,7 @@ def run(
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
         return made(target, plan, base, file.stem, replace=force)
 
-    carried(target, opened, base, workers, as_json, quiet)
+    carried(target, opened, base, workers, cluster, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -105,11 +111,12 @@ def resume(
     file: FileArgument,
     laws: LawsOption = None,
     workers: Workers = None,
+    cluster: ClusterOption = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Go on with a study that was interrupted or killed, from its file alone."""
-    add(file, None, None, None, laws, True, workers, as_json, quiet)
+    add(file, None, None, None, laws, True, workers, cluster, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -121,6 +128,7 @@ def add(
     laws: LawsOption = None,
     yes: Yes = False,
     workers: Workers = None,
+    cluster: ClusterOption = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -140,12 +148,15 @@ def add(
         found.add(plan.numbers(), asked)
         return found
 
-    carried(file, opened, base, workers, as_json, quiet)
+    carried(file, opened, base, workers, cluster, as_json, quiet)
 
 
 study.command(cls=Command)(show)
 study.command(cls=Command)(plot)
 study.command(cls=Command)(export)
+study.command(cls=Command)(tolerance)
+study.command(cls=Command)(indices)
+study.command(cls=Command)(allocate)
 
 
 def refuse_foreign(target: Path, force: bool) -> None:
@@ -186,7 +197,9 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
         tell("note", text)
 
 
-def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, as_json: bool, quiet: bool) -> None:
+def carried(
+    target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, cluster: str | None, as_json: bool, quiet: bool
+) -> None:
     """Computes what is left; says what was kept, and ends with the exit code of that."""
     from .progress import ProgressLine
 
@@ -194,6 +207,7 @@ def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, work
     kept = went_on if target.exists() else ""
     with sentences(str(target)), writing(str(target), kept):
         from ..study.carry import carry_out, read_back
+        from ..study.cluster import joined
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
@@ -201,8 +215,8 @@ def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, work
             NOW.last.append(lock.release)
             NOW.saved = went_on
             with opened() as file:
-                with ProgressLine(quiet) as line:
-                    whole = carry_out(file, base, workers=workers, told=Line(line))
+                with joined(cluster, workers) as runner, ProgressLine(quiet) as line:
+                    whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)
                 found = read_back(file)
     if as_json:
         from .studied import payload
