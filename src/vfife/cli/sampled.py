@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .options import JsonOption
-from .studied import FileArgument, quantity, read
+from .studied import FileArgument, read
 from .terminal import grid, output, print_json, row, sentences
 
 if TYPE_CHECKING:
@@ -34,6 +34,8 @@ def tolerance(
     The members have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or distributions; limits of confidence are those of
     independent draws.
     """
+    from ..report.study import quantity
+
     found = read(file)
     with sentences(str(file)):
         from ..study.tolerance import spreads
@@ -80,6 +82,7 @@ def indices(file: FileArgument, measure: Measures = None, as_json: JsonOption = 
 
 def index_table(one: Any) -> Any:
     """The table of a measure, what matters most first."""
+    from ..report.study import quantity
     from ..study.indices import Index
 
     if isinstance(one.rows[0], Index):
@@ -135,6 +138,8 @@ def percents(text: str) -> tuple[float, ...]:
 
 def known(value: float, unit: str) -> str:
     """A quantity; nothing where the sample is too small for it."""
+    from ..report.study import quantity
+
     return quantity(value, unit) if math.isfinite(value) else "-"
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
+    from ..study.carry import Runner
     from ..study.engine import Outcome
 
 RUN = "run"
@@ -34,6 +35,8 @@ Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.stu
 Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
 Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or processes of a local cluster.", show_default="one a core")]
+ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
+Device = Annotated[str | None, typer.Option(metavar="cuda", help=ON_CARD, show_default="the processor")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 Added = Annotated[
     list[str] | None,
@@ -73,6 +76,7 @@ def run(
     yes: Yes = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -84,6 +88,7 @@ def run(
     """
     with sentences(str(file)):
         from ..results.header import study_head
+        from ..study.cluster import elsewhere
         from ..study.plan import SEARCH
         from ..study.planfile import load_plan
 
@@ -93,6 +98,7 @@ def run(
         plan, base = load_plan(file)
         if plan.asked.method == SEARCH:
             raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
+        run_on = elsewhere(cluster, device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
     told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet)
@@ -103,7 +109,7 @@ def run(
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
         return made(target, plan, base, file.stem, replace=force)
 
-    carried(target, opened, base, workers, cluster, as_json, quiet)
+    carried(target, opened, base, workers, cluster, run_on, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -112,11 +118,12 @@ def resume(
     laws: LawsOption = None,
     workers: Workers = None,
     cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Go on with a study that was interrupted or killed, from its file alone."""
-    add(file, None, None, None, laws, True, workers, cluster, as_json, quiet)
+    add(file, None, None, None, laws, True, workers, cluster, device, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -129,14 +136,17 @@ def add(
     yes: Yes = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
     with sentences(str(file)):
+        from ..study.cluster import elsewhere
         from ..study.more import added, split
 
         take_laws(laws)
+        run_on = elsewhere(cluster, device)
         items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
         plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
     told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
@@ -148,7 +158,7 @@ def add(
         found.add(plan.numbers(), asked)
         return found
 
-    carried(file, opened, base, workers, cluster, as_json, quiet)
+    carried(file, opened, base, workers, cluster, run_on, as_json, quiet)
 
 
 study.command(cls=Command)(show)
@@ -198,7 +208,14 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
 
 
 def carried(
-    target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, cluster: str | None, as_json: bool, quiet: bool
+    target: Path,
+    opened: Callable[[], StudyFile],
+    base: Mechanism,
+    workers: int | None,
+    cluster: str | None,
+    run_on: Runner | None,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
     """Computes what is left; says what was kept, and ends with the exit code of that."""
     from .progress import ProgressLine
@@ -215,7 +232,7 @@ def carried(
             NOW.last.append(lock.release)
             NOW.saved = went_on
             with opened() as file:
-                with joined(cluster, workers) as runner, ProgressLine(quiet) as line:
+                with joined(cluster, workers, run_on) as runner, ProgressLine(quiet) as line:
                     whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)
                 found = read_back(file)
     if as_json:

@@ -14,7 +14,7 @@ from typing import Any
 from ..errors import VfifeError
 from ..model.mechanism import Mechanism
 from .batch import Numbers, question, run_batch
-from .engine import Outcome, Wanted
+from .engine import Outcome, Wanted, on_device
 from .spreading import Spread, Work, imported
 
 ANSWER = 10.0  # s that a scheduler has to answer
@@ -47,11 +47,21 @@ def cluster(address: str, processes: int | None = None) -> Iterator[Runner]:
             local.close(timeout=5)
 
 
+def elsewhere(address: str | None, device: str | None) -> Runner | None:
+    """What runs members on a device, None without one.
+
+    Raises ValueError where a cluster is given as well, DeviceError for a card that cannot be used.
+    """
+    if address is not None and device is not None:
+        raise ValueError(f"cluster {address} and device {device} exclude each other: workers of a cluster have no card; leave out one of them")
+    return on_device(device)
+
+
 @contextmanager
-def joined(address: str | None, processes: int | None = None) -> Iterator[Runner | None]:
-    """:func:`cluster` where an address is given; None, for this process alone, where not."""
+def joined(address: str | None, processes: int | None = None, otherwise: Runner | None = None) -> Iterator[Runner | None]:
+    """:func:`cluster` where an address is given; where not, what runs members ``otherwise``, or None, for this process alone."""
     if address is None:
-        yield None
+        yield otherwise
         return
     with cluster(address, processes) as runner:
         yield runner
