@@ -195,6 +195,16 @@ def test_another_study_is_not_mixed_with_it(before: str, after_: str, says: str,
     assert len(Study.open(path).done) == 6
 
 
+def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(asked: Path, tmp_path: Path, closed: Closed) -> None:
+    path = tmp_path / "s.study"
+    vfife.study(asked, file=path)
+    with StudyFile.open(path) as file:
+        kept = file.meta["study"]
+        law = {"kind": "contact", "name": "mine", "text": "one"}
+        for change, says in (({"step": "0"}, "which steps otherwise"), ({"own_laws": [law]}, "another text of your own laws"), ({}, "")):
+            assert says in carry.same_question(file, {**kept, **change}) and bool(says) == bool(carry.same_question(file, {**kept, **change}))
+
+
 def test_damaged_rows_are_left_out_and_computed_again(asked: Path, tmp_path: Path, closed: Closed) -> None:
     path = tmp_path / "s.study"
     whole = vfife.study(asked, file=path)

@@ -152,11 +152,9 @@ def add(
     told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
 
     def opened() -> StudyFile:
-        from ..results.studyfile import StudyFile
+        from ..study.carry import taken_up
 
-        found = StudyFile.write(file)
-        found.add(plan.numbers(), asked)
-        return found
+        return taken_up(file, plan, asked)
 
     carried(file, opened, base, workers, cluster, run_on, as_json, quiet)
 
