@@ -79,7 +79,7 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
     assert len(whole.done) == 6
     statements, survived, kept = 0, False, set()
     while not survived:
-        statements += 4
+        statements += 5
         path = tmp_path / f"{statements}.study"
 
         def once(path: Path = path, count: int = statements) -> None:

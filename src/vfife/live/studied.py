@@ -74,7 +74,7 @@ def reported(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
     try:
         whole = document(study, drawn, *study_page(study))
     except VfifeError as error:
-        return page, (f"no member runs in the report: {error}.",)
+        return page, (f"no member runs in the report: {str(error).rstrip(chr(46))}.",)
     if len(whole.encode("utf-8")) > LARGEST_REPORT:
         return page, ("the page in which a member runs is left out: with it the report would be too large.",)
     return whole, ()
