@@ -13,7 +13,7 @@ import traceback
 from measure import HERE, Options, Part, machine, plain, step_text, table, versions
 from rich.console import Console
 
-PARTS = ("limit", "compilation", "events", "peers", "elastic", "size", "joints", "laws", "friction", "study", "startup")
+PARTS = ("limit", "compilation", "events", "peers", "elastic", "size", "joints", "laws", "friction", "study", "startup", "frames")
 # What each ratio shall be; ratios without an entry are told for information.
 TARGETS: dict[str, tuple[str, float]] = {
     "limit.ledger_generated_1_lane": ("at most", 1.0),
@@ -52,6 +52,8 @@ TARGETS: dict[str, tuple[str, float]] = {
     "startup.run_warm": ("at most", 1.0),
     "startup.run_cold": ("at most", 1.0),
     "startup.memory_8x": ("at most", 1.05),
+    "frames.least": ("at least", 1.0),
+    "frames.new_model": ("at most", 1.0),
 }
 
 

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from .solvers.status import Status
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.maps import bifurcation
     from .study.stepped import Simulation
     from .study.studies import study
 
@@ -53,6 +54,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
+    "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
     "errors": "",
@@ -98,6 +100,8 @@ _above.ANSWERS |= {
     "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
+    "live": _later("live.cell", "live"),
+    "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
 }
 
@@ -166,6 +170,7 @@ __all__ = [
     "Status",
     "Study",
     "VfifeError",
+    "bifurcation",
     "compare",
     "ensemble",
     "errors",

@@ -15,6 +15,7 @@ from .ended import export, info, plot
 from .impacts import impacts
 from .laws import laws
 from .live import live
+from .map import map_
 from .materials import materials
 from .modes import modes
 from .new import new
@@ -93,4 +94,5 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.command("map", cls=Command)(map_)
 app.add_typer(study, name="study", rich_help_panel=None)
