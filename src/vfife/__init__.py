@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
-    from .results.studied import Study
+    from .results.studied import Study, load_study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
@@ -63,6 +63,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load_laws": "laws.user",
     "load_model": "modelfile.files",
     "load_result": "result",
+    "load_study": "results.studied",
     "modes": "analysis.modes",
     "resume": "simulation",
     "save_model": "modelfile.files",
@@ -179,6 +180,7 @@ __all__ = [
     "load_laws",
     "load_model",
     "load_result",
+    "load_study",
     "modes",
     "quantity",
     "resume",

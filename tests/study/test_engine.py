@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fake_card import FakeDriver, in_this_machine
 from vfife import load_model, simulate
+from vfife.assembly.assemble import assemble
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.study import engine
 from vfife.study.engine import Outcome, Wanted, run_members
@@ -72,6 +74,13 @@ def reference() -> dict[int, Any]:
 @pytest.mark.usefixtures("in_lanes")
 def test_members_are_their_own_runs_whatever_is_beside_them(reference: dict[int, Any], lanes: int, workers: int) -> None:
     assert bits(members(lanes=lanes, workers=workers)) == reference
+
+
+@pytest.mark.usefixtures("in_lanes")
+def test_members_on_a_card_are_their_own_runs(reference: dict[int, Any]) -> None:
+    with in_this_machine(FakeDriver(assemble(load_model(BASE), 8e-6, turns=1.0, force_step=True).topology)) as driver:
+        assert bits(members(device="cuda")) == reference
+    assert driver.threads and not driver.given
 
 
 @pytest.mark.usefixtures("in_lanes")

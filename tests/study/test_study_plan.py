@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from schemas import complaints
 from study.studies import ASKED, BASE
 from vfife.errors import ModelError
+from vfife.study.jsonschema import study_schema
 from vfife.study.plan import Plan
 from vfife.study.planfile import load_plan
 
@@ -161,3 +164,14 @@ def test_sizes_with_tolerances(tolerance: str, low: float, high: float, tmp_path
     assert low <= values.min() < values.max() <= high
     assert abs(values.mean() - 0.5 * (low + high)) < 0.02 * (high - low)
     assert "IT99" in faults_of(text.replace(tolerance, '"h99"'), tmp_path)[0]
+
+
+@pytest.mark.parametrize("path", sorted((BASE.parent / "studies").glob("*.toml")), ids=lambda path: path.stem)
+def test_examples_are_studies_and_fit_the_schema(path: Path) -> None:
+    assert len(load_plan(path)[0].members) >= 100
+    schema = study_schema()
+    raw = tomllib.loads(path.read_text("utf-8"))
+    assert list(complaints(raw, schema, schema)) == []
+    assert list(complaints({**raw, "turns": "ten", "colour": 1}, schema, schema)) != []
+    for key in ("model", "measures", "vary"):
+        assert list(complaints({name: value for name, value in raw.items() if name != key}, schema, schema)) != []

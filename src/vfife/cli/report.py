@@ -19,8 +19,15 @@ KEPT = "The run is as it was, and so is what was there before."
 def report(run: RunArgument, out: Out = None, no_live: NoLive = False, force: ForceFile = False) -> None:
     """Write a report of a run: inputs, what was found, cautions, how far it can be trusted, figures, and the mechanism running.
 
+    Of a study (FILE.study): what its members came to, figures, and a member of the reader's choice running.
+
     One file that asks for nothing else, to be read in a browser or printed.
     """
+    from ..results.header import study_head
+
+    if study_head(run) is not None:
+        of_study(run, out, no_live, force)
+        return
     target = out if out is not None else Path(f"{(run.resolve() if run.is_dir() else run).stem}-report.html")
     with sentences(str(target)):
         refuse_taken(target, force)
@@ -33,5 +40,36 @@ def report(run: RunArgument, out: Out = None, no_live: NoLive = False, force: Fo
     for note in notes:
         tell("note", note)
     with writing(str(target), KEPT):
+        written(target, page)
+    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")
+
+
+def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
+    """The report of a study."""
+    from .studied import read
+
+    target = out if out is not None else Path(f"{file.stem}-report.html")
+    with sentences(str(target)):
+        refuse_taken(target, force)
+    found = read(file)
+    with sentences(str(file)):
+        from ..errors import VfifeError
+        from ..live.cell import LARGEST_REPORT
+        from ..live.studied import study_page
+        from ..plots.study import pictures
+        from ..report.studypage import document
+        from ..results.folder import written
+
+        drawn = pictures(found)
+        page = document(found, drawn)
+        try:
+            whole = page if no_live else document(found, drawn, *study_page(found))
+            if len(whole.encode("utf-8")) > LARGEST_REPORT:
+                tell("note", "the page in which a member runs is left out: with it the report would be too large.")
+            else:
+                page = whole
+        except VfifeError as error:
+            tell("note", f"no member runs in the report: {error}.")
+    with writing(str(target), "The study is as it was, and so is what was there before."):
         written(target, page)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,8 @@ Array = NDArray[np.float64]
 
 def tangent(law: ContactLaw, slots: tuple[float, ...], force: float) -> tuple[float, float]:
     """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m) there."""
-    return _tangent(type(law), tuple(slots), force)
+    kind: Any = type(law)  # a class has a hash, whatever its instances have
+    return _tangent(kind, tuple(slots), force)
 
 
 @lru_cache(maxsize=4096)
