@@ -43,7 +43,7 @@ def guides(result: View) -> Figure:
     """Tilt of each block over its offset across its guide; inside the diamond no corner touches a wall.
 
     The centres of corners' roundings are (L/2 - r) along the block from its middle: the corner farthest off has moved across the guide by
-    |offset| + (L/2 - r) |tilt|, and touches where that is the clearance.
+    the sizes of offset and (L/2 - r) tilt together, and touches where that is the clearance.
     """
     names, over = loose_guides(result)[:MOST], span(result)
     panels = Panels([(3.6, 3.0)] * len(names), COLUMNS, across=1.1, down=0.95)
