@@ -64,7 +64,7 @@ def _guide(ax: Axes, result: View, name: str, first: int) -> None:
     ax.plot(*corners.T, color=INK, lw=0.9, ls=(0, (5, 3)), label="a corner touches", zorder=5)
     x, y = factor * offset, power * tilt
     if first > 0:
-        ax.plot(x[:first], y[:first], color=SKY, ls="", marker=".", ms=2.2, mew=0.0, label="before", zorder=2)
+        ax.plot(x[:first], y[:first], color=SKY, ls="", marker=".", ms=2.2, mew=0.0, label="before", zorder=2, rasterized=True)
     ax.plot(x[first:], y[first:], color=BLUE, lw=0.9, label="block", zorder=3)
     ax.plot(x[first], y[first], color=ORANGE, ls="", marker="s", ms=4, mec=INK, mew=0.5, label="where the part shown begins", zorder=6)
     reach = [1.12 * max(float(np.abs(one).max()), float(np.abs(corners[:, k]).max())) for k, one in enumerate((x, y))]
