@@ -1,7 +1,7 @@
 """vfife: planar mechanisms whose pins have play, by the vector form intrinsic finite element method.
 
 Everything a script needs is here: nouns, laws, ways to run them and the files they leave. Nothing is loaded before it is asked for, so that the
-command line hears signals from its first line on; numba, xarray and matplotlib only where something needs them.
+command line hears signals from its first line on; llvmlite, xarray and matplotlib only where something needs them.
 """
 
 from __future__ import annotations
@@ -35,12 +35,13 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
-    from .results.studied import Study
+    from .results.studied import Study, load_study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.maps import bifurcation
     from .study.stepped import Simulation
     from .study.studies import study
 
@@ -53,6 +54,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
+    "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
     "errors": "",
@@ -61,6 +63,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load_laws": "laws.user",
     "load_model": "modelfile.files",
     "load_result": "result",
+    "load_study": "results.studied",
     "modes": "analysis.modes",
     "resume": "simulation",
     "save_model": "modelfile.files",
@@ -98,6 +101,8 @@ _above.ANSWERS |= {
     "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
+    "live": _later("live.cell", "live"),
+    "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
 }
 
@@ -166,6 +171,7 @@ __all__ = [
     "Status",
     "Study",
     "VfifeError",
+    "bifurcation",
     "compare",
     "ensemble",
     "errors",
@@ -174,6 +180,7 @@ __all__ = [
     "load_laws",
     "load_model",
     "load_result",
+    "load_study",
     "modes",
     "quantity",
     "resume",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError
+from .model.above import answered
 from .results.companions import beside, kept_companions, restored_companions
 from .results.header import is_run_file
 from .results.provenance import final_state, keep_reference, provenance, restored, versions
@@ -17,7 +18,11 @@ from .results.view import View
 from .solvers.record import Estimate, Record, Rows, lasting_rows
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from matplotlib.figure import Figure
+
+    from .live.cell import Live
 
 
 class Result(View):
@@ -157,6 +162,22 @@ class Result(View):
         from .plots.filmfiles import animate
 
         animate(self, Path(path), frames, rate, turns)
+
+    def live(self, slide: Iterable[str] | None = ()) -> Live:
+        """A page in which its mechanism runs with its step: in a notebook's cell, as its last line, and where that is exported to.
+
+        ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, none by default. Raises VfifeError for what has no motion.
+        """
+        assembly = self.record.assembly
+        found: Live = answered("live", assembly.mechanism, slide, assembly.choice.step)
+        return found
+
+    def report(self, path: str | Path, running: bool = True) -> None:
+        """Writes a page that prints well: inputs, what was found, cautions, how far it can be trusted, figures, and the mechanism ``running``.
+
+        What is there gives way when the page is whole. Raises OSError where it cannot be written.
+        """
+        answered("report", self, path, running)
 
 
 def _read(record: Record, path: Path) -> Rows:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fake_card import FakeDriver, in_this_machine
 from study.studies import ASKED, Closed
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
@@ -127,6 +128,16 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
     assert len(Study.open("x.study").done) == 6
 
 
+def test_a_card_that_is_not_there_is_told_before_anything_is_begun(command: Command, closed: Closed) -> None:
+    with in_this_machine(FakeDriver(None, cuInit=100)):
+        for words in (("study", "s.toml"), ("study", "run", "s.toml", "-o", "x.study")):
+            done = command(*words, "--device", "cuda")
+            assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
+    done = command("study", "s.toml", "--device", "gpu")
+    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    assert not Path("runs").exists() and not Path("x.study").exists()
+
+
 def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(command: Command, closed: Closed, tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", "turns = 500000"))
     done = command("study", "s.toml", "-o", "x.study")
@@ -142,3 +153,15 @@ def test_members_of_other_kinds_are_grouped_and_told(command: Command, closed: C
     assert done.exit_code == 0, done.stderr
     assert "members of 2 kinds are run group by group" in done.stderr
     assert "joint.C.contact.law = flores: 6" in done.stderr
+
+
+def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    done = command("study", "plot", "x.study", "--figure", "curves", "--measure", "C.force.max", "--kind", "svg")
+    assert (done.exit_code, done.stdout.split()) == (0, ["x-figures/curves.svg"]), done.stderr
+    assert "did you mean" in command("study", "plot", "x.study", "--figure", "curvs").stderr
+    done = command("report", "x.study", "--no-live")
+    assert done.exit_code == 0, done.stderr
+    page = Path("x-report.html").read_text()
+    assert "6 members: 6 complete" in page and "12 N" in page and "<iframe" not in page
+    assert command("report", "x.study").exit_code == 2, "a file that is there stays"

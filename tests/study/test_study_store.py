@@ -98,7 +98,7 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
 
 @pytest.mark.skipif(os.name != "posix", reason="a process is forked and killed")
 def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked.write_text(ASKED.replace("turns = 2", "turns = 1\nstep = 2e-5").replace('"0.3 mm"', '"0.25 mm"').replace('"0.1 mm", ', ""))
+    asked.write_text(ASKED.replace("turns = 2", "turns = 1\nstep = 1e-5").replace('"0.3 mm"', '"0.25 mm"').replace('"0.1 mm", ', ""))
     plan, base = load_plan(asked)
     record = StudyFile.record
 
@@ -118,7 +118,7 @@ def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(asked: Pa
     assert told(whole) == told(again)
     assert len(whole.done) == 4
     numbers = [dict(one.numbers) for one in whole.members]
-    own = dict(run_members(base, numbers, Wanted(("C.force.max", "C.impacts"), 1, step=2e-5), workers=1))
+    own = dict(run_members(base, numbers, Wanted(("C.force.max", "C.impacts"), 1, step=1e-5), workers=1))
     assert [own[k].values["C.force.max"] for k in range(4)] == whole.values("C.force.max").tolist()
 
 

@@ -15,6 +15,7 @@ from .ended import export, info
 from .impacts import impacts
 from .laws import laws
 from .live import live
+from .map import map_
 from .materials import materials
 from .modes import modes
 from .new import new
@@ -25,6 +26,7 @@ from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
 from .study import study
@@ -82,6 +84,7 @@ for command in (
     sensitivity,
     info,
     impacts,
+    optimise,
     plot,
     animate,
     report,
@@ -94,4 +97,5 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.command("map", cls=Command)(map_)
 app.add_typer(study, name="study", rich_help_panel=None)

@@ -9,9 +9,10 @@ from html import escape
 from pathlib import Path
 
 from ..codegen import javascript
+from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
-from .given import given
+from .given import given, left
 from .patches import Patched, patched
 from .sliders import Slide
 from .together import Together
@@ -53,7 +54,7 @@ def written(found: Patched) -> str:
 @lru_cache(maxsize=16)
 def step_of(topology: Topology) -> str:
     """The text of a step, kept for the next model that differs in numbers alone."""
-    return javascript.written(topology)
+    return javascript.written(topology, left(Layout(topology)))
 
 
 def worker(found: Together) -> str:

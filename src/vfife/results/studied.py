@@ -272,6 +272,11 @@ class Study:
         return found
 
 
+def load_study(path: str | Path) -> Study:
+    """The study of a study file as it is now, also while it grows. Raises RunFileError."""
+    return Study.open(path)
+
+
 def in_order(values: Any) -> list[Any]:
     """Each value once: numbers in their order, words in that in which they came."""
     found = list(dict.fromkeys(values))

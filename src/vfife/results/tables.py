@@ -40,10 +40,13 @@ STUDY = {
         "settled INTEGER NOT NULL", "steps INTEGER NOT NULL", "step REAL NOT NULL", "measures TEXT NOT NULL",
     ),
 }  # fmt: skip
-SCHEMA, STUDY_SCHEMA = (
-    [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()] for one in (COLUMNS, STUDY)
+# The same of a map file: at each value of a number the points of all chains, and the state to go on from.
+MAP = {"meta": COLUMNS["meta"], "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL")}
+SCHEMA, STUDY_SCHEMA, MAP_SCHEMA = (
+    [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()]
+    for one in (COLUMNS, STUDY, MAP)
 )
-KEYS = {table: columns[0].split()[0] for table, columns in (STUDY | COLUMNS).items()}
+KEYS = {table: columns[0].split()[0] for table, columns in (MAP | STUDY | COLUMNS).items()}
 STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
 Arguments = ParamSpec("Arguments")

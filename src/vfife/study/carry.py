@@ -15,13 +15,14 @@ from ..errors import VfifeError
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..results.provenance import own_laws, versions
+from ..results.reductions import REDUCTION
 from ..results.studied import UNITS, Study
 from ..results.studyfile import WHAT, Kept, StudyFile
 from ..results.view import standing
 from ..solvers.status import Status
 from .engine import Outcome, Wanted, run_members
 from .plan import Plan
-from .wanted import REDUCTION, wanted_of
+from .wanted import wanted_of
 
 Told = Callable[[int, int, Outcome], None]
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -87,7 +88,7 @@ def carry_out(
     """
     wanted = Wanted(**{**file.meta[WHAT]["wanted"], "measures": tuple(file.meta[WHAT]["wanted"]["measures"])})
     members, ended = file.members(), file.outcomes()
-    left: list[Kept] = [one for one in members if ended.get(one.number, {}).get("hash") != one.hash]
+    left = alike_first([one for one in members if ended.get(one.number, {}).get("hash") != one.hash])
     ended_now, before, stop = set[int](), len(members) - len(left), threading.Event()
     found = (runner or run_members)(base, [one.numbers for one in left], wanted, workers=workers, lanes=lanes, stop=stop)
     try:
@@ -106,6 +107,11 @@ def carry_out(
     whole = before + len(ended_now) == len(members)
     file.finish(Status.COMPLETE.value if whole else Status.INTERRUPTED.value)
     return whole
+
+
+def alike_first(members: list[Kept]) -> list[Kept]:
+    """Members that differ in their joints alone one after another, for what is closed and assembled serves all of them."""
+    return sorted(members, key=lambda one: [(path, str(value)) for path, value in one.numbers.items() if not path.startswith("joint.")])
 
 
 def complete(outcome: Outcome, wanted: Wanted) -> Outcome:

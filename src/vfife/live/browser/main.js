@@ -363,5 +363,14 @@ running.begin(sliders.setting, firstUntil);
 }
 requestAnimationFrame(frame);
 
+// A page around this one may ask for a setting, as the report of a study does for a member: positions by the names of sliders.
+window.addEventListener("message", ({ data }) => {
+  const asked = data?.positions;
+  if (!asked || typeof asked !== "object") return;
+  const whole = (k, slide) => Number.isInteger(k) && k >= 0 && k < slide.values.length;
+  const positions = given.slides.map((slide, s) => (whole(asked[slide.name], slide) ? asked[slide.name] : sliders.setting.positions[s]));
+  sliders.take(new Setting(positions));
+});
+
 // For whoever looks into the page with the browser's own tools; nothing in it uses this.
 window.live = { running, scene, clock, sliders, selected, frames };

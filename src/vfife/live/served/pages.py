@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 from ...errors import VfifeError
@@ -45,6 +46,15 @@ class Pages:
                 self._keep(key, False, written(patched(document.mechanism, [], document.its_step)))
         self._want(document, key)
         return self.made[key, False]
+
+    def ahead(self, document: Document) -> None:
+        """Begins the page of a document that has changed, which browsers are about to ask for."""
+
+        def make() -> None:
+            with suppress(VfifeError, ValueError, ArithmeticError):  # told to who asks for it
+                self.page(document)
+
+        threading.Thread(target=make, daemon=True).start()
 
     def _keep(self, key: Key, full: bool, page: str) -> None:
         self.made[key, full] = page

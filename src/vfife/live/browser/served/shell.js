@@ -50,12 +50,12 @@ async function show(model, by = "") {
   $("save").disabled = model.saved;
   $("save").textContent = model.file ? "Save" : "Save as …";
   $("run").textContent = model.saved ? "Run" : "Save and run";
+  if (newer) load(other); // first of all: it takes its time elsewhere
   choose();
   tellState();
   await fill();
   tell(model.faults, by === "file" ? `${model.file} has faults now; what runs is the model as it was before.` : "");
   untyped();
-  if (newer) load(other);
 }
 
 function tellState() {
