@@ -142,10 +142,11 @@ class Result(View):
         return result_html(self)
 
     def plot(self, *names: str) -> dict[str, Figure]:
-        """Figures by name: journal paths, forces and accelerations over the ideal ones, the mechanism; all, or those that are named.
+        """Figures by name: without ``names`` the usual ones, as the mechanism, journal paths, forces and accelerations over the ideal ones.
 
-        ``names``: of "mechanism", "orbits", "forces", "moments", "accelerations". A figure that the result has nothing for is left out.
-        Raises VfifeError for another name.
+        ``names``: of "mechanism", "orbits", "guides", "forces", "moments", "accelerations", "strip", "traces", "polar", "phase", "spectrum",
+        "waterfall", "energy", "stress", "deflection"; "all" that the result has something for. Raises VfifeError for another name, and for a figure
+        that the result has nothing for.
         """
         from .plots import figures
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fake_card import FakeDriver, in_this_machine
 from study.studies import ASKED, Closed
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
@@ -125,6 +126,16 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         done = command("study", "s.toml", "-o", "x.study", "-q")
     assert (done.exit_code, "writes this study; wait until it has ended" in done.stderr) == (2, True)
     assert len(Study.open("x.study").done) == 6
+
+
+def test_a_card_that_is_not_there_is_told_before_anything_is_begun(command: Command, closed: Closed) -> None:
+    with in_this_machine(FakeDriver(None, cuInit=100)):
+        for words in (("study", "s.toml"), ("study", "run", "s.toml", "-o", "x.study")):
+            done = command(*words, "--device", "cuda")
+            assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
+    done = command("study", "s.toml", "--device", "gpu")
+    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    assert not Path("runs").exists() and not Path("x.study").exists()
 
 
 def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(command: Command, closed: Closed, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from .. import __version__
 from .animate import animate
 from .check import check
 from .compare import compare
-from .ended import export, info, plot
+from .ended import export, info
 from .impacts import impacts
 from .laws import laws
 from .live import live
@@ -21,10 +21,12 @@ from .modes import modes
 from .new import new
 from .paper import paper
 from .plainly import Command, Plainly, UsageError
+from .plot import plot
 from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
 from .study import study
@@ -82,6 +84,7 @@ for command in (
     sensitivity,
     info,
     impacts,
+    optimise,
     plot,
     animate,
     report,

@@ -54,7 +54,7 @@ def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
     found = read(file)
     with sentences(str(file)):
         from ..errors import VfifeError
-        from ..live.cell import LARGEST
+        from ..live.cell import LARGEST_REPORT
         from ..live.studied import study_page
         from ..plots.study import pictures
         from ..report.studypage import document
@@ -64,7 +64,7 @@ def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
         page = document(found, drawn)
         try:
             whole = page if no_live else document(found, drawn, *study_page(found))
-            if len(whole.encode("utf-8")) > LARGEST:
+            if len(whole.encode("utf-8")) > LARGEST_REPORT:
                 tell("note", "the page in which a member runs is left out: with it the report would be too large.")
             else:
                 page = whole

@@ -11,8 +11,10 @@ import typer
 from typer.core import TyperGroup
 
 from ..solvers.status import Status
-from .options import JsonOption, LawsOption, take_laws
+from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .plainly import Command, Plainly
+from .sampled import indices, tolerance
+from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
 from .terminal import DIVERGED, amount_of_bytes, command, fail, print_json, sentences, span, tell, writing
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
+    from ..study.carry import Runner
     from ..study.engine import Outcome
 
 RUN = "run"
@@ -31,7 +34,9 @@ FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.study", help="Where to keep it.", show_default="runs/STUDY.study")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
-Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads.", show_default="one a core")]
+Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or processes of a local cluster.", show_default="one a core")]
+ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
+Device = Annotated[str | None, typer.Option(metavar="cuda", help=ON_CARD, show_default="the processor")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 Added = Annotated[
     list[str] | None,
@@ -69,6 +74,8 @@ def run(
     force: Force = False,
     yes: Yes = False,
     workers: Workers = None,
+    cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -79,10 +86,15 @@ def run(
     member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
     """
     with sentences(str(file)):
+        from ..study.cluster import elsewhere
+        from ..study.plan import SEARCH
         from ..study.planfile import load_plan
 
         take_laws(laws)
         plan, base = load_plan(file)
+        if plan.asked.method == SEARCH:
+            raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
+        run_on = elsewhere(cluster, device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
     told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet)
@@ -93,7 +105,7 @@ def run(
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
         return made(target, plan, base, file.stem, replace=force)
 
-    carried(target, opened, base, workers, as_json, quiet)
+    carried(target, opened, base, workers, cluster, run_on, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -101,11 +113,13 @@ def resume(
     file: FileArgument,
     laws: LawsOption = None,
     workers: Workers = None,
+    cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Go on with a study that was interrupted or killed, from its file alone."""
-    add(file, None, None, None, laws, True, workers, as_json, quiet)
+    add(file, None, None, None, laws, True, workers, cluster, device, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -117,14 +131,18 @@ def add(
     laws: LawsOption = None,
     yes: Yes = False,
     workers: Workers = None,
+    cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
     with sentences(str(file)):
+        from ..study.cluster import elsewhere
         from ..study.more import added, split
 
         take_laws(laws)
+        run_on = elsewhere(cluster, device)
         items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
         plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
     told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
@@ -136,12 +154,15 @@ def add(
         found.add(plan.numbers(), asked)
         return found
 
-    carried(file, opened, base, workers, as_json, quiet)
+    carried(file, opened, base, workers, cluster, run_on, as_json, quiet)
 
 
 study.command(cls=Command)(show)
 study.command(cls=Command)(plot)
 study.command(cls=Command)(export)
+study.command(cls=Command)(tolerance)
+study.command(cls=Command)(indices)
+study.command(cls=Command)(allocate)
 
 
 def refuse_foreign(target: Path, force: bool) -> None:
@@ -180,13 +201,23 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
         tell("note", text)
 
 
-def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, as_json: bool, quiet: bool) -> None:
+def carried(
+    target: Path,
+    opened: Callable[[], StudyFile],
+    base: Mechanism,
+    workers: int | None,
+    cluster: str | None,
+    run_on: Runner | None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
     """Computes what is left; says what was kept, and ends with the exit code of that."""
     from .progress import ProgressLine
 
     kept = f"Members that ended are kept in {target}; the same command goes on after them."
     with sentences(str(target)), writing(str(target), kept):
         from ..study.carry import carry_out, read_back
+        from ..study.cluster import joined
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
@@ -194,8 +225,8 @@ def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, work
             NOW.last.append(lock.release)
             NOW.saved = kept
             with opened() as file:
-                with ProgressLine(quiet) as line:
-                    whole = carry_out(file, base, workers=workers, told=Line(line))
+                with joined(cluster, workers, run_on) as runner, ProgressLine(quiet) as line:
+                    whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)
                 found = read_back(file)
     if as_json:
         from .studied import payload

@@ -16,7 +16,7 @@ from .lock import LOCK, holder
 MODEL, SUMMARY, FIGURES = "model.toml", "summary.json", "figures"
 SQLITE_TRACES = tuple(f"{RUN_FILE}{end}" for end in ("-wal", "-shm", "-journal"))
 SUMMARY_KEYS = {"status", "step", "steps", "measures"}
-FIGURE_NAMES = ("mechanism", "orbits", "forces", "moments", "accelerations")
+FIGURE_NAMES = ("mechanism", "orbits", "guides", "forces", "moments", "accelerations")  # that a run draws with --figures
 DRAWN_BY = (b"vfife", b"Matplotlib")  # in the head of a figure; the second by versions before 0.3
 STAGE = ".new-"  # in the name of a folder in which a run begins
 
