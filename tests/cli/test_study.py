@@ -149,6 +149,8 @@ def test_a_card_that_is_not_there_is_told_before_anything_is_begun(command: Comm
             assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
     done = command("study", "s.toml", "--device", "gpu")
     assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    done = command("study", "s.toml", "--device", "cuda", "--cluster", "local")
+    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), done.stderr
     assert not Path("runs").exists() and not Path("x.study").exists()
 
 

@@ -9,6 +9,7 @@ import typer
 
 from .ended import ForceFile, loaded, refuse_taken
 from .options import RunArgument
+from .signals import NOW
 from .terminal import amount_of_bytes, sentences, tell, writing
 
 Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="The page.", show_default="RUN-report.html")]
@@ -31,6 +32,7 @@ def report(run: RunArgument, out: Out = None, no_live: NoLive = False, force: Fo
     target = out if out is not None else Path(f"{(run.resolve() if run.is_dir() else run).stem}-report.html")
     with sentences(str(target)):
         refuse_taken(target, force)
+    NOW.saved = f"No report was written. {KEPT}"
     result, _ = loaded(run)
     with sentences(str(run)):
         from ..live.cell import reported
