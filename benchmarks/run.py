@@ -101,7 +101,7 @@ def main() -> int:
     ratios = {key: value for part in parts.values() for key, value in part.ratios.items()}
     report = {
         "machine": machine(),
-        "versions": versions("vfife", "numba", "llvmlite", "numpy", "scipy", "xarray"),
+        "versions": versions("vfife", "llvmlite", "numpy", "scipy", "xarray"),
         "step": step_text(),
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "quick": options.quick,

@@ -45,7 +45,7 @@ def loaded(*command: str) -> list[str]:
     timed = [sys.executable, "-X", "importtime", *command]
     done = subprocess.run(timed, cwd=ROOT, capture_output=True, text=True, check=False)
     names = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.splitlines()}
-    return sorted(names & {"numba", "matplotlib", "xarray", "scipy", "llvmlite"})
+    return sorted(names & {"matplotlib", "xarray", "scipy", "llvmlite"})
 
 
 def best(times: int, *command: str) -> float:
@@ -71,7 +71,7 @@ def measure(options: Options) -> Part:
         took["run_warm"] = min(run(f"warm{k}") for k in range(many))
     heavy = {"import": loaded("-c", "import vfife"), "help": loaded("-m", "vfife", "--help")}
     for name, found in heavy.items():
-        if set(found) & {"numba", "matplotlib"}:
+        if set(found) & {"llvmlite", "matplotlib"}:
             part.notes.append(f"startup: {name} loads {', '.join(found)}")
     peaks = {turns: int(process(sys.executable, "-c", MEMORY, str(MODEL), str(turns))) for turns in (2, 16)}
     part.ratios = {f"startup.{name}": took[name] / limit for name, limit in LIMITS.items()}

@@ -1,18 +1,20 @@
 """No test is judged by time; laws that a test registers do not stay; files that take long begin first."""
 
+import functools
 import gc
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import typer.testing
 from hypothesis import settings
 
 from one_loop import ForAllLaws
 from vfife.codegen import runner
 from vfife.laws import ContactLaw, FrictionLaw
 
-# The first compiles the data-driven loop, for a minute or two where it is not in the cache yet; those up to the gap do without it meanwhile. Then
-# what takes long, so that no process is left alone with it at the end.
+# The first compiles the data-driven loop, for some seconds where it is not in the cache yet. Then what takes long, so that no process is left alone
+# with it at the end.
 FIRST = (
     "codegen/test_loops.py", "codegen/test_cache.py", "laws/test_own_laws.py", "laws/test_friction_solutions.py", "paper/test_paper.py",
     "architecture/test_public_names.py", "cli/test_run.py", "laws/test_contact_laws.py", "kernels/test_as_python.py", "codegen/test_threads.py",
@@ -20,7 +22,6 @@ FIRST = (
     "kinematics/test_kinematics.py", "kinematics/test_ideal_motion.py", "laws/test_friction_laws.py", "cli/test_check_and_laws.py",
     "cli/test_start_up.py", "cli/test_ended.py", "results/test_result.py", "report/test_reach.py", "cli/test_compare.py", "cli/test_paper.py",
     "architecture/test_imports.py", "physics/test_together.py", "physics/test_sticking.py", "physics/test_epicyclic.py", "cli/test_hostile.py",
-
     "plots/test_figures_of_all_kinds.py", "differential/test_against_equations.py", "physics/test_random_mechanisms.py",
     "verification/test_published_statics.py", "examples/test_examples.py", "examples/test_gallery.py", "cli/test_new_and_schema.py",
     "physics/test_machinery.py", "model/test_kinds.py", "physics/test_symmetry.py",
@@ -34,6 +35,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Files keep their order among processes; by itself xdist begins with those of most tests."""
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
+    typer.testing._get_command = functools.cache(typer.testing._get_command)  # the command line, which a thousand tests ask, is put together once
     if "not verify" in config.option.markexpr:
         runner.DataDriven = ForAllLaws
 

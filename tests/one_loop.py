@@ -1,7 +1,7 @@
 """One compilation of the data-driven loop for all tests, which can do all laws of the package.
 
-The package compiles that loop for the common laws and those of a model. Among the models of the tests that would be three compilations of a
-minute or two each, all of one text. What tells them apart is the choice between laws, so a model finds its own among more of them here: the same
+The package compiles that loop for the common laws and those of a model. Among the models of the tests that would be three compilations of
+some seconds each, all of one text. What tells them apart is the choice between laws, so a model finds its own among more of them here: the same
 bits. `make verify` leaves the package as it is.
 """
 

@@ -1,7 +1,7 @@
 """vfife: planar mechanisms whose pins have play, by the vector form intrinsic finite element method.
 
 Everything a script needs is here: nouns, laws, ways to run them and the files they leave. Nothing is loaded before it is asked for, so that the
-command line hears signals from its first line on; numba, xarray and matplotlib only where something needs them.
+command line hears signals from its first line on; llvmlite, xarray and matplotlib only where something needs them.
 """
 
 from __future__ import annotations
@@ -102,6 +102,7 @@ _above.ANSWERS |= {
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
     "live": _later("live.cell", "live"),
+    "live_result": _later("live.cell", "live_result"),
     "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
 }

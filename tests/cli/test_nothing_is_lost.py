@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -18,6 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 import vfife
+from cli.models import PENDULUM
 from vfife import plots
 from vfife.cli import carried, cost
 from vfife.cli.app import app
@@ -32,10 +34,19 @@ def contents(where: Path) -> dict[str, bytes]:
     return {str(path.relative_to(where)): path.read_bytes() for path in sorted(where.rglob("*")) if path.is_file()}
 
 
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run with figures."""
+    folder = tmp_path_factory.mktemp("made")
+    (folder / "pendulum.toml").write_text(PENDULUM)
+    assert CliRunner().invoke(app, ["run", str(folder / "pendulum.toml"), "-o", str(folder / "kept"), "--quiet", "--figures"]).exit_code == 0
+    return folder / "kept"
+
+
 @pytest.fixture
-def kept(command: Callable, pendulum: Path) -> Path:
-    """A run with figures, and a file of the user's beside it."""
-    assert command("run", pendulum, "-o", "kept", "--quiet", "--figures").exit_code == 0
+def kept(command: Callable, pendulum: Path, made: Path) -> Path:
+    """It, copied into the empty folder, and a file of the user's beside it."""
+    shutil.copytree(made, "kept")
     Path("kept/mine.txt").write_text("notes")
     Path("kept/figures/mine.png").write_bytes(b"\x89PNG, drawn by hand")
     return Path("kept")

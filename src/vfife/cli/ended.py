@@ -13,6 +13,7 @@ from ..results.folder import find_run
 from ..results.lock import holder
 from ..solvers.status import Status
 from .options import JsonOption, RunArgument
+from .signals import NOW
 from .terminal import amount_of_bytes, errors, output, print_json, sentences, span, writing
 
 if TYPE_CHECKING:
@@ -123,6 +124,7 @@ def in_words(step: int | None) -> str:
 
 
 ENDINGS = (".csv", ".nc", ".nc4", ".h5", ".mat", ".parquet", ".svg", ".pdf", ".png")  # as Result.export has them; a test compares
+AS_IT_WAS = "The run is as it was, and so is what was there before."
 ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")]
 
 
@@ -143,8 +145,10 @@ def export(
             known = f"{', '.join(ENDINGS[:-1])} and {ENDINGS[-1]}"
             raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
         refuse_taken(target, force)
+    NOW.saved = f"Nothing was written. {AS_IT_WAS}"
+    NOW.last.append(lambda: target.with_name(f"{target.name}.part").unlink(missing_ok=True))
     result, _ = loaded(run)
-    with sentences(str(run)), writing(str(target), "The run is as it was, and so is what was there before."):
+    with sentences(str(run)), writing(str(target), AS_IT_WAS):
         result.export(target, figure)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 

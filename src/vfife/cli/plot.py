@@ -37,6 +37,7 @@ def plot(run: RunArgument, figure: Named = None, out: OutOption = None, kind: As
     """Draw figures of a run: the mechanism, journal paths, forces and accelerations over the ideal ones; more with --figure."""
     if f".{kind}" not in PICTURES:
         fail(f"--format {kind}: no figure is written as this; there are {', '.join(one[1:] for one in PICTURES)}")
+    NOW.saved = f"{KEPT}, and no figure was drawn."
     names = [name for one in figure or () for name in one.split(",")]
     result, file = loaded(run)
     if LIST in names:
@@ -78,11 +79,11 @@ def drawn(result: Result, targets: dict[str, Path], at: str | None, run: str) ->
 
     parts = [path.with_name(f"{path.name}.part") for path in targets.values()]
     NOW.last.append(lambda: removed(parts))
-    NOW.saved = f"{KEPT}, and no figure was drawn."
     for done, (name, path) in enumerate(targets.items(), 1):
         with sentences(run), writing(str(path), f"{KEPT}, and so is what was there before."):
+            made = figure(result, name, result.reference, at)
             path.parent.mkdir(parents=True, exist_ok=True)
-            saved_as(figure(result, name, result.reference, at), path)
+            saved_as(made, path)
         typer.echo(path)
         NOW.saved = f"{KEPT}; {done} of {len(targets)} figures were drawn, in {path.parent}."
 

@@ -20,6 +20,7 @@ from .source import data_driven
 Rows = NDArray[np.float64]
 
 EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time; nothing of it changes a bit
+OPTIMISED = 2  # of the same, for loops
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
 BEFORE = (*[POINTER] * 3, *[NUMBER] * 5, POINTER, POINTER, POINTER, NUMBER, POINTER, NUMBER)
 ADVANCE = ctypes.CFUNCTYPE(None, *BEFORE, NUMBER, NUMBER, POINTER, NUMBER, POINTER, POINTER)
@@ -71,6 +72,19 @@ def object_code(text: str, effort: int = EFFORT) -> bytes:
         module.verify()
         code: bytes = machine(effort).emit_object(module)
     return code
+
+
+def optimised_code(text: str) -> bytes:
+    """Object code of a text with loops and calls: these are written out, what does not change is kept in registers. Nothing of it changes a bit."""
+    with WRITING:
+        llvm = _target()
+        module = llvm.parse_assembly(text)
+        module.verify()
+        code = machine(OPTIMISED)
+        passes = llvm.create_pass_builder(code, llvm.create_pipeline_tuning_options(speed_level=3))
+        passes.getModulePassManager().run(module, passes)
+        emitted: bytes = code.emit_object(module)
+    return emitted
 
 
 def origin(topology: Topology) -> list[bytes]:

@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from . import cache
 from .compile import compiled, interpreted
 from .graph import tables
-from .inline import written_out
 from .lock import WRITING
 from .native import NEVER, Memory, Take, llvmlite_version, straight_line
 from .source import data_driven
@@ -37,28 +35,13 @@ def aligned(count: int) -> Rows:
 @lru_cache(maxsize=16)
 def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpret: bool) -> Callable[..., Any]:
     with WRITING:
-        if interpret:
-            return interpreted(data_driven(contact, friction), "advance")
-        names = [f"{law.__module__}.{law.__qualname__}" for law in contact + friction]
-        if not all(name.startswith("vfife.laws.") for name in names):  # a law from elsewhere may call anything
-            return compiled(written_out(data_driven(contact, friction), "advance"), "advance", ARGUMENTS)
-        name = f"text-{cache.digest([cache.sources(), repr(names).encode()])}.py"  # writing it takes a third of a second
-        text = cache.read(name)
-        if text is None:
-            text = written_out(data_driven(contact, friction), "advance").encode()
-            cache.keep(name, text)
-        return compiled(text.decode(), "advance", ARGUMENTS)
+        text = data_driven(contact, friction)
+        return interpreted(text, "advance") if interpret else compiled(text, "advance", ARGUMENTS)
 
 
 def compiler_of(loop: str) -> dict[str, str]:
-    """What compiles a loop, and its version; numba's costs a search among the packages that are installed."""
-    if loop == "generated":
-        return {"llvmlite": llvmlite_version()}
-    if loop == "data-driven":
-        from importlib.metadata import version
-
-        return {"numba": version("numba")}
-    return {}
+    """What compiles a loop, and its version."""
+    return {} if loop == "interpreted" else {"llvmlite": llvmlite_version()}
 
 
 class DataDriven:

@@ -1,7 +1,7 @@
 """One text per compiled step: the physics functions, the laws at hand and a loop, gathered into a single module.
 
-The text is compiled by numba, run as plain Python, or given to another compiler by changing what ``jit`` is. Because everything that
-decides its bits is in it, its hash is a complete cache key; numba's own cache does not notice a change in another module.
+The text is compiled (:mod:`~vfife.codegen.plain`) or run as plain Python. Because everything that decides its bits is in it, its hash is a
+complete cache key.
 """
 
 from __future__ import annotations
@@ -147,8 +147,8 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
         arguments = f"normal, free, mobility, {one}, dt" if friction else given
         lines += [f"    {'el' if number else ''}if kind == {number}:", f"        first, second = {name}({arguments}, ({slots}))"]
         if rows > 1:
-            lines[-1] = lines[-1].replace("second", "kept", 1)
-        values = ["second"] if rows == 1 else [f"kept[{k}]" for k in range(rows)]
+            lines[-1] = lines[-1].replace("second", f"kept{number}", 1)
+        values = ["second"] if rows == 1 else [f"kept{number}[{k}]" for k in range(rows)]
         lines += [f"        {row} = {value} if normal > 0.0 else 0.0" for row, value in zip(held, values, strict=True)]
     lines.append("    return first" if friction else "    return first, second")
     return "\n".join(lines) + "\n"

@@ -71,9 +71,10 @@ class Action:
 
     ``argument``: what the function depends on, TIME, TURNED, SPEED, TRAVEL or SLIDING, and the two bodies between which the angle, the speed or
     the travel is; ``guide`` says along what they travel. ``follow``: whether the force turns with the body. ``steady``: whether it does not depend
-    on time, so that a static analysis multiplies it.
+    on time, so that a static analysis multiplies it. ``owner``: "load" or "driver", and its name.
     """
 
+    owner: tuple[str, str]
     function: Polynomials
     argument: tuple[int, str, str]
     ends: tuple[tuple[str, str, tuple[float, float, float]], ...]
@@ -153,16 +154,16 @@ def driven_body(name: str, driver: Driver) -> str:
 
 def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
     """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a speed or an angle."""
-    found = [action for one in mechanism.loads.values() for action in _loading(mechanism, one)]
+    found = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             body = driven_body(name, driver)
             function, depends = _effort(mechanism, driver, body)
-            found.append(Action(function, depends, _sides(driver, body), steady=driver.steady))
+            found.append(Action(("driver", name), function, depends, _sides(driver, body), steady=driver.steady))
     return found
 
 
-def _loading(mechanism: Mechanism, one: Load) -> Iterator[Action]:
+def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:
     """A load's actions: one for what is fixed in space, one for what turns with its bodies."""
     function, gap = one.course()
     function = timed(function, mechanism.clock) if one.over == "time" else function
@@ -171,7 +172,7 @@ def _loading(mechanism: Mechanism, one: Load) -> Iterator[Action]:
     for follow in (False, True):
         ends = tuple((push.body, push.pin, _aligned(push, mechanism)) for push in pushes if push.follow == follow)
         if ends:
-            yield Action(function, argument, ends, follow, one.steady, guide)
+            yield Action(("load", name), function, argument, ends, follow, one.steady, guide)
 
 
 def _depends(mechanism: Mechanism, one: Load, gap: float) -> tuple[tuple[int, str, str], Guide | None]:

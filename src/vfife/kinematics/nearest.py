@@ -141,7 +141,7 @@ def _closer(mechanism: Mechanism, name: str, short: float, enough: float, durati
         tried = rounded(tried, enough - short)
         if tried in (short, enough):
             break
-        if still_open(sized(mechanism, name, tried), duration) == 0.0:
+        if gets_through(sized(mechanism, name, tried), duration):
             enough = tried
         elif first:  # it goes in a straight line, as in a four-bar
             break
@@ -151,8 +151,23 @@ def _closer(mechanism: Mechanism, name: str, short: float, enough: float, durati
     return enough
 
 
+def gets_through(mechanism: Mechanism, duration: float) -> bool:
+    """Whether the mechanism closes at the start and all the way: by how much it would stay open takes longer to tell."""
+    return _first_jam(mechanism, duration) == (True, None)
+
+
 def still_open(mechanism: Mechanism, duration: float) -> float | None:
     """The widest gap (m) on the way, 0 where the mechanism gets through; None where it does not close at the start, or only just."""
+    closes, jam = _first_jam(mechanism, duration)
+    if jam is None:
+        return 0.0 if closes else None
+    follower, way, found = jam
+    joint = closing_joint(follower.gathered.system, found.stressed)
+    return None if joint is None else widest(follower, joint, way, found)[0]
+
+
+def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follower, Way, Passage] | None]:
+    """Whether it closes at the start, by more than just; and where it jams first, if it does."""
     try:
         motion = ideal_motion(mechanism)
         start = motion.position * (1.0, motion.hand, motion.hand)
@@ -160,13 +175,12 @@ def still_open(mechanism: Mechanism, duration: float) -> float | None:
     except AssemblyError:
         follower = None
     if follower is None:
-        return None
+        return False, None
     for way in ways_of(mechanism, motion, duration):
         found = followed(follower, start, way)
         if found.jammed and found.stressed is not None:
-            joint = closing_joint(motion.system, found.stressed)
-            return None if joint is None else widest(follower, joint, way, found)[0]
-    return 0.0
+            return True, (follower, way, found)
+    return True, None
 
 
 def rounded(length: float, change: float) -> float:

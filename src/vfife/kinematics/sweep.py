@@ -102,15 +102,9 @@ class Follower:
         return None
 
     def solved(self, square: Array, right: Array) -> Array | None:
-        """J^-1 right as a change of position [n, 3]."""
-        try:
-            answer = np.linalg.solve(square, right)
-        except np.linalg.LinAlgError:
-            return None
-        step = np.zeros(self.gathered.columns)
-        step[3 + self.columns] = answer
-        step /= self.gathered.reach
-        return step.reshape(-1, 3) if np.isfinite(step).all() and np.abs(step[2::3]).max() < math.pi else None
+        """J^-1 right as a change of position [n, 3]; None where a body would turn by half a turn or more."""
+        step = self.solved_freely(square, right)
+        return step if step is not None and np.isfinite(step).all() and np.abs(step.ravel()[2::3]).max() < math.pi else None
 
     def moved(self, step: Array) -> float:
         """Size of a step: the largest coordinate in (x, y, l theta)."""

@@ -57,4 +57,4 @@ def energy(result: View) -> Figure:
 def _residual(ax: Axes, time: Any, residual: Any) -> None:
     factor, unit = scale_of(float(np.abs(residual).max()), "J")
     ax.plot(time, factor * residual, color=BLUE, lw=1.0)
-    ax.set(ylabel=f"residual ({unit})", title="stored and lost, less supplied and stored at the start")
+    ax.set(ylabel=f"residual ({unit})", title="what the ledger leaves open")

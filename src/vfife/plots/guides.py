@@ -43,7 +43,7 @@ def guides(result: View) -> Figure:
     """Tilt of each block over its offset across its guide; inside the diamond no corner touches a wall.
 
     The centres of corners' roundings are (L/2 - r) along the block from its middle: the corner farthest off has moved across the guide by
-    |offset| + (L/2 - r) |tilt|, and touches where that is the clearance.
+    the sizes of offset and (L/2 - r) tilt together, and touches where that is the clearance.
     """
     names, over = loose_guides(result)[:MOST], span(result)
     panels = Panels([(3.6, 3.0)] * len(names), COLUMNS, across=1.1, down=0.95)
@@ -64,7 +64,7 @@ def _guide(ax: Axes, result: View, name: str, first: int) -> None:
     ax.plot(*corners.T, color=INK, lw=0.9, ls=(0, (5, 3)), label="a corner touches", zorder=5)
     x, y = factor * offset, power * tilt
     if first > 0:
-        ax.plot(x[:first], y[:first], color=SKY, ls="", marker=".", ms=2.2, mew=0.0, label="before", zorder=2)
+        ax.plot(x[:first], y[:first], color=SKY, ls="", marker=".", ms=2.2, mew=0.0, label="before", zorder=2, rasterized=True)
     ax.plot(x[first:], y[first:], color=BLUE, lw=0.9, label="block", zorder=3)
     ax.plot(x[first], y[first], color=ORANGE, ls="", marker="s", ms=4, mec=INK, mew=0.5, label="where the part shown begins", zorder=6)
     reach = [1.12 * max(float(np.abs(one).max()), float(np.abs(corners[:, k]).max())) for k, one in enumerate((x, y))]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 LARGEST = 300_000  # bytes of a figure as lines
+FINE = 150.0  # pixels an inch of one that would be larger: enough for paper
 SHOWN = ("mechanism", "orbits", "forces")  # figures of a result in a notebook
 REPORTED = ("guides", "moments", "accelerations", "polar", "stress", "deflection", "energy")  # and in a report
 
@@ -64,7 +65,7 @@ def lines(figure: Figure, words: str) -> bytes:
     """A figure as SVG; ``words`` name its parts, so that it is the same each time."""
     made = io.BytesIO()
     with matplotlib.rc_context({**STYLE, "svg.fonttype": "path", "svg.hashsalt": words}):
-        figure.savefig(made, format="svg", metadata={"Date": None})
+        figure.savefig(made, format="svg", dpi=FINE, metadata={"Date": None})
     return made.getvalue()
 
 
@@ -72,18 +73,18 @@ def sharp(figure: Figure, words: str) -> str:
     """A figure as SVG, or as PNG where that is smaller."""
     made = lines(figure, words)
     if len(made) > LARGEST:
-        return picture(figure, words)
+        return picture(figure, words, FINE)
     data = base64.b64encode(made).decode("ascii")
     return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/svg+xml;base64,{data}">'
 
 
-def picture(figure: Figure, words: str) -> str:
-    """A figure as an element of a page, with what it shows in words."""
+def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
+    """A figure as an element of a page in its own size, with what it shows in words; ``dpi`` are pixels an inch."""
     made = io.BytesIO()
     with matplotlib.rc_context(STYLE):
-        figure.savefig(made, format="png", dpi=80)
+        figure.savefig(made, format="png", dpi=dpi)
     data = base64.b64encode(made.getvalue()).decode("ascii")
-    return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/png;base64,{data}">'
+    return f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%" src="data:image/png;base64,{data}">'
 
 
 def table(rows: Iterable[Iterable[str]]) -> str:

@@ -73,7 +73,7 @@ def _journal(ax: Axes, result: View, name: str, factor: float, first: int) -> No
     ax.plot(radius * np.cos(turn), radius * np.sin(turn), color=INK, lw=0.9, ls=(0, (5, 3)), label="clearance circle", zorder=5)
     if first > 0:
         dots = np.unique(np.linspace(0, first, min(first + 1, MOST_DOTS)).astype(int))
-        ax.plot(x[dots], y[dots], color=SKY, ls="", marker=".", ms=2.2, mew=0.0, alpha=0.8, label="before", zorder=2)
+        ax.plot(x[dots], y[dots], color=SKY, ls="", marker=".", ms=2.2, mew=0.0, alpha=0.8, label="before", zorder=2, rasterized=True)
     ax.plot(x[first:], y[first:], color=BLUE, lw=0.9, label="journal centre", zorder=3)
     if not record.static:
         modes = result.channels["mode"].values[:, list(record.assembly.contacts).index(name)]

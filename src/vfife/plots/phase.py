@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,8 @@ def phase(result: View, reference: View | None = None) -> Figure:
         power, rate = scale_of(float(np.nanmax(np.abs(velocity))), second)
         if over.first > 0:
             part = slice(0, over.first, max(1, over.first // 20_000))
-            ax.plot(factor * position[part], power * velocity[part], color=SKY, ls="", marker=".", ms=2.2, mew=0.0, label="before", zorder=2)
+            dots: dict[str, Any] = {"color": SKY, "ls": "", "marker": ".", "ms": 2.2, "mew": 0.0}
+            ax.plot(factor * position[part], power * velocity[part], label="before", zorder=2, rasterized=True, **dots)
         shown = slice(over.first, over.last + 1)
         if reference is not None and name in ideal:
             turn = reference.last_turn

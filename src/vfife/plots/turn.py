@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 AROUND = 25.0  # degrees to both sides of an angle that have to be quiet for a turn to be opened there
 EVERY = 30  # degrees: where a turn may be opened
 BETTER = (1.5, 0.05)  # a turn stays open at 0 unless another place has less than this part of its variation, and this much less
+ROUNDED = 1e-6  # degrees by which an angle may be off where the turn is opened
 FULL = 300.0  # degrees from which on a turn is one
 
 
@@ -43,7 +44,7 @@ class Span:
         """Curve of values at the outputs of the span."""
         if self.cut is None:
             return self.x, values
-        at = self.cut + np.mod(self.x - self.cut, 360.0)
+        at = self.cut + np.mod(self.x - self.cut + ROUNDED, 360.0) - ROUNDED
         crossing = int(np.argmax(np.abs(np.diff(at)))) + 1
         if abs(at[crossing] - at[crossing - 1]) < 180.0:
             return at, values

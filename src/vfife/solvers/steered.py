@@ -101,21 +101,15 @@ class Input:
 def inputs_of(assembly: Assembly) -> Iterator[Input]:
     """Loads, torques and forces, then motions, of an assembled mechanism, in its order."""
     mechanism, topology = assembly.mechanism, assembly.topology
-    at = 0
-
-    def functions(count: int) -> tuple[int, ...]:
-        """Those of the next so many places at which a load or a torque acts."""
-        nonlocal at
-        at += count
-        return tuple(dict.fromkeys(topology.load_function[at - count : at]))
-
+    functions: dict[tuple[str, str], tuple[int, ...]] = {}
+    for action, place in zip((one for one in actions(mechanism, Datum()) for _ in one.ends), topology.load_function, strict=True):
+        functions[action.owner] = tuple(dict.fromkeys((*functions.get(action.owner, ()), place)))
     for name, load in mechanism.loads.items():
-        yield Input(name, functions(len(load.pushes(mechanism.joints))), *load.measured)
+        yield Input(name, functions.get(("load", name), ()), *load.measured)
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             words = f"{'force' if driver.along else 'torque'} of the driver"
-            alone = dataclasses.replace(mechanism, loads={}, drivers={name: driver})
-            yield Input(name, functions(sum(len(action.ends) for action in actions(alone, Datum()))), "N" if driver.along else "N m", words)
+            yield Input(name, functions.get(("driver", name), ()), "N" if driver.along else "N m", words)
     for body, driver in kinematic_drivers(mechanism).items():
         index = topology.driven_function[int(assembly.bodies[body].driven or 0)]
         name = next(name for name, one in mechanism.drivers.items() if one is driver)

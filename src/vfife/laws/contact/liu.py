@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar
 
 from ..law import Pair
@@ -38,8 +39,16 @@ class Liu(Cylinder):
         """K times the integral of sqrt(x^3/(dR + x)) (J): by Gauss' rule of 20 nodes in the root of x, exact to rounding."""
         import numpy as np  # here, as elsewhere below, so that `import vfife` stays quick
 
-        nodes, weights = np.polynomial.legendre.leggauss(20)
+        nodes, weights = _rule()
         depth = np.asarray(penetration, dtype=float)[..., None]
         u = 0.5 * (1.0 + nodes)
         stored = p[0] * (weights * u**4 * depth**2.5 / np.sqrt(p[1] + depth * u * u)).sum(axis=-1)
         return stored if np.ndim(penetration) else float(stored)
+
+
+@lru_cache(maxsize=1)
+def _rule() -> Any:
+    """Gauss' rule of 20 nodes."""
+    import numpy as np
+
+    return np.polynomial.legendre.leggauss(20)

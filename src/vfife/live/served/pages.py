@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 from ...errors import VfifeError
-from ..page import LARGEST, written
+from ..page import LARGEST, live_page, written
 from ..patches import patched
 from ..sliders import asked_slides, default_slides
 from .documents import Document
@@ -43,7 +43,7 @@ class Pages:
             return self.made[key, True]
         with self.building:
             if (key, False) not in self.made:
-                self._keep(key, False, written(patched(document.mechanism, [], document.its_step)))
+                self._keep(key, False, live_page(document.mechanism, [], document.its_step))
         self._want(document, key)
         return self.made[key, False]
 
@@ -64,7 +64,8 @@ class Pages:
     # --------------------------------------------------------------------------------------------------------- sliders
 
     def _want(self, document: Document, key: Key) -> None:
-        if not self.sliders:
+        if not self.sliders or document.mechanism.settings.analysis == "static":
+            self.told({"kind": "sliders", "id": key[0], "version": key[1], "said": ""})
             return
         if (key, True) in self.made:
             self.told({"kind": "sliders", "id": key[0], "version": key[1]})
@@ -99,6 +100,7 @@ class Pages:
         try:
             slides = asked_slides(mechanism, self.slide) if self.slide and key[0] == self.first else default_slides(mechanism)
             if not slides:
+                self.told({**about, "said": ""})
                 return
             page = written(patched(mechanism, slides, step, going))
             if len(page.encode("utf-8")) > LARGEST:
