@@ -43,13 +43,13 @@ coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines th
 
 lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 	@$(PYTHON) -m ruff check .
-	@$(PYTHON) -m ruff format --check src tests benchmarks examples
+	@$(PYTHON) -m ruff format --check src tests benchmarks examples docs/extensions
 	@$(PYTHON) -m mypy
 	@$(VENV)/bin/lint-imports
 	@$(VENV)/bin/biome check --error-on-warnings
 
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
-	@$(PYTHON) -m sphinx -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html
+	@$(PYTHON) -m sphinx -W --keep-going -q -j auto -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 package: $(VENV)/.dev  ## build wheel and sdist into dist/, and try the wheel in a bare environment outside this folder
@@ -73,7 +73,7 @@ mutations: $(VENV)/.test  ## a hundred small faults in the kernels: does the sui
 	@$(PYTHON) tests/mutations/mutate.py $(MUTATE)
 
 clean:  ## remove what was built, except .venv and runs/
-	@rm -rf build dist docs/_build docs/api docs/examples docs/sg_execution_times.rst \
+	@rm -rf build dist docs/_build docs/_made docs/api docs/examples docs/gallery docs/sg_execution_times.rst \
 	    .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	@find src tests examples benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 

@@ -13,7 +13,7 @@ import traceback
 from measure import HERE, Options, Part, machine, plain, step_text, table, versions
 from rich.console import Console
 
-PARTS = ("limit", "compilation", "events", "peers", "elastic", "size", "joints", "laws", "friction", "startup")
+PARTS = ("limit", "compilation", "events", "peers", "elastic", "size", "joints", "laws", "friction", "study", "startup", "frames", "card")
 # What each ratio shall be; ratios without an entry are told for information.
 TARGETS: dict[str, tuple[str, float]] = {
     "limit.ledger_generated_1_lane": ("at most", 1.0),
@@ -42,11 +42,19 @@ TARGETS: dict[str, tuple[str, float]] = {
     "joints.generated": ("at most", 1.0),
     "laws.slowest_1_lane": ("at most", 3.0),
     "laws.slowest_4_lanes": ("at most", 3.0),
+    "study.core_over_one_lane_4_lanes": ("at least", 3.0),
+    "study.core_over_one_lane_8_lanes": ("at least", 6.0),
+    "study.two_cores_over_one": ("at least", 1.85),
+    "study.grid_20_by_10": ("at most", 1.0),
+    "study.assembly": ("at most", 1.0),
+    "card.members_100000": ("at least", 300.0),
     "startup.import": ("at most", 1.0),
     "startup.help": ("at most", 1.0),
     "startup.run_warm": ("at most", 1.0),
     "startup.run_cold": ("at most", 1.0),
     "startup.memory_8x": ("at most", 1.05),
+    "frames.least": ("at least", 1.0),
+    "frames.new_model": ("at most", 1.0),
 }
 
 

@@ -35,12 +35,13 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
-    from .results.studied import Study
+    from .results.studied import Study, load_study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.maps import bifurcation
     from .study.stepped import Simulation
     from .study.studies import study
 
@@ -53,6 +54,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
+    "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
     "errors": "",
@@ -61,6 +63,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load_laws": "laws.user",
     "load_model": "modelfile.files",
     "load_result": "result",
+    "load_study": "results.studied",
     "modes": "analysis.modes",
     "resume": "simulation",
     "save_model": "modelfile.files",
@@ -98,6 +101,9 @@ _above.ANSWERS |= {
     "check": _later("study.examined", "checked"),
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
+    "live": _later("live.cell", "live"),
+    "live_result": _later("live.cell", "live_result"),
+    "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
 }
 
@@ -166,6 +172,7 @@ __all__ = [
     "Status",
     "Study",
     "VfifeError",
+    "bifurcation",
     "compare",
     "ensemble",
     "errors",
@@ -174,6 +181,7 @@ __all__ = [
     "load_laws",
     "load_model",
     "load_result",
+    "load_study",
     "modes",
     "quantity",
     "resume",

@@ -69,6 +69,10 @@ class ResumeError(VfifeError):
     """A run that cannot go on: it is complete, it diverged, or its file is damaged."""
 
 
+class DeviceError(VfifeError):
+    """A graphics card that cannot be used, or not for so much: what it could not do, why, and what to do."""
+
+
 class StorageError(RunFileError):
     """What cannot be written or read because of the disk, its permissions or another writer: what is needed, what is free, what is kept."""
 

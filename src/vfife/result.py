@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError
+from .model.above import answered
 from .results.companions import beside, kept_companions, restored_companions
 from .results.header import is_run_file
 from .results.provenance import final_state, keep_reference, provenance, restored, versions
@@ -17,7 +18,11 @@ from .results.view import View
 from .solvers.record import Estimate, Record, Rows, lasting_rows
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from matplotlib.figure import Figure
+
+    from .live.cell import Live
 
 
 class Result(View):
@@ -137,10 +142,11 @@ class Result(View):
         return result_html(self)
 
     def plot(self, *names: str) -> dict[str, Figure]:
-        """Figures by name: journal paths, forces and accelerations over the ideal ones, the mechanism; all, or those that are named.
+        """Figures by name: without ``names`` the usual ones, as the mechanism, journal paths, forces and accelerations over the ideal ones.
 
-        ``names``: of "mechanism", "orbits", "forces", "moments", "accelerations". A figure that the result has nothing for is left out.
-        Raises VfifeError for another name.
+        ``names``: of "mechanism", "orbits", "guides", "forces", "moments", "accelerations", "strip", "traces", "polar", "phase", "spectrum",
+        "waterfall", "energy", "stress", "deflection"; "all" that the result has something for. Raises VfifeError for another name, and for a figure
+        that the result has nothing for.
         """
         from .plots import figures
 
@@ -156,6 +162,21 @@ class Result(View):
         from .plots.filmfiles import animate
 
         animate(self, Path(path), frames, rate, turns)
+
+    def live(self, slide: Iterable[str] | None = ()) -> Live:
+        """A page in which its mechanism runs with its step, or of its equilibria: for the last line of a cell, and where that is exported to.
+
+        ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, none by default. Raises VfifeError for what has no motion.
+        """
+        found: Live = answered("live_result", self, slide)
+        return found
+
+    def report(self, path: str | Path, running: bool = True) -> None:
+        """Writes a page that prints well: inputs, what was found, cautions, how far it can be trusted, figures, and the mechanism ``running``.
+
+        What is there gives way when the page is whole. Raises OSError where it cannot be written.
+        """
+        answered("report", self, path, running)
 
 
 def _read(record: Record, path: Path) -> Rows:

@@ -253,7 +253,12 @@ def carry_out(
         record = looked_at(prepared, record)
         if record.companions is not None:
             record.companions.earlier = earlier
-    result = Result(record, prepared.reference)
+    return concluded(record, prepared.reference)
+
+
+def concluded(record: Record, reference: Result | None) -> Result:
+    """The result of a run, in which energy is accounted for, or its status says that it is not."""
+    result = Result(record, reference)
     if record.status == Status.COMPLETE and too_open(record, result.ledger):
         record.status = Status.ENERGY
     return result

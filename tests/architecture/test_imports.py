@@ -8,17 +8,20 @@ import sys
 from architecture.sources import PROJECT, ROOT, files, imports, parsed, report
 
 KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
-EXTRAS = ("cluster", "live", "optimise", "parquet", "sensitivity", "video")
+EXTRAS = ("cluster", "gpu", "live", "optimise", "parquet", "sensitivity", "video")
 # Declared, though no line imports it, and why.
 NOT_IMPORTED = {
+    "cuda-bindings": "imported by tests where pytest finds them",
     "distributed": "a cluster that the caller hands in; study asks nothing of it by name",
     "h5netcdf": "the engine that xarray is told to write with, by its name",
     "h5py": "what h5netcdf writes with",
+    "nvidia-cuda-nvcc-cu12": "ptxas, a program",
+    "nvidia-cuda-nvdisasm": "a program",
     "pytest-cov": "a plugin of pytest: make coverage",
     "pytest-xdist": "a plugin of pytest: make test",
 }
 # Modules that are not called by the name that they are installed by.
-IMPORTED_AS = {"PIL": "pillow"}
+IMPORTED_AS = {"PIL": "pillow", "cuda": "cuda-bindings"}
 
 
 def test_kernels_import_only_numpy_and_each_other() -> None:

@@ -7,6 +7,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from fake_card import FakeDriver, in_this_machine
+from vfife import load_model
+from vfife.assembly.assemble import assemble
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -79,3 +83,21 @@ def test_another_program_that_diverges_is_told_as_such(monkeypatch, said):
     monkeypatch.setattr(peers, "run", lambda *given: {"wall_per_rev_s": 1.0, **said})
     candidate = peers.CANDIDATES["b"][0]
     assert "mujoco diverged at a step of" in peers.peer(candidate, "b", 1)["missing"]
+
+
+def test_members_on_a_card_are_counted_and_a_card_that_is_missing_is_told(monkeypatch):
+    """With a card that the processor plays: no time of it means anything."""
+    import card
+    from measure import Options
+
+    with in_this_machine(FakeDriver(None, cuInit=100)):
+        assert "no card" in card.measure(Options(quick=True)).notes[0]
+    monkeypatch.setattr(card, "MEMBERS", (40,))
+    monkeypatch.setattr(card, "STEPS", 20)
+    monkeypatch.setattr(card, "ONE", 1000)
+    monkeypatch.setattr(card, "SETTLED", 30)
+    topology = assemble(load_model(ROOT / "examples" / "four_bar_case_c.toml"), turns=1000).topology
+    with in_this_machine(FakeDriver(topology)) as driver:
+        found = card.measure(Options(quick=True))
+    assert set(found.ratios) == {"card.members_64"} and found.ratios["card.members_64"] > 0.0
+    assert driver.threads == [64, 64]

@@ -16,6 +16,11 @@ from typer.testing import CliRunner, Result
 from cli.models import CASE_C, PENDULUM, ROOT
 from vfife.cli.app import app
 
+HELD = """
+import os, sys
+os.write(2, b"{what} is held\\n")
+sys.stdin.readline()
+"""
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "agg"}
 
 
@@ -58,3 +63,23 @@ def start(*words: Any, cwd: Path) -> subprocess.Popen[str]:
 def process(tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
     """Starts a command in a process of its own, in an empty folder."""
     return lambda *words: start(*words, cwd=tmp_path)
+
+
+@pytest.fixture
+def held(tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
+    """``vfife`` in a process that stops where it imports a module of a name, and is there."""
+
+    def begun(what: str, *words: object) -> subprocess.Popen[str]:
+        before = tmp_path / "before"
+        before.mkdir()
+        (before / f"{what}.py").write_text(HELD.format(what=what))
+        environment = ENVIRONMENT | {"PYTHONPATH": os.pathsep.join((str(before), ENVIRONMENT["PYTHONPATH"]))}
+        line = [sys.executable, "-m", "vfife", *map(str, words)]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        process = subprocess.Popen(line, cwd=tmp_path, env=environment, text=True, preexec_fn=hear, **pipes)
+        assert process.stderr is not None
+        told = iter(process.stderr.readline, f"{what} is held\n")
+        assert "Traceback" not in "".join(told)
+        return process
+
+    return begun

@@ -15,6 +15,7 @@ from cli.models import CASE_C
 from laws.test_own_laws import COPY
 from vfife import result
 from vfife.study import compare as study
+from vfife.study.parts import Parts
 
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
@@ -69,45 +70,48 @@ class Killed(BaseException):
 
 def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
     """With the runs that were complete, to the bit; nothing is run again, and what kept them is gone at the end."""
-    words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,pereira,hertz", "--turns", 0.2, "--no-figures", "--json")
+    words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,pereira,hertz,flores", "--turns", 0.2, "--no-figures", "--json")
     whole = json.loads(command(*words, "-o", "whole").stdout)["runs"]
-    carry_out, made = study.carry_out, list[str]()
+    keep, asked, made, limit = Parts.keep, study.carried_out, list[str](), 2
 
-    def carried(one: Any, **how: Any) -> vfife.Result:
-        made.append(one.assembly.mechanism.clearances["B"].contact.name)
-        if len(made) == 2:
+    def kept(self: Parts, one: Any, result: vfife.Result) -> None:
+        made.append("")
+        if len(made) == limit:
             raise broken()
-        return carry_out(one, **how)
+        keep(self, one, result)
 
-    monkeypatch.setattr(study, "carry_out", carried)
+    def carried(ready: Any) -> Any:
+        left.append(len(ready))
+        return asked(ready)
+
+    monkeypatch.setattr(Parts, "keep", kept)
+    monkeypatch.setattr(study, "carried_out", carried)
     broken: type[BaseException] = Killed
+    left: list[int] = []
     with pytest.raises(Killed):
         command(*words, "-o", "out")
-    assert made == ["lankarani-nikravesh", "pereira"]
     made.clear()
     broken = KeyboardInterrupt
     done = command(*words, "-o", "out")
-    assert made == ["pereira", "hertz"]
-    assert done.exit_code == 130 and "2 of 3 runs are complete" in done.stderr and "with -o out goes on after them" in done.stderr
+    assert done.exit_code == 130 and "2 of 4 runs are complete" in done.stderr and "with -o out goes on after them" in done.stderr
     other = command(*words, "-o", "out", "--set", "joint.B.clearance=0.3 mm")
     assert other.exit_code == 2 and "of another model" in other.stderr
     made.clear()
     done = command(*words, "-o", "out")
-    assert done.exit_code == 0 and made == ["hertz"]
+    assert done.exit_code == 0 and left == [4, 3, 2]
     for one, again in zip(whole, json.loads(done.stdout)["runs"], strict=True):
         assert {**one, "wall_s": 0.0} == {**again, "wall_s": 0.0}
     assert sorted(path.name for path in Path("out").iterdir()) == ["compare.csv", "compare.json", "model.toml"]
     before = Path("out/compare.json").read_bytes()
     refused = command(*words, "-o", "out")
     assert refused.exit_code == 2 and "--force" in refused.stderr and Path("out/compare.json").read_bytes() == before
-    made.clear()
-    monkeypatch.setattr(study, "carry_out", carry_out)
+    monkeypatch.setattr(Parts, "keep", keep)
     assert command(*words, "-o", "out", "--force").exit_code == 0
 
 
 def test_a_part_that_is_damaged_is_made_again(tmp_path: Path) -> None:
     model, laws = vfife.load_model(CASE_C), ["pereira", "hertz", "flores"]
-    last = []
+    last = list[str]()
 
     def progress(name: str) -> None:
         if name.startswith("3 of 3") and not last:

@@ -19,31 +19,6 @@ from cli.conftest import ENVIRONMENT, hear
 from vfife.cli import signals
 
 CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129}
-HELD = """
-import os, sys
-os.write(2, b"{what} is held\\n")
-sys.stdin.readline()
-"""
-
-
-@pytest.fixture
-def held(tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
-    """``vfife`` in a process that stops where it imports a module of a name, and is there."""
-
-    def begun(what: str, *words: object) -> subprocess.Popen[str]:
-        before = tmp_path / "before"
-        before.mkdir()
-        (before / f"{what}.py").write_text(HELD.format(what=what))
-        environment = ENVIRONMENT | {"PYTHONPATH": os.pathsep.join((str(before), ENVIRONMENT["PYTHONPATH"]))}
-        line = [sys.executable, "-m", "vfife", *map(str, words)]
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        process = subprocess.Popen(line, cwd=tmp_path, env=environment, text=True, preexec_fn=hear, **pipes)
-        assert process.stderr is not None
-        told = iter(process.stderr.readline, f"{what} is held\n")
-        assert "Traceback" not in "".join(told)
-        return process
-
-    return begun
 
 
 @pytest.mark.parametrize("name", CODES)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fake_card import FakeDriver, in_this_machine
 from study.studies import ASKED, Closed
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
@@ -54,6 +55,15 @@ def test_values_points_and_what_was_broken_off_are_added(command: Command, close
     assert len(closed.computed) == 3
     assert command("study", "add", "x.study", "speed=150", "-q").exit_code == 0
     assert len(closed.computed) == 7
+
+
+def test_a_study_of_another_text_of_the_step_is_not_added_to(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    monkeypatch.setattr(carry, "sources_of_the_step", lambda: b"another text")
+    for words in (("add", "x.study", "play=0.4 mm"), ("resume", "x.study")):
+        done = command("study", *words)
+        assert (done.exit_code, "which steps otherwise" in done.stderr) == (2, True), done.stderr
+    assert len(closed.computed) == 6 == len(Study.open("x.study").members)
 
 
 def test_samples_are_added_to_a_sequence(command: Command, closed: Closed, tmp_path: Path) -> None:
@@ -113,11 +123,15 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         ("study", "show", "missing.study"): "there is no study file of this name",
         ("study", "s.toml", "-o", "other.study", "--force"): "no study file; name another one",
         ("study", "show", "other.study"): "this is no study file",
+        ("study", "s.toml", "-o", "nowhere/x.study"): "Make the folder nowhere first",
+        ("study", "shwo", "x.study"): "No such command 'shwo'",
     }
     for words, says in cases.items():
         done = command(*words)
         assert (done.exit_code, says in done.stderr) == (2, True), (words, done.stderr)
     command("study", "s.toml", "-o", "x.study", "-q")
+    assert "this is what a study was kept in" in command("study", "x.study").stderr
+    assert "nothing is left to compute: all 6 members" in command("study", "resume", "x.study").stderr
     for word, says in (("plya=1", 'did you mean "play"'), ("play=1 s", "this is a time"), ("play", "this is not NAME=VALUE")):
         done = command("study", "add", "x.study", word)
         assert (done.exit_code, says in done.stderr) == (2, True), done.stderr
@@ -125,6 +139,18 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         done = command("study", "s.toml", "-o", "x.study", "-q")
     assert (done.exit_code, "writes this study; wait until it has ended" in done.stderr) == (2, True)
     assert len(Study.open("x.study").done) == 6
+
+
+def test_a_card_that_is_not_there_is_told_before_anything_is_begun(command: Command, closed: Closed) -> None:
+    with in_this_machine(FakeDriver(None, cuInit=100)):
+        for words in (("study", "s.toml"), ("study", "run", "s.toml", "-o", "x.study")):
+            done = command(*words, "--device", "cuda")
+            assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
+    done = command("study", "s.toml", "--device", "gpu")
+    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    done = command("study", "s.toml", "--device", "cuda", "--cluster", "local")
+    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), done.stderr
+    assert not Path("runs").exists() and not Path("x.study").exists()
 
 
 def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(command: Command, closed: Closed, tmp_path: Path) -> None:
@@ -142,3 +168,15 @@ def test_members_of_other_kinds_are_grouped_and_told(command: Command, closed: C
     assert done.exit_code == 0, done.stderr
     assert "members of 2 kinds are run group by group" in done.stderr
     assert "joint.C.contact.law = flores: 6" in done.stderr
+
+
+def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    done = command("study", "plot", "x.study", "--figure", "curves", "--measure", "C.force.max", "--kind", "svg")
+    assert (done.exit_code, done.stdout.split()) == (0, ["x-figures/curves.svg"]), done.stderr
+    assert "did you mean" in command("study", "plot", "x.study", "--figure", "curvs").stderr
+    done = command("report", "x.study", "--no-live")
+    assert done.exit_code == 0, done.stderr
+    page = Path("x-report.html").read_text()
+    assert "6 members: 6 complete" in page and "12 N" in page and "<iframe" not in page
+    assert command("report", "x.study").exit_code == 2, "a file that is there stays"

@@ -15,11 +15,13 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import vfife
+from fake_card import rows_on_card
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.solvers.record import Record
@@ -40,6 +42,7 @@ MODELS = {
     "machinery": (0.02, 4e-6),
 }  # fmt: skip
 RICH = ("four_bar", "four_bar_case_b", "four_bar_case_c", "slider_crank_loose_guide", "block_on_incline", "every law", *MODELS)
+ON_CARD = ("four_bar_case_c", "two_particle_bars", "machinery")
 NOTHING = 1e-9  # in units of SI; a force of a start is round-off below it
 
 
@@ -54,20 +57,35 @@ def start(name: str) -> Assembly:
     return assemble(vfife.load_model(ROOT / "examples" / f"{name}.toml"), duration=CASES[name])
 
 
-def record(name: str, loop: str, companions: int = 0) -> Record:
-    """The case run from a start that is the same on every machine, with so many companions beside it."""
+def rounded(name: str) -> Assembly:
+    """The case with a start that is the same on every machine."""
     assembly = start(name)
     state = assembly.state.astype(np.float32).astype(float)
     moving = assembly.layout.of("state", "memory")
     state[moving] = np.where(np.abs(state[moving]) < NOTHING, 0.0, state[moving])
-    found = run(dataclasses.replace(assembly, state=state), loop=loop, companions=companions)  # type: ignore[arg-type]
+    return dataclasses.replace(assembly, state=state)
+
+
+def record(name: str, loop: str, companions: int = 0) -> Record:
+    """The case run, with so many companions beside it."""
+    found = run(rounded(name), loop=loop, companions=companions)  # type: ignore[arg-type]
     assert found.status == "complete"
     return found
 
 
 def digest(name: str, loop: str, companions: int = 0) -> str:
     """Hash of all that is recorded: state and extremes, signs of zeros with them."""
-    return hashlib.sha256(record(name, loop, companions).rows.astype("<f8").tobytes()).hexdigest()[:32]
+    return hashed(record(name, loop, companions).rows)
+
+
+def hashed(rows: np.ndarray) -> str:
+    """Hash of rows, to the bit."""
+    return hashlib.sha256(rows.astype("<f8").tobytes()).hexdigest()[:32]
+
+
+def digest_on_card(name: str, driver: Any = None) -> str:
+    """Hash of what a graphics card records; unless its ``driver`` is given, its text, threads and addresses are carried out by the processor."""
+    return hashed(rows_on_card(rounded(name), driver))
 
 
 def known(name: str) -> str:
@@ -84,6 +102,12 @@ def test_bits_are_as_before(name):
 @pytest.mark.parametrize("name", [*RICH, "every kind", "every drive"])
 def test_bits_are_those_of_the_straight_line(name):
     assert digest(name, "generated") == known(name)
+
+
+@pytest.mark.parametrize("name", ON_CARD)
+def test_bits_are_those_of_a_card_at_its_addresses(name):
+    """The others of RICH are in `tests/verification`."""
+    assert digest_on_card(name) == known(name)
 
 
 @pytest.mark.parametrize("threads", [2, 8])

@@ -135,7 +135,7 @@ def test_a_mechanism_is_checked_drawn_and_shown() -> None:
     assert {"B", "C", "D"} <= names
     m.name = "<b>&"
     page = m._repr_html_()
-    assert "data:image/png;base64," in page and "<b>&" not in page.replace("<b>Bodies", "") and "&lt;b&gt;&amp;" in page
+    assert "data:image/svg+xml;base64," in page and "<b>&" not in page.replace("<b>Bodies", "") and "&lt;b&gt;&amp;" in page
     assert all(f">{name}<" in page for name in (*m.bodies, *m.joints))
 
 

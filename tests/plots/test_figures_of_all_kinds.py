@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 import vfife
+from drawn_texts import faults
 from mechanisms import everything
 from vfife import gallery
 from vfife.model.strokes import tangent, zigzag
@@ -42,8 +43,8 @@ def words(found: dict[str, Figure]) -> set[str]:
 def test_every_mechanism_is_drawn_told_and_exported(name: str, tmp_path: Path):
     result, found = run(name), drawn(name)
     assert {"mechanism"} < set(found) and ("orbits" in found) == bool(result.record.assembly.mechanism.clearances)
-    found["mechanism"].draw_without_rendering()  # all that canvas.draw() does but the pixels
     for figure in found.values():
+        assert not faults(figure)
         assert all(line.get_xdata().size for ax in figure.axes if ax.get_visible() for line in ax.lines if not line.get_label().startswith("_"))
     console = Console(file=StringIO(), width=140)
     show(console, result)
@@ -67,7 +68,7 @@ def test_joints_in_one_place_share_their_name():
 
 
 def test_forces_of_a_loose_guide_and_moments_of_gears_have_panels():
-    assert drawn("slider_crank_loose_guide")["forces"].axes[0].get_title(loc="left") == "joint guide"
+    assert [ax.get_title(loc="left") for ax in drawn("slider_crank_loose_guide")["forces"].axes][-1] == "joint guide"
     assert {ax.get_title(loc="left") for ax in drawn("gear_train")["moments"].axes} == {"gear first-stage", "gear second-stage"}
     assert "forces" not in drawn("elastica_circle")  # what rounding leaves is no force
 
@@ -83,7 +84,7 @@ def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
     found = figures(vfife.simulate(chain, duration=0.01))
     legend = [text.get_text() for text in found["mechanism"].legends[0].get_texts()]
     assert "… and 9 more bodies" in legend and len(legend) < 15
-    assert len(found["forces"].axes) == len(found["accelerations"].axes) == 16
+    assert len(found["forces"].axes) == 16 > len(found["accelerations"].axes) > 8  # the far end is still at rest
 
 
 def test_plates_are_convex_and_frames_do_not_run_across_gaps():

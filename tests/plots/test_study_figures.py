@@ -94,3 +94,12 @@ def test_words_stand_in_their_order_and_files_are_written(tmp_path: Path, monkey
     assert "median over law" in found.plot("maps")["maps"]._suptitle.get_text()
     words = {text.get_text() for text in found.plot("parallel")["parallel"].axes[0].texts}
     assert {"lankarani-nikravesh", "flores", "hertz"} <= words
+
+
+def test_a_logarithmic_axis_names_values_that_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = GRID.replace('values = ["0.1 mm", "0.2 mm", "0.3 mm"]', 'from = "0.01 mm"\nto = "1 mm"\ncount = 9\nspacing = "logarithmic"')
+    found = made(text, tmp_path, monkeypatch)
+    axis = found.plot("curves")["curves"].axes[0].xaxis
+    labels = [tick.get_text() for tick in axis.get_ticklabels()]
+    assert axis.get_scale() == "log" and labels[0] == "0.01" and labels[-1] == "1" and len(labels) <= 7
+    assert list(axis.get_minorticklocs()) == []

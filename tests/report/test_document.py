@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 import vfife
 from vfife import gallery
-from vfife.cli import report as command
 from vfife.cli.app import app
+from vfife.live import cell
 from vfife.modelfile import dump, load
 from vfife.report.document import as_given, document, found, trust
 from vfife.result import Result
@@ -103,6 +103,10 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
     kept = dump(load(path))
     assert "It gives the numbers above." in as_given(kept, str(path))
+    result = vfife.simulate(load(path), turns=0.01, companions=0, reference=False)
+    result.report(tmp_path / "report.html", running=False)
+    said = (tmp_path / "report.html").read_text("utf-8")
+    assert "Read from given.toml." in said and "given.toml as it reads now" in said and str(tmp_path) not in said and "<iframe" not in said
     assert "It gives other numbers" in as_given(kept.replace("0.15", "0.16"), str(path))
     assert "not there any more" in as_given(kept, str(tmp_path / "gone.toml")) and as_given(kept, None) == ""
 
@@ -116,7 +120,7 @@ def test_equilibria_have_a_report() -> None:
 def test_the_command_writes_one_file_and_replaces_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run().save(tmp_path / "run.sqlite")
     line = ["report", str(tmp_path), "-o", str(tmp_path / "r.html")]
-    monkeypatch.setattr(command, "running", lambda result: "x" * 4_000_000)
+    monkeypatch.setattr(cell, "result_page", lambda result: "x" * 4_000_000)
     said = CliRunner().invoke(app, line)
     assert said.exit_code == 0 and "left out" in said.stderr and (tmp_path / "r.html").stat().st_size < 4_000_000
     titles = Page((tmp_path / "r.html").read_text("utf-8")).texts["h2"]

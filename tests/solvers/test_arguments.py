@@ -88,6 +88,7 @@ def test_quantities_carry_units() -> None:
         ({"tolerance": -0.1}, "tolerance = -0.1: negative"),
         ({"tolerance": math.nan}, "tolerance = nan: this is not a finite number"),
         ({"loop": "fast"}, 'loop = "fast": there is no such loop'),
+        ({"device": "gpu"}, 'device = "gpu": there is no such device; allowed: "cuda"'),
     ],
 )
 def test_an_ensemble_is_asked_the_same(given: dict[str, Any], words: str) -> None:

@@ -14,6 +14,7 @@ import pytest
 from vfife import load_model
 from vfife.errors import VfifeError
 from vfife.study import cluster as room
+from vfife.study import spreading
 from vfife.study.batch import Answer, Question
 from vfife.study.cluster import cluster, on_cluster
 from vfife.study.engine import Outcome, Wanted, run_members
@@ -38,6 +39,8 @@ def deadly(mark: str) -> Callable[..., Answer]:
     def work(asked: Question, numbers: Sequence[Any], lanes: int | None) -> Answer:
         from vfife.study.batch import run_batch
 
+        if not numbers:
+            return run_batch(asked, numbers, lanes)
         try:
             os.close(os.open(mark, os.O_CREAT | os.O_EXCL))
         except FileExistsError:
@@ -73,7 +76,8 @@ class Farm:
 
     status = "running"
 
-    def __init__(self, killers: set[int]) -> None:
+    def __init__(self, killers: set[int], stillborn: int = 0) -> None:
+        self.stillborn = stillborn  # workers that end before they have begun
         self.killers, self.workers, self.killed = killers, ["w0", "w1"], list[list[int]]()
         self.begun = 2
 
@@ -85,8 +89,8 @@ class Farm:
         busy = SimpleNamespace(key=f"{workers[0]}-{members}", cancel=lambda: None, add_done_callback=lambda call: call(busy))
         answer = Answer([{"values": {"k": float(k)}} for k in members], 1.0)
         busy.result = lambda timeout: answer
-        if self.killers & set(members):
-            self.killed.append(members)
+        if self.killers & set(members) or (not members and self.begun < self.stillborn):
+            self.killed += [members] if members else []
             self.workers.remove(workers[0])
             self.workers.append(f"w{self.begun}")
             self.begun += 1
@@ -97,8 +101,8 @@ class Farm:
 
 
 def test_a_member_that_kills_three_workers_is_given_up_and_the_rest_finish(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(room, "LOOK", 0.005)
-    farm, base = Farm({5, 17}), load_model(BASE)
+    monkeypatch.setattr(spreading, "LOOK", 0.005)
+    farm, base = Farm({5, 17}, stillborn=12), load_model(BASE)
     found = list(on_cluster(farm, base, [{"k": float(k)} for k in range(40)], WANTED))
     outcomes = dict(found)
     assert len(found) == len(outcomes) == 40
@@ -112,8 +116,8 @@ def test_a_member_that_kills_three_workers_is_given_up_and_the_rest_finish(monke
 
 
 def test_a_cluster_without_workers_or_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(room, "LOOK", 0.005)
-    monkeypatch.setattr(room, "PATIENCE", 0.02)
+    monkeypatch.setattr(spreading, "LOOK", 0.005)
+    monkeypatch.setattr(spreading, "PATIENCE", 0.02)
     farm = Farm(set())
     farm.workers = []
     with pytest.raises(VfifeError, match="no worker for"):

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fake_card import FakeDriver, in_this_machine
 from vfife import load_model, simulate
+from vfife.assembly.assemble import assemble
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.study import engine
 from vfife.study.engine import Outcome, Wanted, run_members
@@ -33,7 +35,7 @@ SHORT = {"turns": 2, "step": 8e-6}
 
 def own(numbers: dict[str, Any], turns: int, step: float | None = None, **options: Any) -> Any:
     """The member's own run."""
-    return simulate(load_model(BASE, set=list(numbers.items())), turns=turns, step=step, companions=0, force_step=step is not None, **options)
+    return simulate(load_model(BASE, set=list(numbers.items())), turns=turns, step=step, companions=0, **options)
 
 
 def bits(found: dict[int, Outcome]) -> dict[int, Any]:
@@ -72,6 +74,13 @@ def reference() -> dict[int, Any]:
 @pytest.mark.usefixtures("in_lanes")
 def test_members_are_their_own_runs_whatever_is_beside_them(reference: dict[int, Any], lanes: int, workers: int) -> None:
     assert bits(members(lanes=lanes, workers=workers)) == reference
+
+
+@pytest.mark.usefixtures("in_lanes")
+def test_members_on_a_card_are_their_own_runs(reference: dict[int, Any]) -> None:
+    with in_this_machine(FakeDriver(assemble(load_model(BASE), 8e-6, turns=1.0, force_step=True).topology)) as driver:
+        assert bits(members(device="cuda")) == reference
+    assert driver.threads and not driver.given
 
 
 @pytest.mark.usefixtures("in_lanes")
@@ -154,13 +163,17 @@ def test_member_that_fails_says_why_and_stops_no_other(bad: dict[str, Any], refe
 
 
 def test_member_that_diverges_is_told_as_its_own_run() -> None:
-    found = members([{"joint.C.contact.stiffness": 1e16}, {}], Wanted(SOME[:1], 1, step=2e-5))
-    record = own({"joint.C.contact.stiffness": 1e16}, 1, step=2e-5).record
-    assert found[0].status == str(record.status) != "complete"
+    """A journal that goes through its soft bearing; a step that is too large for one member is told before."""
+    soft = {"joint.C.contact.stiffness": 1e5}
+    found = members([soft, {}, {"joint.C.contact.stiffness": 1e16}], Wanted(SOME[:1], 1, step=5e-6))
+    record = own(soft, 1, step=5e-6).record
+    assert found[0].status == str(record.status) == "diverged"
     assert found[0].steps == record.steps[-1]
     assert found[0].reason is not None
     assert str(record.reached) in found[0].reason
     assert found[1].status == "complete"
+    assert found[2].status == "failed"
+    assert "too large" in str(found[2].reason)
 
 
 def test_stopped_members_are_left_out() -> None:

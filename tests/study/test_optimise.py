@@ -9,7 +9,8 @@ import pytest
 
 from vfife.errors import VfifeError
 from vfife.study import optimise
-from vfife.study.optimise import Axis, Bound, Found, Numbers, Search, Values, best, dominates, searched
+from vfife.study.limits import Bound
+from vfife.study.optimise import Axis, Found, Numbers, Search, Values, best, dominates, searched
 
 pytest.importorskip("optuna")
 

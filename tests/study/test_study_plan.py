@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from schemas import complaints
 from study.studies import ASKED, BASE
 from vfife.errors import ModelError
+from vfife.study.jsonschema import study_schema
 from vfife.study.plan import Plan
 from vfife.study.planfile import load_plan
 
@@ -109,6 +112,8 @@ def test_all_faults_at_once_with_their_places(tmp_path: Path) -> None:
         ('[vary.x]\npath = "joint.C.clearance"\nfrom = 2e-4\nto = 1e-4\ncount = 3\n', "not above from"),
         ('[vary.x]\npath = "joint.C.clearance"\nfrom = 1e-4\nto = 2e-4\n', "a grid takes values"),
         ('[vary.x]\npath = "joint.C"\nvalues = [1]\n', "a table, not a number"),
+        ('[vary.x]\npath = "run.turns"\nvalues = [1]\n', "the study says this itself"),
+        ('[vary.x]\npath = "joint.B.clearance"\nvalues = [1e-4]\n', "of a kind that has no such number"),
         ('[vary.x]\npath = ["joint.C.clearance", "body.coupler.mass"]\nvalues = [1]\n', "numbers of different kinds"),
         ('[vary.x]\npath = "joint.C.clearance"\nvalues = ["1 s"]\n', "length"),
         ('[vary.x]\npath = "joint.C.clearance"\nvalues = [-1e-4]\n', "this is negative"),
@@ -118,6 +123,7 @@ def test_all_faults_at_once_with_their_places(tmp_path: Path) -> None:
         ('method = "sobol"\n[vary.x]\npath = "joint.C.clearance"\nfrom = 1e-5\nto = 1e-4\n', "count: this key is missing"),
         ('[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n[[point]]\ny = 1\n', "no parameter is called so"),
         ('last = 20\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n', "more turns than a member makes"),
+        ('step = "1 ms"\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n', "step = 0.001 s: too large for the model"),
         ('[set]\n"joint.Q.clearance" = 1\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n', "there is no joint 'Q'"),
     ],
 )
@@ -160,3 +166,14 @@ def test_sizes_with_tolerances(tolerance: str, low: float, high: float, tmp_path
     assert low <= values.min() < values.max() <= high
     assert abs(values.mean() - 0.5 * (low + high)) < 0.02 * (high - low)
     assert "IT99" in faults_of(text.replace(tolerance, '"h99"'), tmp_path)[0]
+
+
+@pytest.mark.parametrize("path", sorted((BASE.parent / "studies").glob("*.toml")), ids=lambda path: path.stem)
+def test_examples_are_studies_and_fit_the_schema(path: Path) -> None:
+    assert len(load_plan(path)[0].members) >= 100
+    schema = study_schema()
+    raw = tomllib.loads(path.read_text("utf-8"))
+    assert list(complaints(raw, schema, schema)) == []
+    assert list(complaints({**raw, "turns": "ten", "colour": 1}, schema, schema)) != []
+    for key in ("model", "measures", "vary"):
+        assert list(complaints({name: value for name, value in raw.items() if name != key}, schema, schema)) != []

@@ -17,7 +17,9 @@ import pytest
 
 from support import four_bar
 from vfife.codegen import native
+from vfife.codegen.cuda import Card
 from vfife.codegen.llvm import written
+from vfife.errors import DeviceError
 from vfife.solvers.ensemble import ensemble
 
 TESTS = Path(__file__).resolve().parents[1]
@@ -75,6 +77,21 @@ def test_code_with_avx_512(name, code_for):
     assembly = native.machine().emit_assembly(module)
     assert len(re.findall(r"\bvmulpd\b.*%zmm", assembly)) > 20
     assert not FUSED.search(assembly)
+
+
+@pytest.mark.parametrize("name", [name for name in golden.RICH if name not in golden.ON_CARD])
+def test_a_card_at_its_addresses(name):
+    assert golden.digest_on_card(name) == golden.known(name)
+
+
+@pytest.mark.parametrize("name", golden.RICH)
+def test_a_card_of_this_machine(name):
+    """Where there is one; we have had none."""
+    try:
+        there = Card()
+    except DeviceError as error:
+        pytest.skip(str(error))
+    assert golden.digest_on_card(name, there.driver) == golden.known(name)
 
 
 CHILD = """

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from ..solvers.record import Record
 from .losses import losses
 from .measures import OVER_TURN, PEAKS, Measure, compared, last_turn, over_run, taken
 
+Beside = Callable[[Sequence[Record]], dict[str, float]]
 ENDINGS: dict[str, tuple[str, ...]] = {
     "largest_loads": (".force.max", ".moment.max"),
     "deepest_penetrations": (".penetration.max",),
@@ -32,10 +33,10 @@ BY_TURN: tuple[Measure, ...] = (*PEAKS, losses)  # what the largest of extremes 
 
 
 class WantedMeasures:
-    """Measures by ``names``, all without any."""
+    """Measures by ``names``, all without any; ``beside`` gives more of turns that are recorded output by output."""
 
-    def __init__(self, names: Sequence[str] = ()) -> None:
-        self.names = tuple(names)
+    def __init__(self, names: Sequence[str] = (), beside: Beside | None = None) -> None:
+        self.names, self.beside = tuple(names), beside
         self.peaks = not names or any(name.endswith(INFLUENCE) for name in names)
         self.counts = not names or any(name.endswith(COUNTED) for name in names)
         self.every = tuple(
@@ -47,7 +48,7 @@ class WantedMeasures:
     @property
     def by_turn(self) -> bool:
         """Whether one row for each turn tells them all."""
-        return set(self.every) <= set(BY_TURN)
+        return self.beside is None and set(self.every) <= set(BY_TURN)
 
     def over(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
         """Means over turns, each a record that begins with the output before it; counts up to the end of the last one."""
@@ -60,4 +61,5 @@ class WantedMeasures:
             values = [turn[name] for turn in turnly if name in turn]
             mean[name] = values[0] if len(values) == 1 else math.fsum(values) / len(values)
         mean |= over_run(turns[-1]) if self.counts else {}
+        mean |= self.beside(turns) if self.beside is not None else {}
         return {name: mean[name] for name in self.names if name in mean} if self.names else mean

@@ -39,11 +39,13 @@ def watched(assemblies: Sequence[Assembly], lanes: NDArray[np.bool_]) -> Watched
 
 
 class Bounds:
-    """Finds what lies beyond all bounds among recorded numbers, those of the rows ``kept``."""
+    """Finds what lies beyond all bounds among recorded numbers, those of the rows ``kept``; ``columns`` are those that have bounds, if known."""
 
-    def __init__(self, assembly: Assembly, kept: NDArray[np.uint32]) -> None:
-        order = np.argsort(kept, kind="stable")
-        self.columns = order[np.searchsorted(kept, limited_rows(assembly), sorter=order)]
+    def __init__(self, assembly: Assembly, kept: NDArray[np.uint32], columns: NDArray[np.intp] | None = None) -> None:
+        if columns is None:
+            order = np.argsort(kept, kind="stable")
+            columns = order[np.searchsorted(kept, limited_rows(assembly), sorter=order)]
+        self.columns = columns
         self.low, self.high = bounds(assembly)
 
     def unsound(self, rows: Array) -> NDArray[np.bool_]:

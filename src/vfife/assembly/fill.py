@@ -17,10 +17,12 @@ from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
 from ..laws import Pair
+from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
 from ..model.springs import AnySpring
 from ..model.surfaces import surfaces
+from ..model.touching import Touching
 from .assembled import BodyMap
 from .numbering import Numbering, Place
 from .prestress import PrestressedState
@@ -222,25 +224,26 @@ class Filler:
             self.state[first : first + len(numbers)] = numbers
 
 
-def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int, pair: Pair | None = None) -> list[tuple[int, tuple[float, ...]]]:
-    """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws. ``pair``: its surfaces, if known."""
-    joint, pair = touch.joint, pair or surfaces(mechanism, touch.joint)
-    touching = touch.touching
+def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
+    """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
+    values = touch_values(touch.joint, touch.touching, surfaces(mechanism, touch.joint))
+    return [(layout.row(block, index), own) for block, own in zip(TOUCHED, values, strict=True)]
+
+
+TOUCHED = (
+    "contact_size", "contact_line_x", "contact_line_y", "contact_arm_bearing", "contact_arm_journal", "contact_arm_overlap", "contact_floor",
+    "contact_landing", "contact_slots", "contact_friction_slots",
+)  # fmt: skip
+
+
+def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[float, ...], ...]:
+    """The values of the blocks TOUCHED, of a contact between such surfaces."""
     arms = touching.centred if joint.friction_moment == "off" or joint.contact.film else touching.arms
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
-    numbers = {
-        "contact_size": (touching.size,),
-        "contact_line_x": (touching.normal[0],),
-        "contact_line_y": (touching.normal[1],),
-        "contact_arm_bearing": (arms[0],),
-        "contact_arm_journal": (arms[1],),
-        "contact_arm_overlap": (overlap,),
-        "contact_floor": (joint.impact_speed_floor,),
-        "contact_landing": (joint.landing,),
-        "contact_slots": joint.contact.parameters(pair),
-        "contact_friction_slots": joint.friction.parameters(pair),
-    }
-    return [(layout.row(block, index), values) for block, values in numbers.items()]
+    return (
+        (touching.size,), (touching.normal[0],), (touching.normal[1],), (arms[0],), (arms[1],), (overlap,), (joint.impact_speed_floor,),
+        (joint.landing,), joint.contact.parameters(pair), joint.friction.parameters(pair),
+    )  # fmt: skip
 
 
 def carried(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

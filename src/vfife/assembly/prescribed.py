@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +78,7 @@ def prescribed_limits(found: Iterator[Prescribed], share: float, turn_steps: flo
     return limits
 
 
+@lru_cache(maxsize=64)
 def _times_of(one: Prescribed) -> tuple[Array, Array]:
     """Where a function is looked at, its knots among them, and its value and derivatives there."""
     first, last = one.window
@@ -90,6 +92,7 @@ def _times_of(one: Prescribed) -> tuple[Array, Array]:
     return times, function.sampled(times)
 
 
+@lru_cache(maxsize=64)
 def _missed_at(one: Prescribed, share: float) -> float:
     """Largest step (in the function's argument) at which it is missed by a share of its largest value; inf where none misses it so."""
     times, values = _times_of(one)

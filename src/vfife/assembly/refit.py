@@ -22,7 +22,7 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from .assembled import Assembly, StepChoice
 from .entities import touches_of
-from .fill import touch_rows
+from .fill import TOUCHED, touch_values
 from .timestep import choose_step, coarse
 
 NOWHERE = (0, (0.0, 0.0))
@@ -42,6 +42,7 @@ class Refit:
             name: [mechanism.bodies[body].material if body != "ground" else Material() for body, _ in mechanism.contacts[name].sides]
             for name in self.places
         }
+        self.rows = {name: [layout.row(block, k) for block in TOUCHED] for name, k in self.places.items()}
         self.apart = {name: self._apart(k) for name, k in self.places.items()}
         self.row = layout.row("step")
         self.slots = layout.rows_of("contact_slots")
@@ -62,40 +63,45 @@ class Refit:
 
     def with_joints(self, joints: Mapping[str, ClearanceRevolute]) -> Assembly | None:
         """The assembly with some of its joints replaced by others of the same laws; None where it has to be made anew, or cannot be."""
-        old, layout = self.assembly, self.assembly.layout
+        old = self.assembly
         if not self.usable or not joints.keys() <= self.places.keys():
             return None
         state = old.state.copy()
         for name, joint in joints.items():
-            former, index = old.mechanism.contacts[name], self.places[name]
+            former: Any = old.mechanism.joints[name]
             alike = (joint.sides, type(joint.contact), type(joint.friction)) == (former.sides, type(former.contact), type(former.friction))
             if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
                 return None
             pair = dataclasses.replace(joint.pair(*self.materials[name]), effective_mass=self.masses[name])
-            touch = touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0]
-            for row, values in touch_rows(old.mechanism, layout, touch, index, pair):
-                state[row : row + len(values)] = values
-        if not np.isfinite(state[self.slots]).all():
+            for row, values in zip(self.rows[name], touch_values(joint, joint.touchings(0.0)[0], pair), strict=True):
+                if len(values) == 1:
+                    state[row] = values[0]
+                else:
+                    state[row : row + len(values)] = values
+        slots = state[self.slots]
+        if not np.isfinite(slots).all():
             return None
         mechanism = copy(old.mechanism)
         mechanism.joints = {**old.mechanism.joints, **joints}
-        choice, topology = self._stepped(mechanism, state)
+        choice, topology = self.choices.get(slots.tobytes()) or self._stepped(mechanism, state, slots.tobytes())
         state[self.row] = choice.step
-        return dataclasses.replace(old, mechanism=mechanism, state=state, choice=choice, topology=topology)
+        found = copy(old)  # a third of the time of replacing fields, and there may be thousands
+        for name, value in (("mechanism", mechanism), ("state", state), ("choice", choice), ("topology", topology)):
+            object.__setattr__(found, name, value)
+        return found
 
-    def _stepped(self, mechanism: Mechanism, state: NDArray[np.float64]) -> tuple[StepChoice, Topology]:
+    def _stepped(self, mechanism: Mechanism, state: NDArray[np.float64], key: bytes) -> tuple[StepChoice, Topology]:
         """The step, and the topology that it makes, which hang on the laws of contact alone."""
-        key = state[self.slots].tobytes()
-        if key not in self.choices:
-            touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()]
-            owners = [name for name, body in self.assembly.bodies.items() for _ in body.elements]
-            mobility = 0 if self.assembly.mobility is None else self.assembly.mobility.after_drives
-            layout, topology = self.assembly.layout, self.assembly.topology
-            names = (touches, self.step, self.expected, owners, self.assembly.ideals)
-            choice = choose_step(mechanism, layout, state, topology, *names, free=mobility, **self.run)
-            if self.assembly.ideals:
-                topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, layout, state))
-            if len(self.choices) < MOST_CHOICES:
-                self.choices[key] = choice, topology
-            return choice, topology
-        return self.choices[key]
+        old = self.assembly
+        touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()]
+        owners = [name for name, body in old.bodies.items() for _ in body.elements]
+        mobility = 0 if old.mobility is None else old.mobility.after_drives
+        layout, topology = old.layout, old.topology
+        choice = choose_step(
+            mechanism, layout, state, topology, touches, self.step, self.expected, owners, old.ideals, free=mobility, **self.run
+        )  # fmt: skip
+        if old.ideals:
+            topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, layout, state))
+        if len(self.choices) < MOST_CHOICES:
+            self.choices[key] = choice, topology
+        return choice, topology

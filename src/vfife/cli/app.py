@@ -11,19 +11,22 @@ from .. import __version__
 from .animate import animate
 from .check import check
 from .compare import compare
-from .ended import export, info, plot
+from .ended import export, info
 from .impacts import impacts
 from .laws import laws
 from .live import live
+from .map import map_
 from .materials import materials
 from .modes import modes
 from .new import new
 from .paper import paper
 from .plainly import Command, Plainly, UsageError
+from .plot import plot
 from .report import report
 from .resume import resume
 from .run import run
 from .schema import schema
+from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
 from .study import study
@@ -81,6 +84,7 @@ for command in (
     sensitivity,
     info,
     impacts,
+    optimise,
     plot,
     animate,
     report,
@@ -93,4 +97,5 @@ for command in (
     verify,
 ):
     app.command(cls=Command)(command)
+app.command("map", cls=Command)(map_)
 app.add_typer(study, name="study", rich_help_panel=None)

@@ -1,4 +1,4 @@
-"""``vfife info``, ``vfife plot``, ``vfife export``: what to do with a run that was made, or that was interrupted or killed."""
+"""``vfife info``, ``vfife export``: what to do with a run that was made, or that was interrupted or killed."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..results.folder import FIGURES, find_run
+from ..results.folder import find_run
 from ..results.lock import holder
 from ..solvers.status import Status
 from .options import JsonOption, RunArgument
+from .signals import NOW
 from .terminal import amount_of_bytes, errors, output, print_json, sentences, span, writing
 
 if TYPE_CHECKING:
@@ -123,23 +124,8 @@ def in_words(step: int | None) -> str:
 
 
 ENDINGS = (".csv", ".nc", ".nc4", ".h5", ".mat", ".parquet", ".svg", ".pdf", ".png")  # as Result.export has them; a test compares
+AS_IT_WAS = "The run is as it was, and so is what was there before."
 ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")]
-FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="RUN/figures")]
-
-
-def plot(run: RunArgument, folder: FiguresOption = None) -> None:
-    """Draw the figures of a run: journal paths, forces and accelerations over the ideal ones, the mechanism."""
-    result, file = loaded(run)
-    with sentences(str(run)), writing(str(run), "The run is as it was."):
-        from ..plots import figures, save
-
-        target = folder if folder is not None else file.parent / FIGURES
-        target.mkdir(parents=True, exist_ok=True)
-        before = {path: path.stat().st_mtime_ns for path in target.iterdir()}
-        save(figures(result, result.reference), target)
-    for path in sorted(target.iterdir()):
-        if path.stat().st_mtime_ns != before.get(path):
-            typer.echo(path)
 
 
 def export(
@@ -159,8 +145,10 @@ def export(
             known = f"{', '.join(ENDINGS[:-1])} and {ENDINGS[-1]}"
             raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
         refuse_taken(target, force)
+    NOW.saved = f"Nothing was written. {AS_IT_WAS}"
+    NOW.last.append(lambda: target.with_name(f"{target.name}.part").unlink(missing_ok=True))
     result, _ = loaded(run)
-    with sentences(str(run)), writing(str(target), "The run is as it was, and so is what was there before."):
+    with sentences(str(run)), writing(str(target), AS_IT_WAS):
         result.export(target, figure)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 

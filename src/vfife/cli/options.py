@@ -23,6 +23,13 @@ LawsOption = Annotated[
     list[Path] | None,
     typer.Option("--laws", metavar="FILE.py", help="Python file with laws of your own, which is run; a model file itself never names code."),
 ]
+ClusterOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Run members on a cluster of dask.distributed: the address of its scheduler, or local for processes of this machine.",
+    ),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON value on standard output, and nothing else.")]
 
 

@@ -3,56 +3,64 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from .ended import ForceFile, loaded, refuse_taken
 from .options import RunArgument
+from .signals import NOW
 from .terminal import amount_of_bytes, sentences, tell, writing
-
-if TYPE_CHECKING:
-    from ..result import Result
 
 Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="The page.", show_default="RUN-report.html")]
 NoLive = Annotated[bool, typer.Option("--no-live", help="Without the page in which the mechanism runs.")]
-LARGEST = 4_000_000  # bytes
 KEPT = "The run is as it was, and so is what was there before."
 
 
 def report(run: RunArgument, out: Out = None, no_live: NoLive = False, force: ForceFile = False) -> None:
     """Write a report of a run: inputs, what was found, cautions, how far it can be trusted, figures, and the mechanism running.
 
+    Of a study (FILE.study): what its members came to, figures, and a member of the reader's choice running.
+
     One file that asks for nothing else, to be read in a browser or printed.
     """
+    from ..results.header import study_head
+
+    if study_head(run) is not None:
+        of_study(run, out, no_live, force)
+        return
     target = out if out is not None else Path(f"{(run.resolve() if run.is_dir() else run).stem}-report.html")
     with sentences(str(target)):
         refuse_taken(target, force)
+    NOW.saved = f"No report was written. {KEPT}"
     result, _ = loaded(run)
     with sentences(str(run)):
-        from ..plots.notebook import pictures
-        from ..report.document import document
+        from ..live.cell import reported
         from ..results.folder import written
 
-        source = result.record.assembly.mechanism.source
-        drawn, live = pictures(result), None if no_live else running(result)
-        page = document(result, drawn, live, source)
-        if len(page.encode("utf-8")) > LARGEST and live is not None:
-            tell("note", "the page in which the mechanism runs is left out: with it the report would be too large.")
-            page = document(result, drawn, None, source)
+        page, notes = reported(result, not no_live)
+    for note in notes:
+        tell("note", note)
     with writing(str(target), KEPT):
         written(target, page)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")
 
 
-def running(result: Result) -> str | None:
-    """The page in which the mechanism runs; None, and a note, where it cannot."""
-    from ..errors import VfifeError
-    from ..live import live_page
+def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
+    """The report of a study."""
+    from .studied import read
 
-    mechanism = result.record.assembly.mechanism
-    try:
-        return live_page(mechanism, step=result.record.assembly.choice.step)  # sliders take long to find: vfife live has them
-    except VfifeError as error:
-        tell("note", f"the mechanism does not run in the report: {error}.")
-        return None
+    target = out if out is not None else Path(f"{file.stem}-report.html")
+    with sentences(str(target)):
+        refuse_taken(target, force)
+    found = read(file)
+    with sentences(str(file)):
+        from ..live.studied import reported
+        from ..results.folder import written
+
+        page, notes = reported(found, not no_live)
+    for note in notes:
+        tell("note", note)
+    with writing(str(target), "The study is as it was, and so is what was there before."):
+        written(target, page)
+    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")

@@ -1,4 +1,4 @@
-"""``vfife schema``: the JSON Schema of model files, for editors and validators."""
+"""``vfife schema``: the JSON Schema of model files and study files, for editors and validators."""
 
 from __future__ import annotations
 
@@ -13,9 +13,15 @@ from .terminal import writing
 OutOption = Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Write it into this file.", show_default=False)]
 
 
-def schema(out: OutOption = None) -> None:
+StudyOption = Annotated[bool, typer.Option("--study", help="The schema of study files instead.")]
+
+
+def schema(out: OutOption = None, study: StudyOption = False) -> None:
     """JSON Schema of model files, for completion and checks in an editor: every key with its meaning, unit and limits."""
-    from ..modelfile.jsonschema import text
+    if study:
+        from ..study.jsonschema import text
+    else:
+        from ..modelfile.jsonschema import text
 
     if out is None:
         typer.echo(text(), nl=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -40,27 +39,10 @@ def read(file: Path) -> Study:
     return found
 
 
-def extremes(found: Study) -> dict[str, dict[str, Any]]:
-    """Least, mean and largest value of each measure, and at which values of the parameters."""
-    told = {}
-    for name, unit in found.measures.items():
-        values = [(float(value), one) for value, one in zip(found.values(name), found.done, strict=True) if math.isfinite(value)]
-        least, largest = (min(values, key=lambda pair: pair[0]), max(values, key=lambda pair: pair[0])) if values else (None, None)
-        names = [one.name for one in found.parameters]
-        told[name] = {
-            "unit": unit,
-            "count": len(values),
-            "least": None if least is None else least[0],
-            "least_at": None if least is None else dict(zip(names, found.at(least[1]), strict=True)),
-            "mean": math.fsum(value for value, _ in values) / len(values) if values else None,
-            "largest": None if largest is None else largest[0],
-            "largest_at": None if largest is None else dict(zip(names, found.at(largest[1]), strict=True)),
-        }
-    return told
-
-
 def payload(found: Study) -> dict[str, Any]:
     """What ``--json`` prints."""
+    from ..report.study import extremes
+
     return {
         "study": found.name,
         "file": None if found.path is None else str(found.path),
@@ -78,6 +60,8 @@ def payload(found: Study) -> dict[str, Any]:
 def printed(found: Study, members: bool = False) -> None:
     """The tables for people."""
     from rich.text import Text
+
+    from ..report.study import said_of, where
 
     console = output()
     counts = ", ".join(f"{count:,} {word}" for word, count in found.counts.items() if count)
@@ -101,8 +85,17 @@ def printed(found: Study, members: bool = False) -> None:
         console.print(f"... and {len(found.failed) - MOST_SHOWN:,} more; --json has all of them")
 
 
+def quantity(value: Any, unit: str) -> str:
+    """A quantity with a prefix; words as they are."""
+    from ..report.study import quantity as told
+
+    return told(value, unit)
+
+
 def measured(found: Study) -> Any:
     """The table of the measures."""
+    from ..report.study import extremes, placed
+
     table = grid("measure", "least", "at", "mean", "largest", "at", right=(1, 3, 4))
     for name, one in extremes(found).items():
         cells = [quantity(one[key], one["unit"]) for key in ("least", "mean", "largest")]
@@ -119,38 +112,6 @@ def every(found: Study) -> Any:
     for one in found.rows():
         row(table, one["member"], *(quantity(one[name], units[name]) for name in (*names, *measures)), one["status"])
     return table
-
-
-def where(found: Study, member: Any) -> str:
-    """Values of a member's parameters in words."""
-    return placed(found, dict(zip((one.name for one in found.parameters), found.at(member), strict=True)))
-
-
-def placed(found: Study, at: dict[str, Any] | None) -> str:
-    """Values of parameters in words."""
-    units = {one.name: one.unit for one in found.parameters}
-    return "" if at is None else ", ".join(f"{name} {quantity(value, units[name])}" for name, value in at.items())
-
-
-def quantity(value: Any, unit: str) -> str:
-    """A quantity with a prefix; words as they are."""
-    from ..report.digits import prefixed
-
-    if value is None or isinstance(value, str):
-        return value or "-"
-    if unit in ("1", "%") or not value or not math.isfinite(value):
-        return f"{value:.6g}" + (" %" if unit == "%" else "")
-    return prefixed(value, unit) if unit in ("m", "N", "Pa", "W", "J", "s") else f"{value:.5g} {unit}"
-
-
-def said_of(values: list[Any], unit: str, kind: str, words: str) -> str:
-    """Values of a parameter in words."""
-    single = list(dict.fromkeys(values))
-    if any(isinstance(value, str) for value in single):
-        return ", ".join(map(str, single))
-    low, high = quantity(min(single), unit), quantity(max(single), unit)
-    named = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
-    return f"{named}{len(single):,}, {low} to {high}" if len(single) > 1 else low
 
 
 ENDINGS = (".csv", ".nc", ".parquet")
@@ -187,10 +148,10 @@ Kind = Annotated[str, typer.Option("--kind", metavar="KIND", help="png, svg or p
 def plot(file: FileArgument, folder: FiguresOption = None, figure: FigureOption = None, measure: MeasureOption = None, kind: Kind = "png") -> None:
     """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the better)."""
     found = read(file)
-    with sentences(str(file)), writing(str(file), "The study is as it was."):
+    target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
+    with sentences(str(file)), writing(str(target), "The study is as it was."):
         from ..plots.study import drawn
 
-        target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
         target.mkdir(parents=True, exist_ok=True)
         paths = drawn(found, target, figure or (), measure or (), f".{kind.lower().removeprefix('.')}")
     for path in paths:

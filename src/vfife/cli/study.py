@@ -11,8 +11,10 @@ import typer
 from typer.core import TyperGroup
 
 from ..solvers.status import Status
-from .options import JsonOption, LawsOption, take_laws
+from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .plainly import Command, Plainly
+from .sampled import indices, tolerance
+from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
 from .terminal import DIVERGED, amount_of_bytes, command, fail, print_json, sentences, span, tell, writing
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
+    from ..study.carry import Runner
     from ..study.engine import Outcome
 
 RUN = "run"
@@ -31,7 +34,9 @@ FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.study", help="Where to keep it.", show_default="runs/STUDY.study")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
-Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads.", show_default="one a core")]
+Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or processes of a local cluster.", show_default="one a core")]
+ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
+Device = Annotated[str | None, typer.Option(metavar="cuda", help=ON_CARD, show_default="the processor")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 Added = Annotated[
     list[str] | None,
@@ -47,8 +52,9 @@ class Group(Plainly, TyperGroup):
     """The commands of a study. What is no command is a study file, which is run."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Puts the command before a study file."""
-        if args and args[0] not in self.commands and args[0] != "--help":
+        """Puts the command before a study file; a word that is no file's name is a command that there is not."""
+        word = args[0] if args else "--help"
+        if word not in self.commands and word != "--help" and (word.startswith("-") or Path(word).suffix or Path(word).exists()):
             args = [RUN, *args]
         return super().parse_args(ctx, args)
 
@@ -69,6 +75,8 @@ def run(
     force: Force = False,
     yes: Yes = False,
     workers: Workers = None,
+    cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -79,10 +87,18 @@ def run(
     member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
     """
     with sentences(str(file)):
+        from ..results.header import study_head
+        from ..study.cluster import elsewhere
+        from ..study.plan import SEARCH
         from ..study.planfile import load_plan
 
         take_laws(laws)
+        if study_head(file) is not None:
+            raise ValueError(f"{file}: this is what a study was kept in; see vfife study show, resume or add, or name its STUDY.toml")
         plan, base = load_plan(file)
+        if plan.asked.method == SEARCH:
+            raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
+        run_on = elsewhere(cluster, device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
     told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet)
@@ -93,7 +109,7 @@ def run(
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
         return made(target, plan, base, file.stem, replace=force)
 
-    carried(target, opened, base, workers, as_json, quiet)
+    carried(target, opened, base, workers, cluster, run_on, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -101,11 +117,13 @@ def resume(
     file: FileArgument,
     laws: LawsOption = None,
     workers: Workers = None,
+    cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Go on with a study that was interrupted or killed, from its file alone."""
-    add(file, None, None, None, laws, True, workers, as_json, quiet)
+    add(file, None, None, None, laws, True, workers, cluster, device, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -117,31 +135,36 @@ def add(
     laws: LawsOption = None,
     yes: Yes = False,
     workers: Workers = None,
+    cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
     with sentences(str(file)):
+        from ..study.cluster import elsewhere
         from ..study.more import added, split
 
         take_laws(laws)
+        run_on = elsewhere(cluster, device)
         items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
         plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
     told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
 
     def opened() -> StudyFile:
-        from ..results.studyfile import StudyFile
+        from ..study.carry import taken_up
 
-        found = StudyFile.write(file)
-        found.add(plan.numbers(), asked)
-        return found
+        return taken_up(file, plan, asked)
 
-    carried(file, opened, base, workers, as_json, quiet)
+    carried(file, opened, base, workers, cluster, run_on, as_json, quiet)
 
 
 study.command(cls=Command)(show)
 study.command(cls=Command)(plot)
 study.command(cls=Command)(export)
+study.command(cls=Command)(tolerance)
+study.command(cls=Command)(indices)
+study.command(cls=Command)(allocate)
 
 
 def refuse_foreign(target: Path, force: bool) -> None:
@@ -168,34 +191,47 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
             fail(f"this study takes {much}; add --yes if that is meant, or ask for fewer members or turns. Nothing was begun.")
     if quiet:
         return
+    if not found["members"]:
+        tell("note", f"nothing is left to compute: all {found['done']:,} members are in {target}.")
+        return
     done = f", {found['done']:,} of which are there already" if found["done"] else ""
-    each = f"{found['steps']:,.0f} steps each" if found["members"] else ""
     tell(
         "forecast",
-        f"{found['members']:,} members{done}, some {each}: {span(found['seconds'])} with {found['workers']} threads of {found['lanes']} lanes, "
-        f"{amount_of_bytes(found['bytes'])} in {target}.",
+        f"{found['members']:,} members{done}, some {found['steps']:,.0f} steps each: {span(found['seconds'])} with {found['workers']} threads of "
+        f"{found['lanes']} lanes, {amount_of_bytes(found['bytes'])} in {target}.",
         "bold",
     )
     for text in kinds:
         tell("note", text)
 
 
-def carried(target: Path, opened: Callable[[], StudyFile], base: Mechanism, workers: int | None, as_json: bool, quiet: bool) -> None:
+def carried(
+    target: Path,
+    opened: Callable[[], StudyFile],
+    base: Mechanism,
+    workers: int | None,
+    cluster: str | None,
+    run_on: Runner | None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
     """Computes what is left; says what was kept, and ends with the exit code of that."""
     from .progress import ProgressLine
 
-    kept = f"Members that ended are kept in {target}; the same command goes on after them."
+    went_on = f"Members that ended are kept in {target}; the same command goes on after them."
+    kept = went_on if target.exists() else ""
     with sentences(str(target)), writing(str(target), kept):
         from ..study.carry import carry_out, read_back
+        from ..study.cluster import joined
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
         with locked(target) as lock:
             NOW.last.append(lock.release)
-            NOW.saved = kept
+            NOW.saved = went_on
             with opened() as file:
-                with ProgressLine(quiet) as line:
-                    whole = carry_out(file, base, workers=workers, told=Line(line))
+                with joined(cluster, workers, run_on) as runner, ProgressLine(quiet) as line:
+                    whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)
                 found = read_back(file)
     if as_json:
         from .studied import payload

@@ -1,5 +1,6 @@
 """The step as code: traced into data, ordered, written as text of a language, compiled, kept, run.
 
 ``source`` gathers the data-driven text; ``trace`` and ``traceable`` make a step data, ``straight_line`` for one topology, ``schedule`` orders it;
-``llvm``, ``python`` and ``javascript`` write it; ``native`` and ``compile`` make machine code, ``cache`` keeps it, ``runner`` runs it.
+``llvm``, ``gpu``, ``python`` and ``javascript`` write it; ``native``, ``compile`` and ``ptx`` make code of it, ``cache`` keeps it, ``runner`` runs
+it, ``ondevice`` on a graphics card that ``cuda`` reaches.
 """

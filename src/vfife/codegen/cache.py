@@ -20,7 +20,7 @@ from pathlib import Path
 MAGIC = b"vfife 1\n"
 MOST_BYTES = 500_000_000
 ROOMY = 0.8  # of that is what is left when it was too much
-KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py)$|new-")  # names of files that are ours
+KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py|ptx)$|new-")  # names of files that are ours
 _TROUBLE: list[str] = []
 MISSED: list[Callable[[], None]] = []  # called where something has to be compiled, before it is
 

@@ -98,7 +98,7 @@ finished:
 
 ; stream(S, Q, T, stride, n0, count, parts, kept, keeping, extremes, resetting, look, sound, finite, limited, limiting, limits, broken, due, every, at, stop, room, out):
 ; up to count steps from step n0, not 0; each lane hands out rows of its own time. After due[w] steps the rows in kept of lane w are copied to
-; out, of shape (WIDTH, room, keeping), as its output at[w]; its extremes start anew, and it is due again every[w] steps later. When a lane that
+; out, of shape (lanes, room, keeping), as its output at[w]; its extremes start anew, and it is due again every[w] steps later. When a lane that
 ; at[w] has brought to stop[w], or one that broke, it is over; the number of steps made is returned.
 define i64 @stream(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %parts, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, ptr noalias %sound, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken, ptr noalias %due, ptr noalias %every, ptr noalias %at, ptr noalias %stop, i64 %room, ptr noalias %out) {
 entry:
@@ -115,7 +115,7 @@ lane:
   %before = icmp slt i64 %due.here, %soonest
   %soonest.next = select i1 %before, i64 %due.here, i64 %soonest
   %w.next = add i64 %w, 1
-  %lanes = icmp slt i64 %w.next, WIDTH
+  %lanes = icmp slt i64 %w.next, LANES
   br i1 %lanes, label %lane, label %steps
 steps:
   %n = phi i64 [ %from, %lane ], [ %n.made, %made ], [ %n.made, %watched ]
@@ -152,7 +152,7 @@ hand:
 next:
   %v = phi i64 [ 0, %hand ], [ %v.next, %after ]
   %ended = phi i1 [ false, %hand ], [ %ended.next, %after ]
-  %more = icmp slt i64 %v, WIDTH
+  %more = icmp slt i64 %v, LANES
   br i1 %more, label %look.at, label %handed
 look.at:
   %v.due.at = getelementptr i64, ptr %due, i64 %v

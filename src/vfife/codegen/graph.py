@@ -257,6 +257,7 @@ SIZES = {
 }
 
 
+@lru_cache(maxsize=16)
 def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that loop's scratch."""
     made, t = Lists(topology), topology

@@ -59,12 +59,14 @@ def definition(head: str, lines: Iterable[str]) -> str:
     return "\n  ".join([f"function {head} {{", *lines]) + "\n}\n"
 
 
-def written(topology: Topology) -> str:
+def written(topology: Topology, also: Iterable[int] = ()) -> str:
     """Text with ``advance(S, T, n0, count, parts, share)`` for one simulation: S and T are Float64Arrays, the state and its tables.
 
-    It returns the number of the next step, which is less than n0 + count where places are no longer finite.
+    It returns the number of the next step, which is less than n0 + count where places are no longer finite. ``also`` are scratch rows that
+    it leaves.
     """
-    lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
+    also = tuple(also)
+    lean, whole, layout, resize = trace(topology, also=also), trace(topology, True, also), Layout(topology), resizing(topology)
     rows = "".join(f"const {name.upper()} = {layout.row(name)};\n" for name in ("step", "shift", "event"))
     places = [row for axis in ("x", "y", "theta") for row in layout[f"particle_{axis}"].tolist()]
     rows += f"const PLACES = {places};\n"

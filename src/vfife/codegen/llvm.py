@@ -29,10 +29,10 @@ DRIVER = Path(__file__).with_name("driver.ll")
 
 
 class Writer:
-    """Instructions for W simulations side by side."""
+    """Instructions for W simulations side by side; a row begins ``stride`` numbers after the one before, which is W unless another is given."""
 
-    def __init__(self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = ()) -> None:
-        self.width, self.truths, self.moving = width, frozenset(truths), frozenset(moving)
+    def __init__(self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = (), stride: int = 0) -> None:
+        self.width, self.truths, self.moving, self.stride = width, frozenset(truths), frozenset(moving), stride or width
         self.out: list[str] = []
         self.number = "double" if width == 1 else f"<{width} x double>"
         self.truth = "i1" if width == 1 else f"<{width} x i1>"
@@ -62,7 +62,7 @@ class Writer:
 
     def row(self, row: int, copy: str = "S") -> str:
         """Address of a row in a copy of the state."""
-        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {row * self.width}")
+        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {row * self.stride}")
 
     def load(self, row: int) -> None:
         """The row as it was."""
@@ -140,9 +140,9 @@ class Writer:
 class Lane(Writer):
     """Instructions for lane ``w`` of W alone; ``mark`` keeps names of one function apart from another's."""
 
-    def __init__(self, lanes: int, moving: Iterable[int]) -> None:
-        super().__init__(1, moving=moving)
-        self.lanes, self.mark = lanes, ""
+    def __init__(self, lanes: int, moving: Iterable[int] = ()) -> None:
+        super().__init__(1, moving=moving, stride=lanes)
+        self.mark = ""
 
     def value(self, operand: Operand) -> str:
         """An operand as it is written."""
@@ -151,7 +151,7 @@ class Lane(Writer):
 
     def row(self, row: int, copy: str = "S") -> str:
         """Address of a row in the lane."""
-        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {self.fresh(f'add i64 %w, {row * self.lanes}')}")
+        return self.fresh(f"getelementptr double, ptr %{copy}, i64 {self.fresh(f'add i64 %w, {row * self.stride}')}")
 
     def polynomial(self, table: str, x: str) -> tuple[str, ...]:
         """Value, two derivatives and kinks of a table."""
@@ -226,10 +226,10 @@ def _copied(rows: Iterable[int], width: int) -> Iterable[str]:
     return (line.replace("%x", "%h") for line in w.out)
 
 
-def whole(step: Trace, width: int, searching: bool, wanted: bool) -> str:
+def whole(step: Trace, width: int, searching: bool, wanted: bool, stride: int = 0) -> str:
     """``whole(S, T, stride, n)``: step n, whatever it wants. A long one is taken seldom, so no time is spent on making it fast."""
     care = "noinline" if wanted and len(step.operations) < SHORT else "noinline optnone"
-    w = Writer(width, step.truths)
+    w = Writer(width, step.truths, stride=stride)
     w.begin(searching)
     w.lines(woven(step, streamed(step)))
     body = "\n".join(w.out)
@@ -243,12 +243,14 @@ never:
 """
 
 
-def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int], directions: int = 0) -> str:
+def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int], directions: int = 0, stride: int = 0) -> str:
     """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them.
 
     With ``directions`` the tables of a lane are followed by those of their derivatives, and these by the derivatives of its numbers in each.
     """
-    w = Lane(width, moving)
+    if not found:
+        return f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n"
+    w = Lane(stride or width, moving)
     if directions:
         w.out.append(f"  %length = udiv i64 %stride, {directions + 2}")
     dt, shift = (w.fresh(f"load double, ptr {w.row(layout.row(name))}, align 8") for name in ("step", "shift"))
@@ -302,9 +304,9 @@ done:
 """
 
 
-def resize(change: Trace, width: int) -> str:
+def resize(change: Trace, width: int, stride: int = 0) -> str:
     """``resize(S, size, shift, repeated)``: the state as steps of another size have it."""
-    w = Writer(width, change.truths)
+    w = Writer(width, change.truths, stride=stride)
     w.lines(woven(change, streamed(change)))
     arguments = ", ".join(f"{w.number} %{name}" for name in ("size", "shift", "repeated"))
     body = "\n".join(w.out)
@@ -331,28 +333,31 @@ def lanes(width: int) -> str:
     )  # fmt: skip
 
 
+def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> str:
+    """Text of ``advance`` and ``stream``, and of what they call beside the steps."""
+    w, stride = Writer(width), stride or width
+    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
+    words |= {"ROWS": layout.rows * (directions + 1)} | {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
+    text = DRIVER.read_text()
+    for word, value in words.items():
+        text = text.replace(word, str(value))
+    declared = (f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))
+    return "\n".join([*declared, lanes(width), text])
+
+
 def written(topology: Topology, width: int, directions: int = 0) -> str:
     """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
-    w, found, layout, step = Writer(width), functions(topology), Layout(topology), trace(topology)
+    found, layout, step = functions(topology), Layout(topology), trace(topology)
     steps, change = [step, trace(topology, True)], resizing(topology)
     if directions:
         steps = [tangent(one, layout.rows, directions) for one in steps]
         change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
-    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": width, "NUMBER": w.number, "TRUTH": w.truth, "ROWS": layout.rows * (directions + 1)}
-    words |= {f"{name.upper()}_ROW": layout.row(name) * width for name in ("step", "shift", "event")}
-    driver = DRIVER.read_text()
-    for word, value in words.items():
-        driver = driver.replace(word, str(value))
     return "\n".join(
         [
-            *(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")),
-            searched(found, width, layout, steps[0].stores, directions)
-            if found
-            else f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n",
+            searched(found, width, layout, steps[0].stores, directions),
             lean(steps[0], width, bool(found)),
             whole(steps[1], width, bool(found), bool(step.rare)),
             resize(change, width),
-            lanes(width),
-            driver,
+            driver(layout, width, directions),
         ]
     )

@@ -6,7 +6,7 @@ nothing then. The **whole** step has them as selects and is right everywhere. Wh
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -90,13 +90,16 @@ def give_laws(traceable: Traceable, topology: Topology) -> None:
         traceable.given[name] = traceable.written(text.removeprefix("@jit\n"), laws.functions)
 
 
-def trace(topology: Topology, whole: bool = False) -> Trace:
-    """One step of a topology, lean or whole. Raises :class:`~vfife.codegen.trace.Branch` for a law that branches."""
+def trace(topology: Topology, whole: bool = False, also: Iterable[int] = ()) -> Trace:
+    """One step of a topology, lean or whole; it leaves the scratch rows ``also`` beside those that the next step needs.
+
+    Raises :class:`~vfife.codegen.trace.Branch` for a law that branches.
+    """
     if topology.path_unit != 1:
         raise ValueError("path units of several steps use the data-driven loop")
     integers, layout, _ = tables(topology)
     tape = Tape()
-    rows = Rows(tape, known_rows(topology, layout), set(layout.of("state", "memory", "extreme")))
+    rows = Rows(tape, known_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *also})
     traceable = Traceable(tape, Seldom(tape, rows, whole))
     with WRITING:
         give_laws(traceable, topology)

@@ -76,8 +76,19 @@ class Stream:
         """Present states, shape (rows, lanes)."""
         return self.S.reshape(-1, self.lanes)
 
-    def put(self, lane: int, simulation: Begun, every: int, outputs: int) -> None:
-        """A simulation that begins in a lane: an output after ``every`` of its steps (its first one counts for none), a halt after so many."""
+    def state(self, lane: int) -> Rows:
+        """Present state of a lane, (rows,)."""
+        return self.states[:, lane]
+
+    def rows(self, lane: int) -> Rows:
+        """What a lane has handed out since it went on, (outputs, handed)."""
+        return self.out[lane, : self.at[lane]] + 0.0
+
+    def put(self, lane: int, simulation: Begun, every: int, outputs: int) -> int:
+        """A simulation that begins in a lane: an output after ``every`` of its steps (its first one counts for none), a halt after so many.
+
+        Steps that were made in the lane before its own are returned.
+        """
         self.states[:, lane] = simulation.state
         self.states[self.extremes, lane] = 0.0
         self.states[self.layout["shift"], lane] = 1 - self.done
@@ -85,6 +96,7 @@ class Stream:
         self.limits.reshape(-1, 2, self.lanes)[:, :, lane] = simulation.bounds.T
         self.broken[lane], self.every[lane], self.due[lane] = 0.0, every, self.done + every
         self.at[lane], self.stop[lane] = 0, outputs
+        return self.done - 1
 
     def go_on(self, lane: int, outputs: int) -> None:
         """So many outputs more, from the first place of ``out`` on."""

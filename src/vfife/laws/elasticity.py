@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +16,23 @@ Array = NDArray[np.float64]
 
 def tangent(law: ContactLaw, slots: tuple[float, ...], force: float) -> tuple[float, float]:
     """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m) there."""
+    kind: Any = type(law)  # a class has a hash, whatever its instances have
+    return _tangent(kind, tuple(slots), force)
+
+
+@lru_cache(maxsize=4096)
+def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tuple[float, float]:
+    """The same, of what decides it: the law's static function and its parameters."""
 
     def elastic(depth: float) -> float:
         return float(law.force(depth, 0.0, slots)[0])
 
     low, high = 1e-15, 1e-9
-    while elastic(high) < force and high < 1.0:
+    while elastic(high) < load and high < 1.0:
         low, high = high, 2.0 * high
     for _ in range(60):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if elastic(middle) < force else (low, middle)
+        low, high = (middle, high) if elastic(middle) < load else (low, middle)
     return high, (elastic(1.001 * high) - elastic(0.999 * high)) / (0.002 * high)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..analysis.forces import KINDS, joint_rows, peaks
 from ..assembly.assembled import Assembly, BodyMap
+from ..kernels.arrays import Layout
 from ..kernels.blocks import BLOCKS
 from ..kernels.topology import CURRENT
 from ..model.bodies import PointMass
@@ -25,6 +26,7 @@ from .together import DEPTHS, Together
 Json = dict[str, Any]
 ROLES = ("state", "extreme", "parameter")
 ALSO = ("reference_inverse_length",)  # of what the next step alone needs, what the ledger reads
+LEFT = ("nx", "ny")  # scratch of contacts that a page's step leaves, so that no page says again which way a contact presses
 
 
 def packed(values: NDArray[Any]) -> str:
@@ -45,6 +47,11 @@ def given(found: Together) -> Json:
     }  # fmt: skip
 
 
+def left(layout: Layout) -> list[int]:
+    """Scratch rows that the step of a page leaves, behind those that a run records."""
+    return [int(row) for name in LEFT for row in layout[name]]
+
+
 def per_turn(assembly: Assembly) -> int | None:
     """Outputs of a turn; None without a crank."""
     turn, choice = assembly.choice.turn, assembly.choice
@@ -54,13 +61,15 @@ def per_turn(assembly: Assembly) -> int | None:
 def stepped(assembly: Assembly) -> Json:
     """What it takes to step an assembly and to find its numbers: rows by block, those that are kept, those that begin anew."""
     layout, topology = assembly.layout, assembly.topology
-    rows = {block.name: layout[block.name].tolist() for block in BLOCKS if (block.role in ROLES or block.name in ALSO) and len(layout[block.name])}
+    told = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*ALSO, *LEFT)]
+    rows = {name: layout[name].tolist() for name in told if len(layout[name])}
     record = _record(assembly)
     most = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}
     own = {name: {"block": block, "at": at, "most": most[name]} for name, (block, at) in joint_rows(record).items()}
     return {
         "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows, "joints": own,
-        "kept": recorded_rows(assembly).tolist(), "extremes": layout.of("extreme"), "free": list(topology.free), "driven": list(topology.driven),
+        "kept": [*recorded_rows(assembly).tolist(), *left(layout)], "extremes": layout.of("extreme"),
+        "free": list(topology.free), "driven": list(topology.driven),
         "present": [kind == CURRENT for kind in topology.strains], "perTurn": per_turn(assembly),
         "torques": {body.name: body.driven for body in assembly.bodies.values() if body.driven is not None},
         "alphas": {name: body.row for name, body in assembly.bodies.items()},
@@ -118,10 +127,8 @@ def contacts(assembly: Assembly) -> list[Json]:
     topology = assembly.topology
     pairs = zip(topology.contact_kind, topology.contact_bearing, topology.contact_journal, strict=True)
     return [
-        {"name": name, "joint": joint, "kind": KINDS[kind], "bearing": bearing, "journal": journal, "pieces": list(pieces)}
-        for name, joint, (kind, bearing, journal), pieces in zip(
-            assembly.contacts, assembly.contact_joints, pairs, topology.pieces(topology.contact_path, len(assembly.contacts)), strict=True
-        )
+        {"name": name, "joint": joint, "kind": KINDS[kind], "bearing": bearing, "journal": journal}
+        for name, joint, (kind, bearing, journal) in zip(assembly.contacts, assembly.contact_joints, pairs, strict=True)
     ]
 
 

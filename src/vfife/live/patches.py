@@ -88,7 +88,10 @@ class Patched:
 
     def json(self) -> dict[str, Any]:
         """As a page takes it."""
-        slides = [{"name": s.name, "paths": list(s.paths), "unit": s.unit, "values": list(s.values), "here": s.here} for s in self.slides]
+        slides = [
+            {"name": s.name, "paths": list(s.paths), "unit": s.unit, "values": list(s.values), "here": s.here, "said": list(s.said)}
+            for s in self.slides
+        ]
         groups = [
             {
                 "sliders": list(g.sliders),
@@ -276,7 +279,7 @@ def thinned(settings: Settings, groups: Sequence[tuple[int, ...]]) -> Settings:
         most = int(GROUP_COMBINATIONS ** (1.0 / len(sliders))) if len(sliders) > 1 and not single(sliders) else POSITIONS + 1
         for s in sliders:
             count = len(slides[s].values)
-            if count > most:
+            if count > most and not (slides[s].whole and len(sliders) == 1):
                 even = {round(k * (count - 1) / (most - 1)) for k in range(most)}
                 gaps = {abs(k - slides[s].here): k for k in even}
                 slides[s] = with_positions(slides[s], sorted({*(even - {gaps[min(gaps)]}), slides[s].here}))

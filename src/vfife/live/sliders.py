@@ -23,13 +23,22 @@ SECTIONS = {"joint": "joints", "body": "bodies", "driver": "drivers", "spring": 
 
 @dataclass(frozen=True)
 class Slide:
-    """A slider: its name, the fields that it sets by their paths, their unit, its values and which of them the model has."""
+    """A slider: its name, the fields that it sets by their paths, their unit, its values and which of them the model has.
+
+    One that is ``whole`` keeps all its values where it moves by itself.
+    """
 
     name: str
     paths: tuple[str, ...]
     unit: str
     values: tuple[float, ...]
     here: int
+    whole: bool = False
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """What a page says of each position; without any it says the value."""
+        return ()
 
     def set(self, position: int) -> list[tuple[str, Any]]:
         """What a position sets, as a model file takes it."""

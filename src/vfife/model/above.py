@@ -1,5 +1,5 @@
-"""What a mechanism, or a study, is asked for that rooms above this one answer: the package, which knows all rooms, enters them here when it is
-imported.
+"""What a mechanism, a result or a study is asked for that rooms above this one answer: the package, which knows all rooms, enters them here when it
+is imported.
 """
 
 from __future__ import annotations
@@ -7,7 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-ANSWERS: dict[str, Callable[..., Any]] = {}  # to_toml, check, plot, html: functions of a mechanism; figures: of a study
+ANSWERS: dict[
+    str, Callable[..., Any]
+] = {}  # to_toml, check, plot, html, live: of a mechanism; live_result, report: of a result; figures: of a study
 
 
 def answered(question: str, *given: Any) -> Any:

@@ -17,8 +17,11 @@ from .spoken import spoken
 from .springs import AnySpring, ForceElement
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from matplotlib.figure import Figure
 
+    from ..live.cell import Live
     from ..report.checked import Checked
 
 StartMode = Literal["consistent", "rough"]
@@ -159,6 +162,16 @@ class Mechanism(Builders):
         """A figure of it at its start, with the names of its bodies and joints. Raises as :meth:`check` does."""
         figure: Figure = answered("plot", self)
         return figure
+
+    def live(self, slide: Iterable[str] | None = None) -> Live:
+        """A page in which it runs: as the last line of a notebook's cell it runs there, and in pages that the notebook is exported to.
+
+        ``slide``: numbers that become sliders, with their ranges, as in ["joint.C.clearance=0.01..0.5mm"]; None for every clearance, the speed of
+        drivers, friction and restitution, whose positions take some seconds to assemble; () for none. ``save(path)`` of what comes back writes the
+        page. Raises as :meth:`check` does, VfifeError for what has no motion to run, and ValueError for a slide that cannot be used.
+        """
+        found: Live = answered("live", self, slide)
+        return found
 
     def _repr_html_(self) -> str:
         """What a notebook shows: its drawing, and tables of its parts."""

@@ -82,5 +82,5 @@ def decline(context: Context) -> Chart:
         record = first_turns(context, one)
         turns = record.steps / record.steps[-1] * FIRST_TURNS
         values = record.block("body_alpha")[:, record.assembly.bodies[BODY].row]
-        panels.append(Panel(size_title(one), "turns of the crank", "acceleration of follower ($10^3$ rad/s²)", [Line(turns, 1e-3 * values)]))
+        panels.append(Panel(size_title(one), "turns of the crank", "acceleration of follower (10³ rad/s²)", [Line(turns, 1e-3 * values)]))
     return Chart("settling", "From the start to the settled turn, 50π rad/s", panels, 3)

@@ -71,9 +71,7 @@ def fig12(context: Context) -> Item:
     reference = ideal(LINK, True, FASTEST)
     panels = [
         curves.beside_ideal(curves.velocity(one.member), curves.velocity(reference), 1.0, "(a)", "angular velocity of follower (rad/s)"),
-        curves.beside_ideal(
-            curves.acceleration(one.member), curves.acceleration(reference), 1e-3, "(b)", "acceleration of follower ($10^3$ rad/s²)"
-        ),
+        curves.beside_ideal(curves.acceleration(one.member), curves.acceleration(reference), 1e-3, "(b)", "acceleration of follower (10³ rad/s²)"),
     ]
     path = curves.path_panel(one.member, JOINT, "(c) joint 2")
     w, ideal_w = curves.velocity(one.member)[1], curves.velocity(reference)[1]

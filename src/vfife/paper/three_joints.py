@@ -74,7 +74,7 @@ def _curves(name: str, title: str, context: Context, runs: Sequence[Influence], 
     p = context.parameters
     read, factor, quantity = {
         "force": (curves.force, 1e-3, "contact force of joint 2 (kN)"),
-        "acceleration": (curves.acceleration, 1e-3, "acceleration of follower ($10^3$ rad/s²)"),
+        "acceleration": (curves.acceleration, 1e-3, "acceleration of follower (10³ rad/s²)"),
     }[what]
     panels: list[Panel] = []
     counts, calm = [], []

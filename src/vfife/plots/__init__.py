@@ -4,7 +4,7 @@ window.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,8 +19,10 @@ from ..results.whole import whole
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .files import saved
-from .orbits import journals, orbits
+from .instants import output_at
+from .orbits import orbits
 from .style import STYLE
+from .table import EVERY, FIGURES, available, usual
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,29 +31,36 @@ if TYPE_CHECKING:
 
 
 PICTURES = (".svg", ".pdf", ".png")
-FIGURES: dict[str, Callable[[View, View | None], Figure | None]] = {
-    "mechanism": lambda result, reference: drawing(result),
-    "orbits": lambda result, reference: orbits(result) if journals(result) else None,
-    "forces": force_curves,
-    "moments": moment_curves,
-    "accelerations": lambda result, reference: None if result.record.static else acceleration_curves(result, reference),
-}
 
 
 def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> dict[str, Figure]:
-    """Figures by name: ``mechanism``, ``orbits`` (with clearance joints), ``forces``, ``moments`` (of gears and
-    drivers), ``accelerations``; all that the result has, or those of ``names`` among them.
+    """Figures by name, as :data:`~vfife.plots.table.FIGURES` lists them: the usual ones, "all" that the result has, or ``names``.
 
     The reference, whose curves lie below those of the result, is the result's own unless another one is given. Raises
-    :class:`~vfife.errors.VfifeError` for a name that is no figure's.
+    :class:`~vfife.errors.VfifeError` for a name that is no figure's, and for a figure that the result has nothing for.
     """
-    for name in names:
-        if name not in FIGURES:
-            raise VfifeError(f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}")
+    wanted = chosen(result, names)
     reference = reference if reference is not None else result.reference
+    return {name: figure(result, name, reference) for name in wanted}
+
+
+def chosen(result: View, names: Collection[str]) -> list[str]:
+    """Names of figures in the order of the table; raises VfifeError for a name that is no figure's, and a figure that there is nothing for."""
+    if not names:
+        return usual(result)
+    for name in names:
+        if name not in FIGURES and name != EVERY:
+            raise VfifeError(f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}")
+    for name in names:
+        if name != EVERY and (why := FIGURES[name].lacks(result)):
+            raise VfifeError(f"this result has nothing for the figure {shown(name)}: {why}; there are {', '.join(available(result))}")
+    return available(result) if EVERY in names else [name for name in FIGURES if name in names]
+
+
+def figure(result: View, name: str, reference: View | None = None, at: str | None = None) -> Figure:
+    """One figure that the result has something for; the mechanism ``at`` a moment, see :func:`~vfife.plots.instants.output_at`."""
     with matplotlib.rc_context(STYLE):
-        found = {name: figure(result, reference) for name, figure in FIGURES.items() if not names or name in names}
-    return {name: figure for name, figure in found.items() if figure is not None}
+        return FIGURES[name].draw(result, reference) if at is None else drawing(result, output_at(result, at))
 
 
 def at_start(mechanism: Mechanism) -> Figure:
@@ -61,15 +70,18 @@ def at_start(mechanism: Mechanism) -> Figure:
         return drawing(standing(assemble(mechanism)))
 
 
-def save(figures: dict[str, Figure], folder: str | Path) -> list[Path]:
-    """Writes each figure as PNG into a folder, made if need be; returns the files."""
+def save(figures: dict[str, Figure], folder: str | Path, kind: str = "png") -> list[Path]:
+    """Writes each figure into a folder, made if need be, as PNG, SVG or PDF; returns the files."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    with matplotlib.rc_context(STYLE):
-        for name, figure in figures.items():
-            paths.append(saved(figure, folder / f"{name}.png"))
-    return paths
+    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}):
+        return [saved(figure, folder / f"{name}.{kind}") for name, figure in figures.items()]
+
+
+def saved_as(figure: Figure, path: Path) -> Path:
+    """Writes a figure as its file's ending says, whole or not at all. Raises OSError."""
+    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}):
+        return saved(figure, path)
 
 
 def save_one(result: View, name: str | None, path: Path, beside: Collection[str] = ()) -> None:
@@ -82,9 +94,10 @@ def save_one(result: View, name: str | None, path: Path, beside: Collection[str]
         known = ", ".join((*PICTURES, *beside)) if name is None else ", ".join(PICTURES)
         raise VfifeError(f'{path}: nothing is written as "{path.suffix or path.name}"; endings that say a format are {known}')
     wanted = name if name is not None else path.stem
-    found = figures(result, names=[wanted])
-    if wanted not in found:
-        raise VfifeError(f"{path}: this result has nothing for the figure {shown(wanted)}; there are {', '.join(figures(result))}")
+    try:
+        found = figures(result, names=[wanted])
+    except VfifeError as error:
+        raise VfifeError(f"{path}: {error}") from None
     with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}), whole(path) as part:
         found[wanted].savefig(part, format=kind[1:])
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import matplotlib
 import numpy as np
 
-from .curves import abscissa, one_turn
 from .files import saved
 from .style import BODIES, GREY, INK, STYLE, heading, one_legend, panels, scale_of
+from .turn import abscissa, one_turn
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -2,60 +2,114 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ..model.outlines import loose_pins
-from .jointsigns import joint_names, joint_signs, seen
+from .jointsigns import joint_signs, seen
+from .layout import Panels
+from .names import place_names
 from .outlines import Outline, outline
 from .sheet import Sheet
 from .springsigns import gear_seen, gear_signs, load_signs, spring_signs, tails
-from .style import BODIES, heading, length_unit, panels
+from .style import BODIES, length_unit
+from .turn import abscissa, said_shortly, span
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from ..results.view import View
 
 Array = NDArray[np.float64]
 POSITIONS = 12  # faint ones over a turn
+STRIP = 8  # moments of a strip
+SMALLER = 0.38  # drawings in a strip
+SIZE = 5.8  # inches of the longer side
 MOST_NAMED = 12  # bodies that the legend names
 
 
-def drawing(result: View) -> Figure:
-    """Bodies at the start of the run (a static analysis: at its end), other positions faint behind them, joints with their names."""
+def drawing(result: View, shown: int | None = None) -> Figure:
+    """Bodies at the start (a static analysis: at the end) or at an output, other positions faint behind them, joints with their names."""
     mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
-    colours = {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)}
     low, high = extent(result, outlines)
-    size = float(np.max(high - low)) or 1.0
-    factor, unit = length_unit(size)
-    width, height = np.maximum((high - low) / size, 0.35) * 5.6
-    figure, (ax,) = panels(1, 1, width + 2.9, height + 1.0, equal=True)
-    shown = len(result.record.steps) - 1 if result.record.static else 0
-    sheet = Sheet(ax, result, factor, factor * size, shown, colours)
-    later = _later(result, shown)
+    panels = Panels([sides(high - low)], 1)
+    at = (len(result.record.steps) - 1 if result.record.static else 0) if shown is None else shown
+    sheet = on_sheet(panels.axes[0], result, at, low, high)
+    later = _later(result, at)
     for name, one in outlines.items():
         for k in later:
-            sheet.line(factor * one.path[k], color=colours[name], lw=1.0, alpha=0.28, zorder=1)
+            sheet.line(sheet.factor * one.path[k], color=sheet.colours[name], lw=1.0, alpha=0.28, zorder=1)
         elastic = bool(result.record.assembly.bodies[name].elements)
         for pin in loose_pins(mechanism, name, elastic) if not result.record.static else ():
-            sheet.line(sheet.path(name, pin), color=colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
+            sheet.line(sheet.path(name, pin), color=sheet.colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
     signs(sheet, outlines)
-    middle = np.nanmean(np.concatenate([factor * one.path[shown] for one in outlines.values()]), axis=0)
-    joint_names(sheet, middle)
-    handles, labels = ax.get_legend_handles_labels()
-    if len(labels) > MOST_NAMED:
-        labels = [*labels[: MOST_NAMED - 1], f"… and {len(labels) - MOST_NAMED + 1} more bodies"]
-        handles = handles[:MOST_NAMED]
-    figure.legend([*handles, *sheet.signs.values()], [*labels, *sheet.signs], loc="outside right center")
-    ax.set_aspect("equal")
-    ax.set(xlim=factor * np.array([low[0], high[0]]), ylim=factor * np.array([low[1], high[1]]))
-    ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
-    heading(figure, f"{mechanism.name} {_when(result, shown, bool(later))}")
+    panels.told = legend(sheet, outlines) | sheet.signs
+    figure = panels.close(f"{mechanism.name} {_when(result, at, shown is not None, bool(later))}")
+    place_names(sheet)
     return figure
+
+
+def strip(result: View) -> Figure:
+    """The mechanism at moments of the last turn, or of the whole run, side by side."""
+    outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
+    low, high = extent(result, outlines)
+    width, height = sides(high - low)
+    over = span(result)
+    whole = over.cut is not None  # then the last one is the first one again
+    moments = np.linspace(over.first, over.last, min(STRIP + whole, over.last - over.first + 1)).astype(int)[: STRIP if whole else None]
+    panels = Panels([(SMALLER * width, SMALLER * height)] * len(moments), 4, across=0.3, down=0.4)
+    for ax, k in zip(panels.axes, moments, strict=True):
+        sheet = on_sheet(ax, result, int(k), low, high)
+        signs(sheet, outlines)
+        ax.set_title(moment(result, over.x[k - over.first], int(k)), fontsize=9, fontweight="normal")
+        ax.set(xlabel="", ylabel="", xticks=[], yticks=[])
+        for spine in ax.spines.values():
+            spine.set_visible(False)
+    panels.told = legend(sheet, outlines)
+    return panels.close(f"{result.name}{said_shortly(result, over)}")
+
+
+def moment(result: View, x: float, k: int) -> str:
+    """An output in words."""
+    if result.record.static:
+        return f"load factor {result.time[k]:.4g}"
+    return f"{1e3 * result.time[k]:.4g} ms" if result.crank is None else f"{x % 360.0:.0f}°"
+
+
+def sides(span: Array) -> tuple[float, float]:
+    """Width and height (inches) of a drawing."""
+    wide, tall = np.asarray(span / (float(np.max(span)) or 1.0)) * SIZE
+    return float(wide), float(tall)
+
+
+def on_sheet(ax: Axes, result: View, shown: int, low: Array, high: Array) -> Sheet:
+    """Axes of equal scales for what is drawn of an output."""
+    size = float(np.max(high - low)) or 1.0
+    factor, unit = length_unit(size)
+    names = list(result.record.assembly.bodies)
+    colours = {name: BODIES[k % len(BODIES)] for k, name in enumerate(names)}
+    striped = frozenset(names[len(BODIES) :])
+    ax.set(xlim=factor * np.array([low[0], high[0]]), ylim=factor * np.array([low[1], high[1]]), xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+    ax.set_autoscale_on(False)
+    return Sheet(ax, result, factor, factor * size, shown, colours, striped)
+
+
+def legend(sheet: Sheet, outlines: dict[str, Outline]) -> dict[str, Any]:
+    """Bodies in their colours; of very many the first."""
+    found: dict[str, Any] = {}
+    for name, one in list(outlines.items())[: MOST_NAMED - (len(outlines) > MOST_NAMED)]:
+        dot = {"ls": "", "marker": "o", "ms": 8} if one.path.shape[1] == 1 else {"lw": 4.0}
+        parts = [Line2D([], [], color=sheet.colours[name], **dot)]
+        parts += [Line2D([], [], color="white", lw=1.4)] if name in sheet.striped else []
+        found[name] = tuple(parts)
+    if len(outlines) > MOST_NAMED:
+        found[f"… and {len(outlines) - MOST_NAMED + 1} more bodies"] = Line2D([], [], color="none")
+    return found
 
 
 def signs(sheet: Sheet, outlines: dict[str, Outline]) -> None:
@@ -68,9 +122,12 @@ def signs(sheet: Sheet, outlines: dict[str, Outline]) -> None:
     load_signs(sheet)
 
 
-def _when(result: View, shown: int, faint: bool) -> str:
+def _when(result: View, shown: int, asked: bool, faint: bool) -> str:
     if result.record.static:
         return f"at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
+    if asked:
+        angle = "" if result.crank is None else f"{result.crank} at {abscissa(result)[shown] % 360.0:.4g}°, "
+        return f"at {angle}{1e3 * result.time[shown]:.4g} ms" + (" (faint: over the last turn)" if faint and result.crank is not None else "")
     return "at the start" + ("" if not faint else " (faint: over the last turn)" if result.crank is not None else " (faint: later)")
 
 
@@ -116,10 +173,11 @@ def body_sign(sheet: Sheet, name: str, one: Outline) -> None:
     ax, path, colour = sheet.ax, sheet.factor * one.path[sheet.shown], sheet.colours[name]
     if len(path) == 1:
         ax.plot(*path.T, color=colour, ls="", marker="o", ms=10, label=name, zorder=3)
-    elif one.plate:
+        return
+    if one.plate:
         ax.fill(*path.T, facecolor=colour, alpha=0.25, edgecolor="none", zorder=3)
-        ax.plot(*path.T, color=colour, lw=2.5, label=name, zorder=3)
-    else:
-        ax.plot(*path.T, color=colour, lw=4.0, label=name, zorder=3)
-        if one.dots:
-            ax.plot(*path[1:-1].T, ls="", marker="o", ms=3, color="white", zorder=4)  # nodes of an elastic link
+    ax.plot(*path.T, color=colour, lw=2.5 if one.plate else 4.0, label=name, zorder=3)
+    if name in sheet.striped:
+        ax.plot(*path.T, color="white", lw=0.8 if one.plate else 1.4, zorder=3.1)
+    if one.dots and not one.plate:
+        ax.plot(*path[1:-1].T, ls="", marker="o", ms=3, color="white", zorder=4)  # nodes of an elastic link

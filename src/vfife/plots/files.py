@@ -27,7 +27,7 @@ def saved(figure: Figure, path: Path) -> Path:
     part, kind = path.with_name(f"{path.name}.part"), path.suffix.lower().removeprefix(".")
     by = f"vfife, Matplotlib {matplotlib.__version__}"
     try:
-        figure.savefig(part, format=kind, metadata={"png": {"Software": by}, "pdf": {"Creator": by}}.get(kind))
+        figure.savefig(part, format=kind, metadata={"png": {"Software": by}, "pdf": {"Creator": by}, "svg": {"Creator": by}}.get(kind))
         os.replace(part, path)
     except BaseException:
         with suppress(OSError):

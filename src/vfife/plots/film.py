@@ -14,14 +14,16 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..analysis.motion import pin_path
-from .curves import abscissa, axis_title, force_from, loaded_joints, one_turn
 from .drawing import extent, signs
+from .filmcurves import force_from
 from .jointsigns import joint_names
 from .moments import first_output, moments, places_between
 from .outlines import Outline, outline
+from .quantities import joint_forces, loaded_joints
 from .sheet import Sheet
 from .stage import Drawn, Notes, Stage
 from .style import BLUE, BODIES, INK, ORANGE, STYLE, VERMILION, heading, length_unit, scale_of
+from .turn import abscissa, axis_title, one_turn
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -123,14 +125,14 @@ class Film:
         low, high = extent(self.view, outlines)
         size = float(np.max(high - low)) or 1.0
         factor, unit = length_unit(size)
-        colours = {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)}
+        colours, striped = {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)}, frozenset(list(outlines)[len(BODIES) :])
         ax.set_aspect("equal")
         ax.set(xlim=factor * np.array([low[0], high[0]]), ylim=factor * np.array([low[1], high[1]]), xlabel=f"x ({unit})", ylabel=f"y ({unit})")
         ax.set_autoscale_on(False)
         largest = max((joint.clearance for joint in mechanism.clearances.values()), default=0.0)
         larger = PLAY * size / largest if largest > 0.0 else 1.0
         self.larger = float(f"{larger:.2g}") if larger > SEEN else 1.0
-        sheet = MovingSheet(ax, self.view, factor, factor * size, 0, colours)
+        sheet = MovingSheet(ax, self.view, factor, factor * size, 0, colours, striped)
         self.stage = Stage(ax, [self._noted(sheet, outlines, k) for k in range(self.frames)])
         self.curves = [self._panel(name, k, len(names)) for k, name in enumerate(names)]
         ax.apply_aspect()
@@ -164,7 +166,7 @@ class Film:
         """Axes for the force of a joint: the whole curve faint, the ideal one, and room for the one that runs."""
         height = 0.76 / count
         ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
-        found = force_from(self.result, self.reference, name, self.first)
+        found = force_from(self.result, self.reference, joint_forces(self.result)[name], self.first)
         most = max(float(found.force.max()), 0.0 if found.ideal is None else float(found.ideal[1].max()))
         factor, unit = scale_of(most, "N")
         ax.plot(found.x, factor * found.force, color=BLUE, lw=0.8, alpha=0.25, zorder=2)

@@ -55,8 +55,8 @@ def _leaving(sheet: Sheet, joint: Joint, at: Array) -> Array:
     return np.array([np.sign(dx) or 1.0, 0.0]) if abs(dx) >= abs(dy) else np.array([0.0, np.sign(dy)])
 
 
-def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
-    """Names of the joints beside their signs, by so many points ``farther`` away, those in one place together."""
+def named_places(sheet: Sheet) -> list[tuple[Label, list[str]]]:
+    """Where names of joints stand, those in one place together."""
     places: list[tuple[Label, list[str]]] = []
     for name, joint in sheet.mechanism.joints.items():
         label = joint.label(seen(sheet, joint))
@@ -66,9 +66,14 @@ def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
                 break
         else:
             places.append((label, [name]))
+    return places
+
+
+def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
+    """Names of the joints beside their signs, away from the ``middle``, by so many points ``farther``: in a film they keep their side."""
     look: dict[str, Any] = {"ha": "center", "va": "center", "weight": "bold", "zorder": 9, "fontsize": 9}
     look["bbox"] = {"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.75}
-    for label, names in places:
+    for label, names in named_places(sheet):
         at, text = label.at, ", ".join(names)
         if label.fixed:
             sheet.ax.text(at[0], at[1], text, **look)

@@ -13,6 +13,7 @@ import matplotlib
 from ..errors import VfifeError
 from ..report.checked import parts
 from .style import STYLE
+from .table import FIGURES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,11 +22,9 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 LARGEST = 300_000  # bytes of a figure as lines
-TITLES = {
-    "mechanism": "The mechanism", "orbits": "Journals in their bearings", "forces": "Joint forces", "moments": "Moments of gears and drivers",
-    "accelerations": "Angular accelerations",
-}  # fmt: skip
-SHOWN = ("mechanism", "orbits", "forces")  # figures of a result
+FINE = 150.0  # pixels an inch of one that would be larger: enough for paper
+SHOWN = ("mechanism", "orbits", "forces")  # figures of a result in a notebook
+REPORTED = ("guides", "moments", "accelerations", "polar", "stress", "deflection", "energy")  # and in a report
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
@@ -49,7 +48,7 @@ def result_html(result: View) -> str:
     console = Console(file=io.StringIO(), width=150, color_system=None, force_terminal=False)
     show(console, result, result.reference)
     said = console.file.getvalue()  # type: ignore[attr-defined]
-    found = figures(result, names=SHOWN)
+    found = figures(result, names=[name for name in SHOWN if not FIGURES[name].lacks(result)])
     return f"<pre>{escape(said)}</pre>" + "".join(picture(one, name) for name, one in found.items())
 
 
@@ -57,14 +56,16 @@ def pictures(result: View) -> dict[str, str]:
     """All figures of a result as elements of a page, by what they show: lines that stay sharp on paper, pixels where lines would take more room."""
     from . import figures
 
-    return {f"{TITLES[name]}": sharp(figure, TITLES[name]) for name, figure in figures(result).items()}
+    names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.lacks(result)]
+    said = {name: FIGURES[name].says[0].upper() + FIGURES[name].says[1:] for name in names}
+    return {said[name]: sharp(figure, said[name]) for name, figure in figures(result, names=names).items()}
 
 
 def lines(figure: Figure, words: str) -> bytes:
     """A figure as SVG; ``words`` name its parts, so that it is the same each time."""
     made = io.BytesIO()
     with matplotlib.rc_context({**STYLE, "svg.fonttype": "path", "svg.hashsalt": words}):
-        figure.savefig(made, format="svg", metadata={"Date": None})
+        figure.savefig(made, format="svg", dpi=FINE, metadata={"Date": None})
     return made.getvalue()
 
 
@@ -72,18 +73,18 @@ def sharp(figure: Figure, words: str) -> str:
     """A figure as SVG, or as PNG where that is smaller."""
     made = lines(figure, words)
     if len(made) > LARGEST:
-        return picture(figure, words)
+        return picture(figure, words, FINE)
     data = base64.b64encode(made).decode("ascii")
     return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/svg+xml;base64,{data}">'
 
 
-def picture(figure: Figure, words: str) -> str:
-    """A figure as an element of a page, with what it shows in words."""
+def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
+    """A figure as an element of a page in its own size, with what it shows in words; ``dpi`` are pixels an inch."""
     made = io.BytesIO()
     with matplotlib.rc_context(STYLE):
-        figure.savefig(made, format="png", dpi=80)
+        figure.savefig(made, format="png", dpi=dpi)
     data = base64.b64encode(made.getvalue()).decode("ascii")
-    return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/png;base64,{data}">'
+    return f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%" src="data:image/png;base64,{data}">'
 
 
 def table(rows: Iterable[Iterable[str]]) -> str:

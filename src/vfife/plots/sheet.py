@@ -22,7 +22,10 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Sheet:
-    """``factor`` turns metres into the units drawn, ``size`` is that of the drawing in those, ``shown`` the output that is drawn."""
+    """``factor`` turns metres into the units drawn, ``size`` is that of the drawing in those, ``shown`` the output that is drawn.
+
+    Bodies that share a ``colours`` entry with an earlier one are ``striped``.
+    """
 
     ax: Axes
     result: View
@@ -30,6 +33,7 @@ class Sheet:
     size: float
     shown: int
     colours: dict[str, str]
+    striped: frozenset[str] = frozenset()
     signs: dict[str, Any] = field(default_factory=dict)
 
     @property

@@ -14,7 +14,7 @@ from ..model.springs import AnySpring
 from ..model.strokes import PairSeen
 from .sheet import Sheet
 from .strokes import draw
-from .style import VERMILION
+from .style import LOADS
 
 Array = NDArray[np.float64]
 
@@ -69,14 +69,14 @@ def pushes(sheet: Sheet) -> list[Push]:
 
 def load_signs(sheet: Sheet) -> None:
     """Arrows for forces and driven points, arcs for moments."""
-    look: dict[str, Any] = {"arrowstyle": "-|>", "color": VERMILION, "lw": 2.0, "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 14.0}
+    look: dict[str, Any] = {"arrowstyle": "-|>", "color": LOADS, "lw": 2.0, "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 14.0}
     for tip, tail in tails(sheet, 0.13 * sheet.size):
         sheet.ax.annotate("", tuple(tip), xytext=tuple(tail), arrowprops=look | {"shrinkB": 5.0}, zorder=8)
     moments = [push for push in pushes(sheet) if push.acts[2]]
     for push in moments:
         turn = np.linspace(-2.4, 1.2, 60) * np.sign(push.acts[2])
         arc = sheet.at(f"{push.body}.{push.pin}") + 0.045 * sheet.size * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        sheet.line(arc, color=VERMILION, lw=2.0, zorder=8)
+        sheet.line(arc, color=LOADS, lw=2.0, zorder=8)
         sheet.ax.annotate("", tuple(arc[-1]), xytext=tuple(arc[-4]), arrowprops=look, zorder=8)
     if sheet.mechanism.loads or any(driver.point for driver in sheet.mechanism.drivers.values()):
-        sheet.signs["load"] = sheet.ax.plot([], [], color=VERMILION, lw=2.0)[0]
+        sheet.signs["load"] = sheet.ax.plot([], [], color=LOADS, lw=2.0)[0]

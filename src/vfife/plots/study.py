@@ -12,6 +12,7 @@ from ..errors import VfifeError, shown, suggestion
 from .bands import curves
 from .files import saved
 from .heatmaps import heat_maps
+from .notebook import sharp
 from .parallel import parallel
 from .pareto import fronts
 from .style import STYLE
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
     from ..results.studied import Study
 
 FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {"maps": heat_maps, "curves": curves, "parallel": parallel, "fronts": fronts}
+TITLES = {
+    "maps": "Measures over two parameters", "curves": "Measures over a parameter", "parallel": "Members, a line each",
+    "fronts": "Measures against each other",
+}  # fmt: skip
 KINDS = (".png", ".svg", ".pdf")
 
 
@@ -39,6 +44,11 @@ def figures(study: Study, names: Collection[str] = (), measures: Collection[str]
     with matplotlib.rc_context(STYLE):
         found = {name: draw(study, chosen) for name, draw in FIGURES.items() if not names or name in names}
     return {name: figure for name, figure in found.items() if figure is not None}
+
+
+def pictures(study: Study) -> dict[str, str]:
+    """All figures of a study as elements of a page, by what they show."""
+    return {TITLES[name]: sharp(figure, TITLES[name]) for name, figure in figures(study).items()}
 
 
 def drawn(study: Study, folder: Path, names: Collection[str] = (), measures: Collection[str] = (), ending: str = ".png") -> list[Path]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from .style import length_unit, scale_of
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from ..results.studied import Study, Varied
 
 Array = NDArray[np.float64]
+MOST_TICKS = 7  # of a logarithmic axis
 PREFIXED = ("W", "J", "N", "N m")  # units that people say with k and M
 
 
@@ -81,6 +83,9 @@ def ticked(ax: Axes, one: Varied, values: Sequence[Any], middles: Array, unit: s
         axis.set_ticks(list(middles), [str(value) for value in values])
     elif logarithmic(middles):
         (ax.set_xscale if along == "x" else ax.set_yscale)("log")
+        at = [middles[k] for k in shortened(len(middles), MOST_TICKS)]
+        axis.set_ticks(at, [f"{value:.3g}" for value in at])
+        axis.set_minor_locator(NullLocator())
 
 
 def lines(study: Study) -> list[Varied]:

@@ -13,9 +13,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
+DEEP = "#003B5C"  # peaks, beside BLUE
+SIGNS, LOADS = "#5B4B3A", "#5500CC"  # of springs, and of forces: beside the colours of bodies
 INK, GREY, FAINT = "#222222", "#767676", "#d9d9d9"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 BODIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+
+PREFIXED = ("N", "N m", "Pa", "J", "W", "m")
+SCALES = ((2e9, 9, "G"), (2e6, 6, "M"), (2e3, 3, "k"), (0.02, 0, ""), (2e-5, -3, "m"), (2e-8, -6, "µ"), (0.0, -9, "n"))  # from so much on
 
 STYLE: Any = {  # matplotlib types its settings by their names
     "font.family": "sans-serif",
@@ -65,11 +70,18 @@ def length_unit(size: float) -> tuple[float, str]:
 
 
 def scale_of(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a quantity reads well: kN and MN for newtons, powers of ten for other units."""
-    for limit, power, prefix in ((2e6, 6, "M"), (2e3, 3, "k")):
-        if size >= limit:
-            return 10.0**-power, f"{prefix}{unit}" if unit in ("N", "N m") else f"10{str(power).translate(RAISED)} {unit}"
-    return 1.0, unit
+    """Factor and unit in which a quantity reads well: kN, MPa or mJ for units that take a prefix, powers of ten for others."""
+    if not 0.0 < size < float("inf"):
+        return 1.0, unit
+    power, prefix = next((power, prefix) for limit, power, prefix in SCALES if size >= limit)
+    if power == 0:
+        return 1.0, unit
+    return 10.0**-power, f"{prefix}{unit}" if unit in PREFIXED else f"10{str(power).translate(RAISED)} {unit}"
+
+
+def digits(value: float) -> str:
+    """A number of four digits."""
+    return f"{value:.4g}" if 1e-3 <= abs(value) < 1e5 or value == 0.0 else f"{value:.3e}"
 
 
 def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:

@@ -40,7 +40,9 @@ def document(result: View, pictures: Mapping[str, str], live: str | None, source
     links = "".join(f'<a href="#{place(title)}">{title}</a>' for title in present)
     body = "\n".join(f'<section id="{place(title)}"><h2>{title}</h2>\n{text}\n</section>' for title, text in present.items())
     about = told["model"]
-    said = "".join(f"<p>{escape(text)}</p>" for text in (about["note"], f"Read from {about['source']}." if about["source"] else "") if text)
+    said = "".join(
+        f"<p>{escape(text)}</p>" for text in (about["note"], f"Read from {Path(about['source']).name}." if about["source"] else "") if text
+    )
     return PAGE.substitute(title=escape(about["name"]), said=said, links=links, body=body, version=escape(__version__))
 
 
@@ -122,7 +124,7 @@ def as_given(kept: str, source: str | None) -> str:
     if not given:
         return "<p>The file that it was read from is not there any more, or cannot be read.</p>" if source else ""
     differs = "It gives the numbers above." if same else "It gives other numbers than those above: options were added, or it was changed since."
-    return f"<h3>As given</h3><p>{escape(source or '')} as it reads now. {differs}</p>{model_text(given)}"
+    return f"<h3>As given</h3><p>{escape(Path(source or '').name)} as it reads now. {differs}</p>{model_text(given)}"
 
 
 def model_text(text: str) -> str:

@@ -16,7 +16,9 @@ from .lock import LOCK, holder
 MODEL, SUMMARY, FIGURES = "model.toml", "summary.json", "figures"
 SQLITE_TRACES = tuple(f"{RUN_FILE}{end}" for end in ("-wal", "-shm", "-journal"))
 SUMMARY_KEYS = {"status", "step", "steps", "measures"}
-FIGURE_NAMES = ("mechanism", "orbits", "forces", "moments", "accelerations")
+FIGURE_NAMES = ("mechanism", "orbits", "guides", "forces", "moments", "accelerations")  # that a run draws with --figures
+PICTURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}  # how they begin
+HEAD = 5000  # bytes in which a figure says who made it
 DRAWN_BY = (b"vfife", b"Matplotlib")  # in the head of a figure; the second by versions before 0.3
 STAGE = ".new-"  # in the name of a folder in which a run begins
 
@@ -49,7 +51,7 @@ def own_files(folder: Path, model: str | None) -> list[Path]:
     found = [path for path in (folder / RUN_FILE, folder / MODEL, folder / SUMMARY) if path.is_file() and is_own(path, model)]
     if folder / RUN_FILE in found:
         found += [folder / name for name in SQLITE_TRACES if (folder / name).is_file()]
-    return found + [path for path in sorted((folder / FIGURES).glob("*.png")) if is_own(path, model)]
+    return found + [path for path in sorted((folder / FIGURES).glob("*")) if path.suffix in PICTURES and is_own(path, model)]
 
 
 def in_the_way(folder: Path, model: str | None) -> list[Path]:
@@ -70,9 +72,11 @@ def is_own(path: Path, model: str | None) -> bool:
             said = json.loads(path.read_text(encoding="utf-8"))
             return isinstance(said, dict) and set(said) >= SUMMARY_KEYS
         with path.open("rb") as stream:
-            head = stream.read(400)
-        return head.startswith(b"\x89PNG") and any(name in head for name in DRAWN_BY)
-    except (OSError, ValueError, RecursionError):
+            told = stream.read(HEAD)
+            stream.seek(max(path.stat().st_size - HEAD, 0))
+            told += stream.read(HEAD) if path.suffix == ".pdf" else b""  # which says at its end who made it
+        return told.startswith(PICTURES[path.suffix]) and any(name in told for name in DRAWN_BY)
+    except (OSError, ValueError, RecursionError, KeyError):
         return False
 
 

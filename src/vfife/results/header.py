@@ -9,6 +9,8 @@ APPLICATION = 0x56464946  # "VFIF", in the header of the file
 FORMAT = 3  # 1 had no arrays, and so no start; 1 and 2 had no seals
 STUDY_APPLICATION = 0x56465354  # "VFST", of a study file
 STUDY_FORMAT = 1
+MAP_APPLICATION = 0x56464D50  # "VFMP", of a map file
+MAP_FORMAT = 1
 HEADER = 100  # bytes of SQLite's header
 
 

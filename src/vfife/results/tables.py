@@ -40,10 +40,13 @@ STUDY = {
         "settled INTEGER NOT NULL", "steps INTEGER NOT NULL", "step REAL NOT NULL", "measures TEXT NOT NULL",
     ),
 }  # fmt: skip
-SCHEMA, STUDY_SCHEMA = (
-    [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()] for one in (COLUMNS, STUDY)
+# The same of a map file: at each value of a number the points of all chains, and the state to go on from.
+MAP = {"meta": COLUMNS["meta"], "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL")}
+SCHEMA, STUDY_SCHEMA, MAP_SCHEMA = (
+    [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()]
+    for one in (COLUMNS, STUDY, MAP)
 )
-KEYS = {table: columns[0].split()[0] for table, columns in (STUDY | COLUMNS).items()}
+KEYS = {table: columns[0].split()[0] for table, columns in (MAP | STUDY | COLUMNS).items()}
 STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
 Arguments = ParamSpec("Arguments")
@@ -97,6 +100,17 @@ def each(connection: sqlite3.Connection, table: str) -> Iterator[tuple[Any, tupl
     """Keys and rows of a table in the order of the keys, None for a row that is damaged."""
     for key in keys(connection, table):
         yield key, sound(connection, table, key)
+
+
+def rows(connection: sqlite3.Connection, table: str) -> list[tuple[Any, tuple[Any, ...] | None]]:
+    """The same at once, for a table of many small rows; row by row where the file is so damaged that it cannot be read through."""
+    try:
+        found = connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        if _of_storage(error):
+            raise
+        return list(each(connection, table))
+    return [(row[0], tuple(row[:-1]) if seal(table, *row[:-1]) == row[-1] else None) for row in found]
 
 
 def told(method: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:

@@ -144,6 +144,11 @@ class Arguments:
         self.fault("loop", "there is no such loop", value, "", suggestion(str(value), known, "name another one"))
         return "auto"
 
+    def device(self, value: Any) -> None:
+        """What steps members beside the processor, or None."""
+        if value not in (None, "cuda"):
+            self.fault("device", "there is no such device", value, '"cuda", or None for the processor', "give one of these")
+
     def one_of(self, name: str, value: Any, kinds: tuple[type, ...], limit: str) -> None:
         """A value of one of some classes."""
         if not isinstance(value, kinds):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds
+from ..codegen.cuda import card
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
@@ -62,15 +63,17 @@ def ensemble(
     loop: Loop = "auto",
     lanes: int | None = None,
     workers: int | None = None,
+    device: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
     """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns (all of them without a tolerance).
 
     ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each
     of ``outputs``. ``lanes``: simulations side by side in a vector register, as many as this machine's hold if not given. ``workers``: threads,
-    as many as there are cores if not given. ``progress`` is told how many members of how many are done. Raises ModelError with all faults of
-    the arguments or of a mechanism, ValueError for one without a driver, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends
-    it within a second.
+    as many as there are cores if not given. ``device``: "cuda" steps them on an NVIDIA card, thousands side by side; we have not tried it on one.
+    ``progress`` is told how many members of how many are done. Raises ModelError with all faults of the arguments or of a mechanism, ValueError
+    for one without a driver, DeviceError for a card that cannot be used, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it
+    within a second.
     """
     given = Arguments("ensemble")
     mechanisms = given.mechanisms(mechanisms)
@@ -79,12 +82,15 @@ def ensemble(
     for name, value in counts.items():
         given.count(name, value, optional=name in ("lanes", "workers"))
     given.quantity("tolerance", tolerance, "1", zero=True)
+    given.device(device)
     given.callable("progress", progress)
     given.tell()
+    if device == "cuda":
+        card()  # what is missing is told before anything is assembled
     for mechanism in mechanisms:
         validate(mechanism)
     assemblies = [placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)]
-    return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, progress=progress)
+    return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, device=device, progress=progress)
 
 
 def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assembly:
@@ -103,13 +109,13 @@ def advance(
     loop: Loop = "auto",
     lanes: int | None = None,
     workers: int | None = None,
+    device: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
     """As :func:`ensemble`, for mechanisms that are assembled already."""
     found: dict[int, Member] = {}
-    for one in stepped(
-        (_Lane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies)), len(assemblies), lanes=lanes, workers=workers
-    ):
+    every = (_Lane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
+    for one in stepped(every, len(assemblies), lanes=lanes, workers=workers, device=device):
         lane = cast(_Lane, one)
         found[lane.number] = lane.member()
         if progress is not None:

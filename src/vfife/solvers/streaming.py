@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import bounds, limited_rows
 from ..codegen.native import widest
+from ..codegen.ondevice import MEMBERS, DeviceStream
 from ..codegen.streams import Starter, Stream
 from .record import recorded_rows
 from .transient import choose_loop
@@ -113,17 +114,23 @@ class Waiting:
 
 
 def stepped(
-    members: Iterable[Member | Ending], count: int, *, lanes: int | None = None, workers: int | None = None, stop: threading.Event | None = None
-) -> Iterator[Ending]:
+    members: Iterable[Member | Ending], count: int, *, alike: int | None = None, lanes: int | None = None, workers: int | None = None,
+    stop: threading.Event | None = None, device: str | None = None,
+) -> Iterator[Ending]:  # fmt: skip
     """Steps members, ``count`` of them or so, and gives each when it has ended, what had ended before as it is; with ``stop`` set, no more.
 
-    ``lanes``: side by side in one vector register, as many as this machine's hold if not given; ``workers``: threads, one a core if not given.
+    ``lanes``: side by side in one vector register, as many as this machine's hold if not given, or as there are members that may share one, which
+    are ``alike``, all of them if not given; ``workers``: threads, one a core if not given.
+    ``device``: "cuda" has a card step them, by one thread, as many side by side as it can.
     """
+    if device == "cuda":
+        lanes, workers = min(lanes or MEMBERS, count), 1
     found: Found = queue.SimpleQueue()
     ended, stop = threading.Event(), stop or threading.Event()
     workers = max(1, min(workers or os.cpu_count() or 1, count))
-    waiting = Waiting(iter(members), found, -(-count // workers))
-    arguments = waiting, found, lanes or widest(), lambda: ended.is_set() or stop.is_set()
+    waiting = Waiting(iter(members), found, max(1, -(-(alike or count) // workers)))
+    wide = lanes or min(widest(), 1 << (waiting.share - 1).bit_length())
+    arguments = waiting, found, wide, lambda: ended.is_set() or stop.is_set(), DeviceStream if device == "cuda" else Stream
     threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
     for thread in threads:
         thread.start()
@@ -145,11 +152,11 @@ def stepped(
             thread.join()
 
 
-def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool]) -> None:
+def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool], streaming: type[Stream | DeviceStream]) -> None:
     """One thread: lanes of one kind after the other, until no member is left."""
     try:
         while not halted() and (first := waiting.next(None)) is not None:
-            Lanes(*first, waiting, found, lanes).run(halted)
+            Lanes(*first, waiting, found, lanes, streaming).run(halted)
         found.put(None)
     except BaseException as error:
         found.put(error)
@@ -158,14 +165,15 @@ def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool]
 class Lanes:
     """The lanes of a thread, and who is in them."""
 
-    def __init__(self, shared: Kind, first: Member, waiting: Waiting, found: Found, lanes: int) -> None:
+    def __init__(self, shared: Kind, first: Member, waiting: Waiting, found: Found, lanes: int, streaming: type[Stream | DeviceStream]) -> None:
         _, loop, tables, parts, outputs = shared
         topology = first.assembly.topology
         self.kind, self.waiting, self.found = shared, waiting, found
-        self.lanes = lanes if loop == "generated" else 1
+        lanes = lanes if loop == "generated" else 1
         sound, limited = recorded_rows(first.assembly), limited_rows(first.assembly)
-        self.stream = Stream(topology, self.lanes, loop, first.handed, outputs, sound, limited, tables, parts)
-        self.starter = Starter(topology, self.lanes, loop, tables, parts)
+        self.stream = streaming(topology, lanes, loop, first.handed, outputs, sound, limited, tables, parts)
+        self.lanes = self.stream.lanes
+        self.starter = Starter(topology, lanes if streaming is Stream else widest(), loop, tables, parts)
         self.members: dict[int, Member] = {}
         self.next: dict[int, Member | None] = {lane: first if lane == 0 else None for lane in range(self.lanes)}
         for lane in range(1, min(self.lanes, waiting.share)):
@@ -192,8 +200,7 @@ class Lanes:
                 assembly = member.assembly
                 simulation = self.starter.begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
                 member.start(simulation.state + 0.0)
-                self.members[lane], self.begins[lane] = member, self.stream.done - 1
-                self.stream.put(lane, simulation, member.every, member.outputs)
+                self.members[lane], self.begins[lane] = member, self.stream.put(lane, simulation, member.every, member.outputs)
         self.next.clear()
         for lane in set(range(self.lanes)) - set(self.members):
             self.stream.repeat(lane, next(iter(self.members)))
@@ -212,7 +219,7 @@ class Lanes:
             broken = int(stream.broken[lane]) - int(self.begins[lane]) if stream.broken[lane] > 0.0 else -1
             if stream.at[lane] < stream.stop[lane] and broken < 0:
                 continue
-            member.take(stream.out[lane, : stream.at[lane]] + 0.0, broken, stream.states[:, lane])
+            member.take(stream.rows(lane), broken, stream.state(lane))
             if not member.ended:
                 stream.go_on(lane, member.outputs)
                 continue

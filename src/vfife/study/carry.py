@@ -15,13 +15,14 @@ from ..errors import VfifeError
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..results.provenance import own_laws, versions
+from ..results.reductions import REDUCTION
 from ..results.studied import UNITS, Study
 from ..results.studyfile import WHAT, Kept, StudyFile
 from ..results.view import standing
 from ..solvers.status import Status
 from .engine import Outcome, Wanted, run_members
 from .plan import Plan
-from .wanted import REDUCTION, wanted_of
+from .wanted import wanted_of
 
 Told = Callable[[int, int, Outcome], None]
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -66,9 +67,16 @@ def same_question(file: StudyFile, asked: Mapping[str, Any]) -> str:
         return "wants other measures, turns or another step"
     if [one["paths"] for one in kept["parameters"]] != [one["paths"] for one in asked["parameters"]]:
         return "varies other numbers"
+    if texts_of(kept) != texts_of(asked):
+        return "was made with another text of your own laws"
     if kept["step"] != asked["step"]:
         return f"was computed by the text of vfife {kept['versions'].get('vfife', '')}, which steps otherwise"
     return ""
+
+
+def texts_of(asked: Mapping[str, Any]) -> dict[tuple[str, str], str]:
+    """Texts of the user's own laws, by kind and name."""
+    return {(one["kind"], one["name"]): one["text"] for one in asked["own_laws"]}
 
 
 def carry_out(
@@ -87,7 +95,7 @@ def carry_out(
     """
     wanted = Wanted(**{**file.meta[WHAT]["wanted"], "measures": tuple(file.meta[WHAT]["wanted"]["measures"])})
     members, ended = file.members(), file.outcomes()
-    left: list[Kept] = [one for one in members if ended.get(one.number, {}).get("hash") != one.hash]
+    left = alike_first([one for one in members if ended.get(one.number, {}).get("hash") != one.hash])
     ended_now, before, stop = set[int](), len(members) - len(left), threading.Event()
     found = (runner or run_members)(base, [one.numbers for one in left], wanted, workers=workers, lanes=lanes, stop=stop)
     try:
@@ -108,6 +116,11 @@ def carry_out(
     return whole
 
 
+def alike_first(members: list[Kept]) -> list[Kept]:
+    """Members that differ in their joints alone one after another, for what is closed and assembled serves all of them."""
+    return sorted(members, key=lambda one: [(path, str(value)) for path, value in one.numbers.items() if not path.startswith("joint.")])
+
+
 def complete(outcome: Outcome, wanted: Wanted) -> Outcome:
     """The outcome with a reason where a measure is missing."""
     missing = [name for name in wanted.measures if name not in outcome.values]
@@ -121,6 +134,11 @@ def opened(path: Path, plan: Plan, base: Mechanism, name: str, *, replace: bool 
     asked = asked_of(plan, base, name)
     if not path.exists() or replace:
         return StudyFile.create(path, asked, plan.numbers())
+    return taken_up(path, plan, asked)
+
+
+def taken_up(path: Path, plan: Plan, asked: Mapping[str, Any]) -> StudyFile:
+    """A study file that is there, with the members of a plan. Raises VfifeError where it is that of another study."""
     file = StudyFile.write(path)
     try:
         if why := same_question(file, asked):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,12 @@ from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
 from ..result import Result
 from ..results.comparison import Comparison
-from ..simulation import Prepared, carry_out, prepare, reference_of
+from ..simulation import Prepared, prepare, reference_of
 from ..solvers.arguments import Arguments, Asked, Loop
 from ..solvers.progress import Progress
 from ..solvers.status import Status
 from .parts import Parts
+from .together import carried_out
 
 Choice = str | Law | type[Law]
 PER_JOINT = ("force.max", "penetration.max", "impacts", "grazing", "deep_landings", "share.continuous_contact")
@@ -43,8 +45,9 @@ def compare(
 
     A law is a name, a class or an instance. Of a name or a class the parameters are those of the law it takes the place of, where both have a
     field of the same name and unit (restitution, coefficient ...), else its defaults. ``joints``: those whose laws are changed, all with clearance
-    if left out. ``progress`` receives the name of each run before it starts and may return a call for :func:`~vfife.simulate`; the others are
-    arguments of that; without companions, which are none unless asked for, an automatic step is the finer one that nobody has to look at.
+    if left out. Runs are made side by side, on all cores. ``progress`` receives a word on all of them first, then the name of each when it has
+    ended, and may return a call for how far it came; the others are arguments of :func:`~vfife.simulate`. Without companions, which are none
+    unless asked for, an automatic step is the finer one that nobody has to look at.
     Ctrl-C ends with the runs that are complete. In a ``folder`` (there already) they are kept until all are, so that the same comparison, broken
     off or killed, goes on after them. Raises VfifeError with every law that cannot be used, before the first run, and StorageError where a run
     cannot be kept.
@@ -60,21 +63,32 @@ def compare(
     reference = reference_of(mechanism, asked.turns, asked.duration) if outlook(mechanism, asked.turns, asked.duration).through else None
     ready = prepared(variants, reference, asked)
     found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
-    parts = Parts(folder)
-    for number, (label, one) in enumerate(ready, 1):
-        try:
-            told = progress(f"{number} of {len(variants)}: {label}") if progress is not None else None
-            if (result := parts.found(one)) is None:
-                result = carry_out(one, progress=told)
-                if result.record.status == Status.COMPLETE and number < len(ready):
-                    parts.keep(one, result)
-        except KeyboardInterrupt:
-            break
-        if result.record.status == Status.INTERRUPTED:
-            break
+    results: dict[int, Result] = {}
+    with suppress(KeyboardInterrupt):
+        if progress is not None:
+            progress(f"{len(ready)} runs, side by side")
+        for k, result in made(ready, Parts(folder)):
+            told = progress(f"{len(results) + 1} of {len(ready)}: {ready[k][0]}") if progress is not None else None
+            if told is not None:
+                told(Progress(result.record.reached, result.record.reached, result.record.wall))
+            if result.record.status == Status.INTERRUPTED:
+                break
+            results[k] = result
+    for _, result in sorted(results.items()):
         found.results.append(result)
         found.rows.append(numbers_of(result, names))
     return found
+
+
+def made(ready: Sequence[tuple[str, Prepared]], parts: Parts) -> Iterator[tuple[int, Result]]:
+    """Results by their place, those first that were made before; each is kept until the last one is there."""
+    kept = {k: result for k, (_, one) in enumerate(ready) if (result := parts.found(one)) is not None}
+    yield from kept.items()
+    left = [k for k in range(len(ready)) if k not in kept]
+    for count, (at, result) in enumerate(carried_out([ready[k][1] for k in left]), len(kept) + 1):
+        if result.record.status == Status.COMPLETE and count < len(ready):
+            parts.keep(ready[left[at]][1], result)
+        yield left[at], result
 
 
 def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[str, ...]:

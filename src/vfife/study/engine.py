@@ -8,13 +8,15 @@ from __future__ import annotations
 import math
 import os
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
+from functools import partial
 from typing import cast
 
 from ..analysis.turns import each_turn
-from ..errors import VfifeError
+from ..codegen.cuda import WITHOUT, card
+from ..errors import DeviceError, VfifeError
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
 from ..simulation import carry_out, prepare
@@ -56,15 +58,17 @@ def run_members(
     workers: int | None = None,
     lanes: int | None = None,
     stop: threading.Event | None = None,
+    device: str | None = None,
 ) -> Iterator[tuple[int, Outcome]]:
     """Runs a mechanism with each of ``numbers``, values by path as ``--set`` takes them (SI, or texts with a unit); outcomes come as they end.
 
     A member that cannot be assembled or diverges is an outcome with its reason; the others go on. ``workers``: threads, one a core unless given;
-    ``lanes``: simulations side by side in each. With ``stop`` set, members that have not ended are left out.
+    ``lanes``: simulations side by side in each. With ``stop`` set, members that have not ended are left out. ``device``: "cuda" steps them on an
+    NVIDIA card, but for those that have a run of their own; it raises DeviceError.
     """
     stop, preparing = stop or threading.Event(), Preparing(base, wanted)
     alone: list[int] = []
-    for one in stepped(preparing.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop):
+    for one in stepped(preparing.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device):
         if isinstance(one, Unstepped) and one.reason is not None:
             yield one.number, Outcome(status=FAILED, reason=one.reason)
         elif isinstance(one, Stepped) and not one.doubtful:
@@ -73,6 +77,16 @@ def run_members(
         else:
             alone.append(cast(Stepped | Unstepped, one).number)
     yield from by_themselves(preparing, numbers, alone, workers, stop)
+
+
+def on_device(name: str | None) -> Callable[..., Iterator[tuple[int, Outcome]]] | None:
+    """What runs members on a device; None for the processor. Raises DeviceError where it cannot be used, before anything is done."""
+    if name is None:
+        return None
+    if name != "cuda":
+        raise DeviceError(f'device {name}: there is no such device; there is "cuda", an NVIDIA card; {WITHOUT}')
+    card()
+    return partial(run_members, device=name)
 
 
 def by_themselves(
@@ -100,7 +114,7 @@ def single(preparing: Preparing, numbers: Numbers) -> Outcome:
     wanted = preparing.wanted
     try:
         mechanism = loads(preparing.text, set=list(numbers.items()))
-        asked = Asked(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle, force_step=wanted.step is not None)
+        asked = Asked(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle)
         result = carry_out(prepare(mechanism, asked))
     except VfifeError as error:
         return Outcome(status=FAILED, reason=sentence(error))

@@ -18,7 +18,7 @@ from ..assembly.bounds import Bounds, limited_rows
 from ..model.mechanism import Mechanism
 from ..solvers.arguments import Loop
 from ..solvers.companions import measured_rows
-from ..solvers.record import Columns, Record, recorded_rows
+from ..solvers.record import Columns, Record, places, recorded_rows
 from ..solvers.repeating import Settling, outputs_of_a_turn
 from ..solvers.transient import choose_loop
 
@@ -61,6 +61,7 @@ class Plan:
         self.handed = rows_by_turn(assembly) if measures.by_turn else self.recorded
         self.fine = wanted.settle is not None or not measures.by_turn
         self.told, self.ends = Columns(assembly.layout, self.handed), Columns(assembly.layout, self.recorded)
+        self.limited = places(self.handed, limited_rows(assembly))
         self.deep = assembly.layout["contact_deep"]
 
 
@@ -86,12 +87,15 @@ class Stepped:
         self.per = outputs_of_a_turn(assembly) or 1
         self.handed, every = plan.handed, assembly.choice.outputs_every
         self.outputs, self.every = (self.per, every) if plan.fine else (1, every * self.per)
-        self.bounds = Bounds(assembly, self.handed)
-        self.settling = None if plan.wanted.settle is None else Settling(assembly, self.handed, plan.wanted.settle)
-        self.last: deque[Array] = deque(maxlen=plan.wanted.last)
+        self.settling: Settling | None = None
 
     def start(self, state: Array) -> None:
         """The first output."""
+        plan, settle = self.plan, self.plan.wanted.settle
+        self.bounds = Bounds(self.assembly, self.handed, plan.limited)
+        if settle is not None:
+            self.settling = Settling(self.assembly, self.handed, settle)
+        self.last: deque[Array] = deque(maxlen=plan.wanted.last)
         self.before, self.ends = state[None, self.handed], [(0, state[self.plan.recorded])]
 
     def take(self, rows: Array, broken: int, state: Array) -> None:

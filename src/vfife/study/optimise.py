@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from ..errors import VfifeError
+from .limits import Bound
 
 EXTRA = 'the search is done by optuna, which is not installed here: pip install "vfife[optimise]"'
 BATCH = 16  # members asked for at once; it is part of the search, so it does not hang on the machine
@@ -33,20 +34,6 @@ class Axis:
     high: float = math.nan
     logarithmic: bool = False
     values: tuple[Number, ...] = ()
-
-
-@dataclass(frozen=True)
-class Bound:
-    """A limit of a measure: at least ``low``, at most ``high``."""
-
-    measure: str
-    low: float = -math.inf
-    high: float = math.inf
-
-    def excess(self, value: float) -> float:
-        """How far beyond it a value is, zero or less where it is kept; infinite for no value."""
-        over = max(value - self.high, self.low - value)
-        return over if math.isfinite(value) else math.inf
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from . import sampling
 Number: TypeAlias = float | str  # SI; a text is a word of the model, such as a law's name
 
 GRIDS = ("grid", "list")
+SEARCH = "search"  # members are asked for as they are needed
 MOST_MEMBERS = 1_000_000
 MOST_TURNS = 1_000_000
 
@@ -91,7 +92,7 @@ class Asked:
     last: int = described(Whole(1, MOST_TURNS), "so many turns at the end are measured, and their mean is told", 1)
     step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every member, or auto", "auto")
     method: str = described(
-        Choice((*GRIDS, *sampling.METHODS)),
+        Choice((*GRIDS, *sampling.METHODS, SEARCH)),
         "grid: every value with every other; list: first with first; else how samples are taken of what has no values",
         "grid",
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..errors import kind_of, shown, suggestion
 from ..fields import Measure, Reading, Refused, Whole
-from .plan import GRIDS, MOST_MEMBERS, Number, Parameter, Plan
+from .plan import GRIDS, MOST_MEMBERS, SEARCH, Number, Parameter, Plan
 from .sampling import points as sampled
 from .varied import number
 
@@ -29,6 +29,8 @@ def planned(plan: Plan, by: Reading) -> list[tuple[Number, ...]] | None:
     """Values of every member, in the order of the parameters; None where there cannot be any."""
     method, count = plan.asked.method, plan.asked.count
     free = [one for one in plan.parameters if one.values is None]
+    if method == SEARCH:
+        return []
     if method in GRIDS:
         for one in free:
             what = f"a {method} takes values, and {one.name} has {article_of(one)}"

@@ -25,6 +25,7 @@ from ..model.joints import ClearanceRevolute
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.override import PathFault, parsed, resolve
+from ..results.reductions import Reductions
 from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run
@@ -32,6 +33,8 @@ from .member import Plan, Stepped, Wanted, streams
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
+FORCES = ("gravity", "load", "material")
+OF_FORCE = {("body", "mass"), ("body", "inertia"), ("spring", "stiffness"), ("spring", "damping")}
 KEPT = 64  # mechanisms with other numbers than those of play that are remembered
 
 
@@ -62,13 +65,16 @@ class Preparing:
     wanted: Wanted
     known: dict[tuple[tuple[str, float | str], ...], Made | str | None] = field(default_factory=dict)
     paths: dict[str, tuple[Path, Measure] | None] = field(default_factory=dict)
+    forces: dict[str, bool] = field(default_factory=dict)
+    ways: set[Any] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         settings = dataclasses.replace(self.base.settings, settle=self.wanted.settle, companions=0)
         self.base = dataclasses.replace(self.base, settings=settings)
         self.text = dump(self.base)
         self.raw = tomllib.loads(self.text)
-        self.measures = WantedMeasures(self.wanted.measures)
+        reduced = Reductions(self.wanted.measures)
+        self.measures = WantedMeasures(self.wanted.measures, reduced.over if reduced.asked else None)
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | Unstepped]:
         """The members, in their order."""
@@ -81,8 +87,14 @@ class Preparing:
     def member(self, k: int, numbers: Numbers) -> Stepped | Unstepped:
         """One of them. Raises VfifeError where it cannot be assembled."""
         play = {path: value for path, value in numbers.items() if self.of_play(path)}
-        rest = {path: value for path, value in numbers.items() if path not in play}
-        made = self.made(rest)
+        rest = {path: value for path, value in numbers.items() if path not in play} if len(play) < len(numbers) else {}
+        try:
+            made = self.made(rest)
+        except VfifeError:
+            if not play:
+                raise
+            made = self.make(numbers)  # what cannot be with the play of the base may be with its own
+            play = {}
         if made is None:
             return Unstepped(k)
         assembly = self.refitted(made, play) if play else made.refit.assembly
@@ -154,8 +166,8 @@ class Preparing:
         turns = float(wanted.turns)
         if mechanism.settings.analysis == "static":
             return None
-        seen = outlook(mechanism, turns)
-        ideal = ideal_of(mechanism, turns) if seen.through else None
+        through = self.through(numbers, mechanism)
+        ideal = ideal_of(mechanism, turns) if through else None
         reference = None
         if ideal is not None:
             record = run(ideal)
@@ -163,16 +175,36 @@ class Preparing:
                 return None
             reference = over_turn(record, last_turn(record), PEAKS)
         expected = {name.removesuffix(".force.max"): value for name, value in (reference or {}).items() if name.endswith(".force.max")}
-        asked: dict[str, Any] = {"turns": turns, "force_step": wanted.step is not None}
+        asked: dict[str, Any] = {"turns": turns}
         assembly = assemble(mechanism, wanted.step, expected=expected, **asked)
         if not streams(assembly):
             return None
-        return Made(
-            Refit(assembly, wanted.step, expected, **asked),
-            Plan(assembly, wanted, self.measures),
-            reference,
-            partial(assemble, expected=expected, **asked),
-        )
+        refit = Refit(assembly, wanted.step, expected, **asked)
+        refit.usable = refit.usable and through  # where play has to bridge what opens, it decides whether it can
+        return Made(refit, Plan(assembly, wanted, self.measures), reference, partial(assemble, expected=expected, **asked))
+
+    def through(self, numbers: Numbers, mechanism: Mechanism) -> bool:
+        """Whether the ideal mechanism gets through its turns: its geometry decides, and which way it is driven. Raises VfifeError."""
+        moving = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
+        shape = {path: value for path, value in numbers.items() if not self.of_play(path) and not self.moves_nothing(path, len(moving))}
+        key = (*sorted(shape.items()), *(speed is not None and speed > 0.0 for speed in moving))
+        if key not in self.ways:
+            if not outlook(mechanism, float(self.wanted.turns)).through:
+                return False
+            self.ways.add(key)
+        return True
+
+    def moves_nothing(self, path: str, drivers: int) -> bool:
+        """Whether a number is none of the geometry: a mass, what a spring or load has of force, the only steady speed."""
+        if path not in self.forces:
+            try:
+                at = resolve(self.raw, path)
+            except PathFault:
+                at = ("",)
+            self.forces[path] = (
+                at[0] in FORCES or (len(at) == 3 and (at[0], at[2]) in OF_FORCE) or (drivers == 1 and at[0] == "driver" and at[-1] == "speed")
+            )
+        return self.forces[path]
 
 
 def measure(noun: Any, key: str) -> Measure | None:

@@ -13,7 +13,8 @@ from ..model.mechanism import Mechanism
 from ..modelfile import load
 from ..results.lock import Lock
 from ..results.studied import Study
-from .carry import carry_out, opened, read_back
+from .carry import Runner, carry_out, opened, read_back
+from .cluster import elsewhere, joined
 from .plan import Plan
 from .planfile import load_plan, of_mapping, understood
 
@@ -29,6 +30,8 @@ def study(
     force: bool = False,
     workers: int | None = None,
     lanes: int | None = None,
+    cluster: str | None = None,
+    device: str | None = None,
     progress: Callable[[int, int], None] | None = None,
     **more: Any,
 ) -> Study:
@@ -40,17 +43,19 @@ def study(
     study file has it (``path``, ``values``, ``from`` and ``to`` ...). ``measures``: names of measures, or max, min, mean, rms, range of a channel,
     as in "mean(C.force)". ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``, ``count``, ``seed``,
     ``set``. ``file``: the study file to keep it in; what is in it already is not computed again, and where another study is there it gives way to
-    ``force`` alone. ``workers``, ``lanes``: threads, and members side by side in each. ``progress`` hears how many of how many members have ended.
-    Ctrl-C ends it with what has. Raises ModelError with all faults, HeldError where another process writes the file, StorageError where it cannot
-    be written.
+    ``force`` alone. ``workers``, ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place, or the
+    address of a scheduler of dask.distributed; ``device``: "cuda" steps them on an NVIDIA card. ``progress`` hears how many of how many members
+    have ended. Ctrl-C ends it with what has. Raises ModelError with all faults, HeldError where another process writes the file, StorageError where
+    it cannot be written, DeviceError for a card that cannot be used.
     """
     plan, base, name = asked_in_python(model, vary, measures, more)
+    run = elsewhere(cluster, device)
     if file is None:
         with tempfile.TemporaryDirectory() as folder:
-            found = made(Path(folder) / f"s{ENDING}", plan, base, name, force, workers, lanes, progress)
+            found = made(Path(folder) / f"s{ENDING}", plan, base, name, force, workers, lanes, progress, cluster, run)
         found.path = None
         return found
-    return made(Path(file), plan, base, name, force, workers, lanes, progress)
+    return made(Path(file), plan, base, name, force, workers, lanes, progress, cluster, run)
 
 
 def made(
@@ -62,10 +67,13 @@ def made(
     workers: int | None = None,
     lanes: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    cluster: str | None = None,
+    otherwise: Runner | None = None,
 ) -> Study:
     """A plan carried out into its file."""
-    with locked(path), opened(path, plan, base, name, replace=force) as file:
-        carry_out(file, base, workers=workers, lanes=lanes, told=None if progress is None else lambda done, of, _: progress(done, of))
+    told = None if progress is None else lambda done, of, _: progress(done, of)
+    with locked(path), opened(path, plan, base, name, replace=force) as file, joined(cluster, workers, otherwise) as runner:
+        carry_out(file, base, workers=workers, lanes=lanes, told=told, runner=runner)
         return read_back(file)
 
 

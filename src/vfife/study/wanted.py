@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 from ..assembly.assemble import assemble
-from ..errors import VfifeError, shown, suggestion
+from ..errors import StepError, VfifeError, shown, suggestion
 from ..fields import Reading, Refused
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
+from ..results.reductions import REDUCTION
 from ..results.studied import UNITS
 from ..results.view import View, standing
 from .engine import Wanted
 from .plan import Asked
-
-REDUCTION = re.compile(r"(max|min|mean|rms|range)\((.+)\)$")
 
 
 def wanted_of(asked: Asked) -> Wanted:
@@ -65,5 +63,15 @@ def check_turns(base: Mechanism, asked: Asked, by: Reading) -> None:
         by.tell(("model",), Refused("a static analysis has no turns", base.name, "a model that moves", 'set "run.analysis" = "dynamic" in [set]'))
     elif turn_of(base) is None:
         by.tell(("model",), Refused("no driver turns a crank, so turns cannot be counted", base.name, "", "drive a body"))
+    elif isinstance(asked.step, float):
+        try:
+            assemble(base, asked.step)
+        except StepError as error:
+            by.tell(
+                ("step",),
+                Refused("too large for the model", f"{asked.step:g} s", str(error).partition(": ")[2].partition(";")[0], "set it smaller"),
+            )
+        except VfifeError:
+            pass  # told by its measures
     if None not in (asked.last, asked.turns) and asked.last > asked.turns:
         by.tell(("last",), Refused("more turns than a member makes", str(asked.last), f"at most {asked.turns}", "give fewer, or more turns"))

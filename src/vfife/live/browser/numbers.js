@@ -5,6 +5,8 @@ const blank = () => Object.create(null);
 
 const TORQUE = "torque of "; // before the name of a driven body, where a chart shows that in place of a joint's force
 
+const PATH_LASTS = 8; // s of looking at all equilibria of a static analysis
+
 class Reader {
   // `sim` is how a mechanism is stepped, `state` its numbers at the start, `setting` where plays and energies are.
   constructor(sim, state, setting) {
@@ -18,7 +20,7 @@ class Reader {
     this.state = state;
     this.dt = state[this.rows.step[0]];
     this.zeta = given.damped ? 0.5 * this.dt * state[this.rows.damping[0]] : 0;
-    this.interval = this.dt * sim.every;
+    this.interval = given.factors ? PATH_LASTS / given.outputs : this.dt * sim.every;
     this.plays = setting.part("plays");
     this.energies = setting.part("energies");
     this.free = new Set(sim.free);
@@ -92,48 +94,6 @@ class Reader {
     return [journal[0] - bearing[0], journal[1] - bearing[1]];
   }
 
-  // The direction against which the normal force of a contact acts on the journal.
-  normal(data, at, k) {
-    const contact = given.contacts[k];
-    if (contact.kind === "slot") return this.offPath(data, at, k);
-    if (contact.kind === "line") {
-      const angle = data[at + this.of("particle_theta")[contact.bearing]];
-      const [x, y] = [this.parameter("contact_line_x", k), this.parameter("contact_line_y", k)];
-      return [Math.cos(angle) * x - Math.sin(angle) * y, Math.sin(angle) * x + Math.cos(angle) * y];
-    }
-    const [x, y] = this.eccentricity(data, at, k);
-    const size = Math.max(Math.hypot(x, y), 1e-300) * (contact.kind === "round" ? -1 : 1);
-    return [x / size, y / size];
-  }
-
-  // From the middle of a slot to the journal: of the pieces of its path whose foot is on them the nearest, as kernels/path.py has it.
-  offPath(data, at, k) {
-    const { bearing, pieces } = given.contacts[k];
-    const angle = data[at + this.of("particle_theta")[bearing]];
-    const [x, y] = this.eccentricity(data, at, k);
-    const [C, S] = [Math.cos(angle), Math.sin(angle)];
-    const [px, py] = [C * x + S * y, C * y - S * x];
-    let [nearest, found] = [Number.POSITIVE_INFINITY, null];
-    for (let q = pieces[0]; q < pieces[0] + pieces[1]; q++) {
-      const of = (name) => this.parameter(`piece_${name}`, q);
-      const [c, s, bend] = [of("cosine"), of("sine"), of("curvature")];
-      const [rx, ry] = [px - of("x"), py - of("y")];
-      const [a, b] = [c * rx + s * ry, c * ry - s * rx];
-      const f = 2 * b - bend * (a * a + b * b);
-      const root = Math.sqrt(Math.max(0, 1 - bend * f));
-      const distance = f / (1 + root);
-      const short = of("end_cosine") * (px - of("end_x")) + of("end_sine") * (py - of("end_y")) <= 0;
-      const on = of("opens") * a >= 0 && short;
-      if (found && !(on && Math.abs(distance) < nearest)) continue;
-      if (on) nearest = Math.abs(distance);
-      const [along, across] = [(-bend * a) / (root + 1e-300), (1 - bend * b) / (root + 1e-300)];
-      const side = distance >= 0 ? 1 : -1;
-      const [nx, ny] = [side * (c * along - s * across), side * (s * along + c * across)];
-      found = [C * nx - S * ny, S * nx + C * ny];
-    }
-    return found;
-  }
-
   // Force of a joint on its journal (N): x and y.
   force(data, at, name) {
     const { block, at: places } = this.sim.joints[name];
@@ -143,7 +103,7 @@ class Reader {
     }
     const sum = [0, 0];
     for (const k of places) {
-      const n = this.normal(data, at, k);
+      const n = [data[at + this.of("nx")[k]], data[at + this.of("ny")[k]]]; // against it the normal force acts on the journal
       const [press, rub] = [data[at + this.of("contact_normal_force")[k]], data[at + this.of("contact_friction_force")[k]]];
       sum[0] += -rub * n[1] - press * n[0];
       sum[1] += rub * n[0] - press * n[1];
@@ -159,6 +119,7 @@ class Reader {
 
   // Largest force of a joint since the output before (N), of the steps in between. Or largest torque.
   forceMax(data, at, name) {
+    if (given.factors) return Math.abs(this.size(data, at, name)); // there are no steps between equilibria
     if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque_max")[this.sim.torques[name.slice(TORQUE.length)]]];
     const { block, at: places } = this.sim.joints[name].most;
     this.squares[name] ??= Int32Array.from(places, (k) => this.of(`${block}_force_squared_max`)[k]);

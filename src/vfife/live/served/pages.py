@@ -5,10 +5,11 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 from ...errors import VfifeError
-from ..page import LARGEST, written
+from ..page import LARGEST, live_page, written
 from ..patches import patched
 from ..sliders import asked_slides, default_slides
 from .documents import Document
@@ -42,9 +43,18 @@ class Pages:
             return self.made[key, True]
         with self.building:
             if (key, False) not in self.made:
-                self._keep(key, False, written(patched(document.mechanism, [], document.its_step)))
+                self._keep(key, False, live_page(document.mechanism, [], document.its_step))
         self._want(document, key)
         return self.made[key, False]
+
+    def ahead(self, document: Document) -> None:
+        """Begins the page of a document that has changed, which browsers are about to ask for."""
+
+        def make() -> None:
+            with suppress(VfifeError, ValueError, ArithmeticError):  # told to who asks for it
+                self.page(document)
+
+        threading.Thread(target=make, daemon=True).start()
 
     def _keep(self, key: Key, full: bool, page: str) -> None:
         self.made[key, full] = page
@@ -54,7 +64,8 @@ class Pages:
     # --------------------------------------------------------------------------------------------------------- sliders
 
     def _want(self, document: Document, key: Key) -> None:
-        if not self.sliders:
+        if not self.sliders or document.mechanism.settings.analysis == "static":
+            self.told({"kind": "sliders", "id": key[0], "version": key[1], "said": ""})
             return
         if (key, True) in self.made:
             self.told({"kind": "sliders", "id": key[0], "version": key[1]})
@@ -89,6 +100,7 @@ class Pages:
         try:
             slides = asked_slides(mechanism, self.slide) if self.slide and key[0] == self.first else default_slides(mechanism)
             if not slides:
+                self.told({**about, "said": ""})
                 return
             page = written(patched(mechanism, slides, step, going))
             if len(page.encode("utf-8")) > LARGEST:

@@ -80,6 +80,8 @@ class Session:
             found = document.json()
             if (document.version, document.saved, document.faults) != before:
                 self.tell({"kind": "model", **found, "by": "browser"})
+            if document.version != before[0]:
+                self.pages.ahead(document)
         return found
 
     def save(self, which: str, name: str | None) -> Json:

@@ -1,0 +1,147 @@
+"""Members of a study of case c: steps and members per second, of a core and of all, beside one lane, the C program's lanes and a pool of peers."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import tempfile
+import time
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from candidates import STRICT
+from environments import Missing, run
+from limit import COMPILER, ask, build
+from measure import EXAMPLES, Options, Part, interleaved, seconds, table
+
+from vfife import load_model
+from vfife.codegen.native import widest
+from vfife.codegen.runner import Runner
+from vfife.solvers.record import recorded_rows
+from vfife.study.engine import Wanted, run_members
+from vfife.study.preparing import Preparing
+
+MODEL = EXAMPLES / "four_bar_case_c.toml"
+WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")
+TURNS = 4
+ASSEMBLED = 1000
+CORES = os.cpu_count() or 1
+
+
+def clearances(count: int) -> list[dict[str, float | str]]:
+    """Members whose three clearances are those of a Latin hypercube's strata."""
+    draw = np.random.default_rng(1)
+    found = [1e-4 + 2e-4 * (draw.permutation(count) + 0.5) / count for _ in "BCD"]
+    return [{f"joint.{name}.clearance": float(column[k]) for name, column in zip("BCD", found, strict=True)} for k in range(count)]
+
+
+def grid() -> list[dict[str, float | str]]:
+    """Twenty clearances by ten speeds."""
+    sizes, speeds = np.linspace(5e-5, 5e-4, 20), np.linspace(105.0, 210.0, 10)
+    return [{**{f"joint.{name}.clearance": float(c) for name in "BCD"}, "driver.crank.speed": float(w)} for w in speeds for c in sizes]
+
+
+class Study:
+    """Members of case c at their automatic steps."""
+
+    def __init__(self, numbers: list[dict[str, float | str]], turns: int) -> None:
+        self.base, self.numbers, self.turns, self.steps = load_model(MODEL), numbers, turns, 0
+
+    def members(self, workers: int) -> float:
+        """Wall time (s) of all of them."""
+        began = time.perf_counter()
+        found = [one for _, one in run_members(self.base, self.numbers, Wanted(WANTED, self.turns), workers=workers)]
+        self.steps = sum(one.steps for one in found)
+        if len(found) != len(self.numbers) or any(one.status != "complete" for one in found):
+            raise RuntimeError("a member is not complete")
+        return time.perf_counter() - began
+
+    def one_lane(self) -> float:
+        """Wall time (s) a step of the loop with one lane and nothing beside it, over the turns of the first member."""
+        preparing = Preparing(self.base, Wanted(WANTED, self.turns))
+        assembly: Any = preparing.member(0, self.numbers[0]).assembly  # type: ignore[union-attr]
+        runner = Runner(assembly.topology, assembly.state[:, None], assembly.tables[None], "generated", recorded_rows(assembly))
+        runner.advance(1, 1)
+        return seconds(lambda: runner.advance(assembly.choice.outputs_every, assembly.choice.outputs)) / assembly.choice.steps
+
+
+def assembly_time(numbers: list[dict[str, float | str]]) -> float:
+    """Time of the processor (s) a member of making what goes into a lane, when one of its kind is there."""
+    preparing = Preparing(load_model(MODEL), Wanted(WANTED, 1))
+    preparing.member(0, numbers[0])
+    began = time.process_time()
+    deque(map(preparing.member, range(len(numbers)), numbers), maxlen=0)
+    return (time.process_time() - began) / len(numbers)
+
+
+def pool(part: Part) -> float:
+    """Crank revolutions per second of as many processes as there are cores, each the fastest peer's script at the largest step that is right."""
+    rival = STRICT["c"]
+
+    def one(_: int) -> float:
+        return float(run(rival.name, rival.script, "--case", "c", "--repeat", "3", *rival.command)["wall_per_rev_s"])
+
+    try:
+        with ThreadPoolExecutor(CORES) as workers:
+            return sum(1.0 / each for each in workers.map(one, range(CORES)))
+    except Missing as error:
+        part.notes.append(f"study: no pool of peers: {error}")
+        return math.nan
+
+
+def c_lanes(part: Part, steps: int) -> float:
+    """ns per step and simulation of the C program with vfife's step and ledger, as many lanes as registers hold; the best of three."""
+    if shutil.which(COMPILER) is None:
+        part.notes.append(f"study: no C compiler here ({COMPILER})")
+        return math.nan
+    with tempfile.TemporaryDirectory() as folder:
+        program = build(Path(folder))[f"ledger_{widest() if widest() >= 4 else 1}"]
+        return min(ask(program, steps)["ns"] for _ in range(3))
+
+
+def measure(options: Options) -> Part:
+    """Everything in turns, the best of several."""
+    part = Part()
+    study, whole = Study(clearances(16 if options.quick else 96), TURNS), Study(grid(), 10)
+    study.members(1)  # compile
+    two = min(2, CORES)
+    runs = {"lane": study.one_lane, "core": lambda: study.members(1), "two": lambda: study.members(two), "all": lambda: study.members(CORES)}
+    best = interleaved(2 if options.quick else 5, runs)
+    best["grid"] = min(whole.members(CORES) for _ in range(1 if options.quick else 3))
+    best["assembly"] = min(assembly_time(clearances(ASSEMBLED)) for _ in range(3))
+    best["c"] = c_lanes(part, 200_000) * 1e-9
+    each = best["core"] / study.steps
+    part.ratios = {
+        f"study.core_over_one_lane_{widest()}_lanes": best["lane"] / each,
+        "study.two_cores_over_one": best["core"] / best["two"],
+        "study.grid_20_by_10": best["grid"] / 3.0,
+        "study.assembly": best["assembly"] / 1e-4,
+    }
+    part.ratios |= {"study.core_over_c_lanes": each / best["c"]} if math.isfinite(best["c"]) else {}
+    turns = len(study.numbers) * TURNS / best["all"]
+    peers = pool(part) if options.peers else math.nan
+    part.ratios |= {"study.all_over_peer_pool": turns / peers} if math.isfinite(peers) else {}
+    part.measured = {
+        **best,
+        "steps": study.steps,
+        "members": len(study.numbers),
+        "grid_steps": whole.steps,
+        "cores": CORES,
+        "peer_turns_per_s": peers,
+    }
+    count = len(study.numbers)
+    rows: list[tuple[Any, ...]] = [
+        ("one lane, one core", None, 1e-6 / best["lane"]),
+        (f"study, {widest()} lanes, one core", count / best["core"], 1e-6 * study.steps / best["core"]),
+        (f"study, {widest()} lanes, {CORES} cores", count / best["all"], 1e-6 * study.steps / best["all"]),
+        (f"20 clearances by 10 speeds, ten turns, {CORES} cores: {best['grid']:.2f} s", 200 / best["grid"], 1e-6 * whole.steps / best["grid"]),
+        ("C program's lanes, one core", None, 1e-6 / best["c"]),
+        (f"fastest peer, {CORES} processes", peers / TURNS, None),
+    ]
+    part.tables.append(table(f"members of {TURNS} turns and million steps a second", "what", "members/s", "M steps/s", rows=rows))
+    part.notes.append(f"study: a member that differs in numbers of play is assembled in {1e3 * best['assembly']:.3f} ms")
+    return part

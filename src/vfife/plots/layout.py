@@ -1,0 +1,141 @@
+"""Panels of given sizes on a sheet that is as large as they, their labels, a title and a legend need: nothing is cut, and drawing is fast."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = 0.82, 0.3, 0.55, 0.36, 1.0, 0.72  # inches around panels, and between them
+SEEN, NARROW = 4.0, 4.6  # points of a dot in the legend; inches of the narrowest sheet
+LINE, TITLE, HANDLE = 0.21, 0.26, 0.62  # inches: a line of the legend, one of the title, what stands before a name in the legend
+
+
+class Panels:
+    """``sizes`` are width and height (inches) of each panel, laid in rows of so many ``columns``; :meth:`close` when all is drawn."""
+
+    def __init__(self, sizes: Sequence[tuple[float, float]], columns: int, *, down: float = DOWN, across: float = ACROSS) -> None:
+        self.sizes, self.columns, self.down, self.across = list(sizes), max(1, min(columns, len(sizes))), down, across
+        self.figure = Figure(figsize=(4.0, 4.0))
+        FigureCanvasAgg(self.figure)
+        self.axes: list[Axes] = [self.figure.add_axes((0.1, 0.1, 0.8, 0.8), label=str(k)) for k in range(len(self.sizes))]
+        self.signs: dict[str, Any] = {}  # of the legend, beside what the panels name
+        self.told: dict[str, Any] | None = None  # the legend, in place of what the panels name
+        self.bars: list[tuple[int, Axes]] = []
+
+    @property
+    def lowest(self) -> set[int]:
+        """Panels below which there is no other one."""
+        return set(range(max(0, len(self.sizes) - self.columns), len(self.sizes)))
+
+    def scale(self, ax: Axes, drawn: Any, label: str) -> Any:
+        """A scale of colours to the right of a panel."""
+        beside = self.figure.add_axes((0.9, 0.1, 0.05, 0.8), label=f"scale {len(self.bars)}")
+        self.bars.append((self.axes.index(ax), beside))
+        return self.figure.colorbar(drawn, cax=beside, label=label)
+
+    def close(self, title: str) -> Figure:
+        """Gives every panel its place, and the sheet its size, title and legend."""
+        rows = [self.sizes[k : k + self.columns] for k in range(0, len(self.sizes), self.columns)]
+        widths = [max(row[c][0] for row in rows if c < len(row)) for c in range(self.columns)]
+        heights = [max(height for _, height in row) for row in rows]
+        width = LEFT + sum(widths) + self.across * (self.columns - 1) + (RIGHT if not self.bars else 1.0)
+        width = max(width, NARROW)
+        self._shorten()
+        entries = {fitting(self.figure, name, width - 0.5 - HANDLE, 9.5): handle for name, handle in self._entries().items()}
+        columns, lines = self._legend(list(entries), width - 0.3)
+        said = broken(self.figure, title, width - 0.4, 12.0)
+        below = 0.12 + LINE * lines if lines else 0.05
+        over = TOP if any(ax.get_title(loc="left") or ax.get_title(loc="center") for ax in self.axes) else 0.08
+        under = BOTTOM if any(ax.get_xlabel() for ax in self.axes) else 0.15
+        height = below + under + sum(heights) + self.down * (len(rows) - 1) + over + TITLE * len(said) + 0.08
+        self.figure.set_size_inches(width, height)
+        top = height - 0.08 - TITLE * len(said) - over
+        for k, (ax, (wide, tall)) in enumerate(zip(self.axes, self.sizes, strict=True)):
+            row, column = divmod(k, self.columns)
+            x = LEFT + sum(widths[:column]) + self.across * column
+            y = top - sum(heights[:row]) - self.down * row - tall
+            ax.set_position((x / width, y / height, wide / width, tall / height))
+        for k, beside in self.bars:
+            place = self.axes[k].get_position()
+            beside.set_position((place.x1 + 0.1 / width, place.y0, 0.14 / width, place.height))
+        self.figure.suptitle("\n".join(said), x=0.2 / width, y=1.0 - 0.08 / height, ha="left", va="top", fontsize=12.0)
+        if lines:
+            look: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.12 / width, 0.02 / height), "ncols": columns, "borderpad": 0.3}
+            handler = {tuple: HandlerTuple(ndivide=1)}
+            self.figure.legend(
+                list(entries.values()), list(entries), fontsize=9.5, columnspacing=1.2, labelspacing=0.35, handler_map=handler, **look
+            )
+        return self.figure
+
+    def _shorten(self) -> None:
+        """Cuts titles that would run into what stands at the right, or out of their panel."""
+        for ax, (width, _) in zip(self.axes, self.sizes, strict=True):
+            beside = width_of(self.figure, ax.get_title(loc="right"), 9.0) + 0.15
+            small = ax._left_title.get_fontsize(), ax._left_title.get_fontweight()  # type: ignore[attr-defined]  # what set_title gave it
+            ax._left_title.set_text(fitting(self.figure, ax.get_title(loc="left"), width - beside, *small))  # type: ignore[attr-defined]
+
+    def _entries(self) -> dict[str, Any]:
+        if self.told is not None:
+            return self.told
+        entries: dict[str, Any] = {}
+        for ax in self.axes:
+            for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+                entries.setdefault(label, _seen(handle))
+        entries |= self.signs
+        return entries if len(entries) > 1 or self.signs else {}
+
+    def _legend(self, names: list[str], room: float) -> tuple[int, int]:
+        """Columns and lines of a legend that fits into so many inches."""
+        if not names:
+            return 0, 0
+        wide = [HANDLE + 0.2 + width_of(self.figure, name, 9.5) for name in names]
+        for columns in range(len(names), 1, -1):
+            if sum(float(max(part)) for part in np.array_split(wide, columns)) <= room:
+                return columns, -(-len(names) // columns)
+        return 1, len(names)
+
+
+def _seen(handle: Any) -> Any:
+    """What stands for a line in the legend: dots large enough to be seen, in full colour."""
+    if not isinstance(handle, Line2D) or handle.get_linestyle() not in ("None", "") or handle.get_markersize() >= SEEN:
+        return handle
+    return Line2D([], [], ls="", marker="o", ms=SEEN, mew=0.0, color=handle.get_color())
+
+
+def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
+    """Width of a line of text (inches) in the font of figures."""
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]  # of Agg
+    wide = renderer.get_text_width_height_descent(text, FontProperties(family="DejaVu Sans", size=size, weight=weight), ismath=False)[0]
+    return float(wide / figure.dpi)
+
+
+def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
+    """Lines of a text, broken between words where it is wider than so many inches; a word that is wider by itself is cut."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and width_of(figure, longer, size) <= room:
+            lines[-1] = longer
+        else:
+            lines.append(fitting(figure, word, room, size))
+    return lines or [""]
+
+
+def fitting(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> str:
+    """A text as far as there is room for it (inches), with an ellipsis where it is cut."""
+    if width_of(figure, text, size, weight) <= room:
+        return text
+    count = len(text)
+    while count > 1 and width_of(figure, text[:count] + "…", size, weight) > room:
+        count -= max(1, count // 12)
+    return text[:count] + "…"

@@ -1,0 +1,192 @@
+"""What a study file asks of a search: what ``[optimise]``, ``[allocation]`` and ``[cost]`` say, beside what is varied and ``[limit]``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import ModelError, kind_of, shown, suggestion
+from ..fields import Measure, Refused, Text, Whole, described
+from ..fields.parts import Many
+from ..model.mechanism import Mechanism
+from ..modelfile.read import raw_of, text_of
+from .allocation import Allocated, Choice, Option, allocate, options_of
+from .carry import units_of
+from .distributions import Array, Clearance, Uniform
+from .growing import Growing
+from .limits import Bound, flat, read_bounds
+from .optimise import BATCH, Axis, Found, Search, searched
+from .plan import MOST_MEMBERS, SEARCH, Parameter, Plan
+from .planfile import Written, understood
+from .quantiles import CONFIDENCE, needed
+
+WIDTH = 128  # members that an allocation asks for at once
+OPTIMISE, ALLOCATION, COST, LIMIT = "optimise", "allocation", "cost", "limit"
+
+
+@dataclass(frozen=True)
+class Optimised:
+    """The table ``[optimise]``."""
+
+    minimise: tuple[str, ...] = described(Many(Text()), "measures that shall be as small as possible; of several the Pareto front is told")
+    members: int = described(Whole(1, MOST_MEMBERS), "how many members are computed", 200)
+    seed: int = described(Whole(0, 2**31 - 1), "which members the search asks for: the same seed, the same search", 1)
+    batch: int = described(Whole(1, 4096), "members that are asked for at once", BATCH)
+
+
+@dataclass(frozen=True)
+class Allotted:
+    """The table ``[allocation]``."""
+
+    measure: str = described(Text(), "the measure that has a limit")
+    share: float = described(Measure("1", above=0.0, high=0.9999), "share of all machines that shall keep the limit", 0.99)
+    confidence: float = described(Measure("1", above=0.0, high=0.9999), "with which the sample shall show that", CONFIDENCE)
+    count: int | None = described(Whole(1, MOST_MEMBERS), "machines that are drawn; the fewest that can show it unless given", None)
+    seed: int = described(Whole(0, 2**31 - 1), "which machines are drawn", 1)
+
+
+@dataclass(frozen=True)
+class Allotment:
+    """An allocation understood: the parameters, of each the fits it may have (one option for what has no costs), the limit."""
+
+    parameters: tuple[Parameter, ...]
+    options: tuple[tuple[Option, ...], ...]
+    bound: Bound
+    asked: Allotted
+    fits: tuple[bool, ...]  # whose are to be chosen
+
+
+def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
+    """The search of a study file with ``[optimise]``. Raises ModelError with every fault."""
+    raw, plan, base, units = opened(path, OPTIMISE, 'minimise = ["C.force.max"]')
+    by = Written()
+    asked = by.table((OPTIMISE,), Optimised, raw[OPTIMISE])
+    bounds = read_bounds(raw.get(LIMIT, {}), units, by)
+    for k, name in enumerate(asked.minimise or ()):
+        if name not in units:
+            by.tell((OPTIMISE, "minimise", k), Refused("it is not measured", shown(name), "", suggestion(name, units, "name one of the measures")))
+    if asked.minimise == ():
+        by.tell((OPTIMISE, "minimise"), Refused("an empty list", "[]", "one measure or more", "name one"))
+    axes = []
+    for one in plan.parameters:
+        if one.values is None and not isinstance(one.distribution, Uniform):
+            what = "a search needs a range or values, and this has a distribution"
+            by.tell(("vary", one.name, ""), Refused(what, one.words, "from and to, or values", "give these"))
+        elif one.values is not None:
+            axes.append(Axis(one.name, values=one.values))
+        else:
+            axes.append(Axis(one.name, *one.distribution.limits))
+    finished(by, path)
+    return plan, base, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch)
+
+
+def load_allotment(path: str | Path) -> tuple[Plan, Mechanism, Allotment]:
+    """The allocation of a study file with ``[allocation]`` and ``[cost]``. Raises ModelError with every fault."""
+    raw, plan, base, units = opened(path, ALLOCATION, 'measure = "C.force.max"')
+    by = Written()
+    asked = by.table((ALLOCATION,), Allotted, raw[ALLOCATION])
+    bounds = {one.measure: one for one in read_bounds(raw.get(LIMIT, {}), units, by)}
+    if asked.measure is not None and asked.measure not in dict(flat(raw.get(LIMIT, {}))):
+        remedy = f'add it under [limit], as in "{asked.measure}" = ...'
+        by.tell((ALLOCATION, "measure"), Refused("it has no limit", shown(asked.measure), "a measure of [limit]", remedy))
+    elif asked.measure in bounds and math.isfinite(bounds[asked.measure].low):
+        by.tell((LIMIT, asked.measure, "low"), Refused("an allocation keeps a largest value alone", "", "", "leave low out"))
+    if None not in (asked.share, asked.confidence, asked.count) and asked.count < (least := needed(1.0 - asked.share, asked.confidence)):
+        what = f"too few machines to show {100.0 * asked.share:g} % with {100.0 * asked.confidence:g} % confidence"
+        by.tell((ALLOCATION, "count"), Refused(what, str(asked.count), f"at least {least}", "ask for more, or leave it out"))
+    costs = raw.get(COST, {})
+    names = [one.name for one in plan.parameters]
+    for name in costs if isinstance(costs, dict) else ():
+        if name not in names:
+            by.tell((COST, name, ""), Refused("costs of what is not varied", "", "", suggestion(name, names, "name a table of [vary]")))
+    options = [options_at(one, costs.get(one.name) if isinstance(costs, dict) else None, by) for one in plan.parameters]
+    if not any(one.name in costs for one in plan.parameters if isinstance(costs, dict)):
+        remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
+        by.tell((COST, ""), Refused("no fit has costs, so there is nothing to choose", "", "", remedy))
+    bound = bounds.get(asked.measure or "")
+    finished(by, path)
+    if bound is None:  # told above
+        raise ModelError(by.faults, str(path))
+    return plan, base, Allotment(plan.parameters, tuple(options), bound, asked, tuple(one.name in costs for one in plan.parameters))
+
+
+def options_at(one: Parameter, costs: Any, by: Written) -> tuple[Option, ...]:
+    """The fits that a parameter may have; itself where it has no costs."""
+    where = (COST, one.name)
+    if costs is None:
+        if one.distribution is None:
+            by.tell(
+                ("vary", one.name, ""), Refused("machines are drawn, and this has values", "", "a fit, a tolerance or a distribution", "give one")
+            )
+            return ()
+        return (Option("", 0.0, one.distribution),)
+    if not isinstance(one.distribution, Clearance):
+        by.tell(where, Refused("costs of what has no fit", "", 'fit = "H8/f7" and diameter in its table of [vary]', "add the fit"))
+        return ()
+    bad = (
+        {key: value for key, value in costs.items() if isinstance(value, bool) or not isinstance(value, int | float)}
+        if isinstance(costs, dict)
+        else costs
+    )
+    if bad or not isinstance(costs, dict):
+        by.tell(where, Refused(f"this is {kind_of(costs)}", shown(bad), "a number for each grade or fit", "write them as in IT7 = 5"))
+        return ()
+    fit = one.distribution.fit
+    letters = "/".join(name.rstrip("0123456789") for name in (fit.hole.name, fit.shaft.name))
+    try:
+        return tuple(options_of(letters, fit.diameter, costs))
+    except Refused as refused:
+        by.tell(where, refused)
+        return ()
+
+
+def opened(path: str | Path, table: str, example: str) -> tuple[dict[str, Any], Plan, Mechanism, Mapping[str, str]]:
+    """The tables of a file, its plan without members of its own, the model, units of the measures. Raises ModelError."""
+    path = Path(path)
+    raw = raw_of(text_of(path), str(path))
+    by = Written()
+    if not isinstance(raw.get(table), dict):
+        by.tell((table, ""), Refused("this table is missing", "", "what the search is for", f"add it, as in {example}"))
+        finished(by, path)
+    plan, base = understood({**{key: value for key, value in raw.items() if key != "count"}, "method": SEARCH}, str(path), path.parent)
+    return raw, plan, base, units_of(plan.asked.measures, base)
+
+
+def finished(by: Written, path: str | Path) -> None:
+    """Raises ModelError with what was refused."""
+    if by.refused:
+        raise ModelError(by.faults, str(path))
+
+
+def numbers_at(parameters: Sequence[Parameter], values: Mapping[str, float | str]) -> dict[str, float | str]:
+    """Numbers of a member by path from the values of the parameters by name; whole ones are rounded."""
+    found: dict[str, float | str] = {}
+    for one in parameters:
+        value = values[one.name]
+        if not isinstance(value, str):
+            value = float(round(value)) if isinstance(one.held, Whole) else float(value)
+        found |= dict.fromkeys(one.paths, value)
+    return found
+
+
+def optimised(grow: Growing, plan: Plan, search: Search, told: Callable[[list[Found]], None] | None = None) -> list[Found]:
+    """The members of a search, in a study file."""
+    return searched(search, lambda asked: grow([numbers_at(plan.parameters, one) for one in asked]), told)
+
+
+def allotted(grow: Growing, task: Allotment, told: Callable[[Choice, int, int], None] | None = None) -> Allocated:
+    """The allocation of fits, its machines being members of a study file. Raises ModelError, VfifeError."""
+    names, bound, asked = [one.name for one in task.parameters], task.bound, task.asked
+
+    def values(rows: Sequence[Sequence[float]]) -> Array:
+        found = grow([numbers_at(task.parameters, dict(zip(names, row, strict=True))) for row in rows])
+        return np.array([math.nan if one is None else one.get(bound.measure, math.nan) for one in found])
+
+    return allocate(
+        task.options, values, bound.high, asked.share, confidence=asked.confidence, count=asked.count, seed=asked.seed, width=WIDTH, told=told
+    )

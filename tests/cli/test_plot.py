@@ -1,0 +1,108 @@
+"""`vfife plot`: which figures, into which files, and what is not replaced."""
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from vfife import plots
+from vfife.cli import plot as of_the_command
+from vfife.plots.table import FIGURES
+from vfife.results.folder import PICTURES, is_own
+
+HEADS = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
+
+
+def test_the_command_knows_the_formats() -> None:
+    assert set(of_the_command.PICTURES) == set(plots.PICTURES) == set(PICTURES)
+
+
+def test_figures_that_are_there_are_replaced_with_force_only(command: Callable, case_c_run: Path) -> None:
+    """And none is drawn where one of them is there."""
+    line = ["plot", case_c_run, "--figure", "energy", "--figure", "traces", "-o", "drawn"]
+    done = command(*line[:4], "-o", "drawn")
+    assert done.exit_code == 0 and done.stdout == "drawn/energy.png\n" and "More:" not in done.stderr
+    Path("drawn/energy.png").write_bytes(b"mine")
+    again = command(*line)
+    assert again.exit_code == 2 and "energy.png; name another folder with -o, or add --force" in again.stderr
+    assert Path("drawn/energy.png").read_bytes() == b"mine" and os.listdir("drawn") == ["energy.png"]
+    assert command(*line, "--force").stdout == "drawn/traces.png\ndrawn/energy.png\n"
+    assert Path("drawn/energy.png").read_bytes().startswith(HEADS["png"])
+
+
+@pytest.mark.parametrize("kind", HEADS)
+def test_formats(command: Callable, case_c_run: Path, kind: str) -> None:
+    """A file says who made it, so that a later run into its folder knows it for its own."""
+    done = command("plot", case_c_run, "--figure", "phase", "--format", kind, "-o", "drawn")
+    path = Path(f"drawn/phase.{kind}")
+    assert done.stdout == f"{path}\n" and path.read_bytes().startswith(HEADS[kind])
+    assert is_own(path, None)
+    path.write_bytes(HEADS[kind] + b", drawn by hand")
+    assert not is_own(path, None)
+
+
+def test_one_figure_as_one_file(command: Callable, case_c_run: Path) -> None:
+    assert command("plot", case_c_run, "--at", "90deg", "-o", "quarter.svg").stdout == "quarter.svg\n"
+    assert "four-bar, case c at crank at 90°, 10 ms" in Path("quarter.svg").read_text(encoding="utf-8")
+    again = command("plot", case_c_run, "--at", "90deg", "-o", "quarter.svg")
+    assert again.exit_code == 2 and "add --force to replace it" in again.stderr
+    several = command("plot", case_c_run, "-o", "all.pdf")
+    assert several.exit_code == 2 and "one file holds one figure and this draws 5" in several.stderr and not Path("all.pdf").exists()
+
+
+def test_the_list_says_what_there_is_and_what_the_run_has_nothing_for(command: Callable, case_c_run: Path) -> None:
+    done = command("plot", case_c_run, "--figure", "list")
+    said = " ".join(done.stdout.split())
+    assert done.exit_code == 0 and all(name in said for name in FIGURES) and not (case_c_run / "figures").exists()
+    assert "none: no link is elastic" in said and "usual" in said
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (("--figure", "energi"), 'there is no figure "energi": did you mean "energy"?'),
+        (("--figure", "guides"), 'nothing for the figure "guides": no block has play in a guide; there are mechanism, orbits'),
+        (("--figure", "waterfall"), "it takes 3 turns"),
+        (("--format", "jpg"), "--format jpg: no figure is written as this; there are png, svg, pdf"),
+        (("--at", "1 kg"), "neither an angle nor a time"),
+        (("--at", "90deg", "--figure", "forces"), "name no other figure with it"),
+    ],
+)
+def test_what_cannot_be_drawn_is_told(command: Callable, case_c_run: Path, given: tuple[str, ...], says: str) -> None:
+    done = command("plot", case_c_run, *given, "-o", "drawn")
+    assert done.exit_code == 2 and says in done.stderr and not Path("drawn").exists()
+
+
+def test_a_disk_that_is_full_keeps_what_is_drawn(command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    done = command("plot", case_c_run, "--figure", "phase", "-o", "drawn")
+    assert done.exit_code == 5 and "The run is as it was, and so is what was there before." in done.stderr
+    assert not os.listdir("drawn")
+
+
+def test_while_figures_are_drawn(held: Callable, case_c_run: Path, tmp_path: Path) -> None:
+    process = held("matplotlib", "plot", case_c_run, "-o", "drawn")
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate("on\n", timeout=60)
+    assert process.returncode == 130 and err == "interrupted: Stopped by Ctrl-C. The run is as it was, and no figure was drawn.\n"
+    assert not (tmp_path / "drawn").exists()
+
+
+def test_stopped_after_the_first(command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept, drawn = plots.figure, []
+
+    def stop(result: object, name: str, *rest: object) -> object:
+        if drawn:
+            raise KeyboardInterrupt
+        drawn.append(name)
+        return kept(result, name, *rest)
+
+    monkeypatch.setattr(plots, "figure", stop)
+    done = command("plot", case_c_run, "--figure", "phase,energy", "-o", "drawn")
+    assert done.exit_code == 130 and "The run is as it was; 1 of 2 figures were drawn, in drawn." in done.stderr
+    assert os.listdir("drawn") == ["phase.png"]

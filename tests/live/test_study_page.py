@@ -1,0 +1,94 @@
+"""A reader of a study's report picks a member, and it runs with the numbers that assembly gives for it, to the bit; every text is text."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vfife
+from live.browsers import needs_browser
+from study.studies import BASE
+from vfife.errors import VfifeError
+from vfife.live import studied
+from vfife.live.patches import Patched, patched
+from vfife.live.studied import mechanism, study_page
+from vfife.live.together import together, turned
+from vfife.model.functions import turn_of
+from vfife.report.studypage import document
+
+EVIL = "</script><script>alert(1)</script><b>"
+
+
+@pytest.fixture(scope="module")
+def grid() -> vfife.Study:
+    base = vfife.load(BASE)
+    base.name = EVIL
+    vary = {"play": {"path": "joint.C.clearance", "values": [1e-4, 2e-4]}, "speed": {"path": "driver.crank.speed", "values": [100.0, 150.0]}}
+    return vfife.study(base, vary, ["C.force.max"], turns=1, note=EVIL)
+
+
+@pytest.fixture(scope="module")
+def samples() -> vfife.Study:
+    vary = {
+        "play": {"path": ["joint.C.clearance"], "from": "0.1 mm", "to": "0.3 mm"},
+        "law": {"path": "joint.C.friction.coefficient", "from": 0.0, "to": 0.2},
+    }
+    return vfife.study(vfife.load(BASE), vary, ["C.force.max"], turns=1, method="random", count=25)
+
+
+@pytest.mark.parametrize("kind", ["grid", "samples"])
+def test_positions_have_the_numbers_of_their_members(kind: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    study: vfife.Study = request.getfixturevalue(kind)
+    seen: list[Patched] = []
+    monkeypatch.setattr(studied, "patched", lambda *given: seen.append(patched(*given)) or seen[-1])
+    _, places, notes = study_page(study)
+    (found,) = seen
+    assert notes == () and set(places) == {one.number for one in study.members}
+    own = found.base.own
+    for member in study.members[:: max(1, len(study.members) // 4)]:
+        at = [places[member.number][one.name] for one in found.slides]
+        alone = mechanism(study, member)
+        ideal = None if found.base.ideal is None else turned(found.base.ideal, turn_of(alone))
+        wanted = together(alone, turned(own, turn_of(alone)), ideal, force=True)
+        assert np.array_equal(found.laid(at).view(np.uint64), wanted.vector.view(np.uint64))
+    steps = max(one["steps"] / one["turns"] for one in study.outcomes.values())
+    assert own.choice.turn is not None and own.choice.turn / own.choice.step >= steps - 0.5, "as fine as the finest member"
+
+
+def test_every_text_is_text_and_nothing_is_fetched(grid: vfife.Study) -> None:
+    page = document(grid, {}, *study_page(grid))
+    assert EVIL not in page
+    assert page.count("<button data-positions=") == len(grid.members) == 4
+    outside = re.sub(r'srcdoc="[^"]*"', "", page)
+    assert not re.search(r"https?://|fetch\(|@import", outside)
+
+
+@needs_browser
+def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.Study, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "page.html"
+    path.write_text(document(grid, {}, *study_page(grid)), "utf-8")
+    context = browser.new_context()
+    try:
+        page = context.new_page()
+        faults: list[str] = []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(path.as_uri())
+        page.locator("button[data-positions]").last.click()
+        inside = page.frames[1]
+        inside.wait_for_function("() => live.sliders.setting.positions.join() === '1,1'")
+        inside.wait_for_function("() => live.running.store.end > 1")
+        assert page.locator("#picked").text_content() == "3: play 200 µm, speed 150 rad/s"
+        inside.evaluate("() => window.postMessage({ positions: { play: 7, speed: 'x' } }, '*')")
+        assert inside.evaluate("() => live.sliders.setting.positions") == [1, 1], "what is no position changes nothing"
+        assert faults == []
+    finally:
+        context.close()
+
+
+def test_a_study_of_which_nothing_is_complete_has_no_page(samples: vfife.Study) -> None:
+    empty = vfife.Study(None, samples.meta, samples.members, {})
+    with pytest.raises(VfifeError, match="no member is complete yet"):
+        study_page(empty)

@@ -1,0 +1,94 @@
+"""Five hundred members on a cluster of which a process is killed every five seconds; and a member that kills each of its workers."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import random
+import signal
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from vfife import Study, load_model
+from vfife.study import carry
+from vfife.study.batch import Answer, Question, run_batch
+from vfife.study.cluster import cluster
+from vfife.study.engine import Wanted, run_members
+from vfife.study.planfile import understood
+
+pytestmark = pytest.mark.soak
+pytest.importorskip("distributed")
+
+BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
+EVERY = 5.0  # s
+RAW = {
+    "measures": ["C.force.max", "C.impacts", "follower.angular_acceleration.max"],
+    "turns": 2,
+    "method": "latin",
+    "count": 500,
+    "vary": {
+        "play": {"path": "joint.C.clearance", "from": "0.05 mm", "to": "0.5 mm"},
+        "speed": {"path": "driver.crank.speed", "from": "500 rpm", "to": "1500 rpm"},
+    },
+}
+
+
+class Reaper(threading.Thread):
+    """Kills a worker every few seconds: a process that a nanny of this process has begun."""
+
+    def __init__(self) -> None:
+        super().__init__(daemon=True)
+        self.ended, self.kills = threading.Event(), 0
+
+    def run(self) -> None:
+        draw = random.Random(1)
+        while not self.ended.wait(EVERY):
+            workers = sorted(one.pid for one in multiprocessing.active_children() if one.pid is not None)
+            if workers:
+                os.kill(draw.choice(workers), signal.SIGKILL)
+                self.kills += 1
+
+
+def test_workers_killed_every_five_seconds_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
+    plan, base = understood(RAW, "study", base=load_model(BASE))
+    with carry.opened(tmp_path / "own.study", plan, base, "own") as file:
+        assert carry.carry_out(file, base)
+        own = carry.read_back(file)
+    reaper = Reaper()
+    with cluster("local", 2) as runner, carry.opened(tmp_path / "far.study", plan, base, "far") as file:
+        reaper.start()
+        assert carry.carry_out(file, base, runner=runner)
+        reaper.ended.set()
+        reaper.join()
+    far = Study.open(tmp_path / "far.study")
+    print(f"{reaper.kills} workers killed, {far.counts}")
+    assert reaper.kills > 3
+    assert far.counts == own.counts == {"complete": 500, "left": 0}
+    assert far.rows() == own.rows()
+
+
+def deadly(killer: float, folder: str) -> Any:
+    """The work of a worker that one member kills. Sent by value."""
+
+    def work(asked: Question, numbers: Sequence[Any], lanes: int | None) -> Answer:
+        if any(one["joint.C.clearance"] == killer for one in numbers):
+            os.close(os.open(f"{folder}/{os.getpid()}", os.O_CREAT))
+            os.kill(os.getpid(), signal.SIGKILL)
+        return run_batch(asked, numbers, lanes)
+
+    return work
+
+
+def test_a_member_that_kills_three_workers_is_marked_and_the_rest_finish(tmp_path: Path) -> None:
+    base, wanted = load_model(BASE), Wanted(("C.force.max",), 1)
+    numbers = [{"joint.C.clearance": 1e-4 + 1e-6 * k} for k in range(60)]
+    own = dict(run_members(base, numbers, wanted))
+    with cluster("local", 2) as runner:
+        found = dict(runner(base, numbers, wanted, work=deadly(numbers[31]["joint.C.clearance"], str(tmp_path))))
+    assert found[31].status == "killed"
+    assert len(list(tmp_path.iterdir())) == 3
+    assert {k: one for k, one in found.items() if k != 31} == {k: one for k, one in own.items() if k != 31}
