@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..report.study import quantity
 from .options import JsonOption
 from .studied import FileArgument, read
 from .terminal import grid, output, print_json, row, sentences
