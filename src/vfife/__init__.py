@@ -102,6 +102,7 @@ _above.ANSWERS |= {
     "plot": _later("plots", "at_start"),
     "html": _later("plots.notebook", "mechanism_html"),
     "live": _later("live.cell", "live"),
+    "live_result": _later("live.cell", "live_result"),
     "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
 }

@@ -167,12 +167,11 @@ class Result(View):
         animate(self, Path(path), frames, rate, turns)
 
     def live(self, slide: Iterable[str] | None = ()) -> Live:
-        """A page in which its mechanism runs with its step: in a notebook's cell, as its last line, and where that is exported to.
+        """A page in which its mechanism runs with its step, or of its equilibria: for the last line of a cell, and where that is exported to.
 
         ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, none by default. Raises VfifeError for what has no motion.
         """
-        assembly = self.record.assembly
-        found: Live = answered("live", assembly.mechanism, slide, assembly.choice.step)
+        found: Live = answered("live_result", self, slide)
         return found
 
     def report(self, path: str | Path, running: bool = True) -> None:

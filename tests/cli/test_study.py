@@ -57,6 +57,15 @@ def test_values_points_and_what_was_broken_off_are_added(command: Command, close
     assert len(closed.computed) == 7
 
 
+def test_a_study_of_another_text_of_the_step_is_not_added_to(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    monkeypatch.setattr(carry, "sources_of_the_step", lambda: b"another text")
+    for words in (("add", "x.study", "play=0.4 mm"), ("resume", "x.study")):
+        done = command("study", *words)
+        assert (done.exit_code, "which steps otherwise" in done.stderr) == (2, True), done.stderr
+    assert len(closed.computed) == 6 == len(Study.open("x.study").members)
+
+
 def test_samples_are_added_to_a_sequence(command: Command, closed: Closed, tmp_path: Path) -> None:
     lines = ASKED.replace("count = 2\n", "").replace("turns = 2", 'turns = 2\nmethod = "sobol"\ncount = 4')
     (tmp_path / "s.toml").write_text(lines)
@@ -114,11 +123,16 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         ("study", "show", "missing.study"): "there is no study file of this name",
         ("study", "s.toml", "-o", "other.study", "--force"): "no study file; name another one",
         ("study", "show", "other.study"): "this is no study file",
+        ("study", "s.toml", "-o", "nowhere/x.study"): "Make the folder nowhere first",
+        ("study", "shwo", "x.study"): "No such command 'shwo'",
     }
     for words, says in cases.items():
         done = command(*words)
         assert (done.exit_code, says in done.stderr) == (2, True), (words, done.stderr)
     command("study", "s.toml", "-o", "x.study", "-q")
+    assert "this is a study file, of many runs; see vfife study show" in command("info", "x.study").stderr
+    assert "this is what a study was kept in" in command("study", "x.study").stderr
+    assert "nothing is left to compute: all 6 members" in command("study", "resume", "x.study").stderr
     for word, says in (("plya=1", 'did you mean "play"'), ("play=1 s", "this is a time"), ("play", "this is not NAME=VALUE")):
         done = command("study", "add", "x.study", word)
         assert (done.exit_code, says in done.stderr) == (2, True), done.stderr
@@ -135,6 +149,8 @@ def test_a_card_that_is_not_there_is_told_before_anything_is_begun(command: Comm
             assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
     done = command("study", "s.toml", "--device", "gpu")
     assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    done = command("study", "s.toml", "--device", "cuda", "--cluster", "local")
+    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), done.stderr
     assert not Path("runs").exists() and not Path("x.study").exists()
 
 

@@ -33,7 +33,7 @@ def test_a_cell_shows_the_page_and_keeps_it_apart(tmp_path):
     with pytest.raises(ValueError, match="PATH=LOW"):
         mechanism.live(["joint.C.clearance"])
     with pytest.raises(vfife.VfifeError, match="static"):
-        gallery.toggle_press().live(())
+        gallery.toggle_press().live(["body.ram.mass=1..2kg"])
 
 
 def test_a_result_runs_with_its_step():

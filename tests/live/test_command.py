@@ -34,11 +34,13 @@ def test_a_run_becomes_a_page_with_its_step(tmp_path):
 def test_what_cannot_be_a_page_is_told_in_a_sentence(tmp_path):
     static = tmp_path / "press.toml"
     static.write_text(dump(gallery.toggle_press()), "utf-8")
+    moving = tmp_path / "bar.toml"
+    moving.write_text(dump(gallery.four_bar_case_b()), "utf-8")
     for arguments, said in (
-        ((static,), "static"),
+        ((static, "--slide", "run.tolerance=1e-6..1e-3"), "leave it out"),
         ((tmp_path / "none.toml",), "cannot be read"),
         ((tmp_path,), "no run in this folder"),
-        ((static, "--slide", "joint.C=1"), "PATH=LOW..HIGH"),
+        ((moving, "--slide", "joint.C=1"), "PATH=LOW..HIGH"),
     ):
         done = told(*arguments, "-o", tmp_path / "page.html")
         assert done.exit_code == 2, done.output

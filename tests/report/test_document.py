@@ -120,7 +120,7 @@ def test_equilibria_have_a_report() -> None:
 def test_the_command_writes_one_file_and_replaces_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run().save(tmp_path / "run.sqlite")
     line = ["report", str(tmp_path), "-o", str(tmp_path / "r.html")]
-    monkeypatch.setattr(cell, "live_page", lambda *_, **__: "x" * 4_000_000)
+    monkeypatch.setattr(cell, "result_page", lambda result: "x" * 4_000_000)
     said = CliRunner().invoke(app, line)
     assert said.exit_code == 0 and "left out" in said.stderr and (tmp_path / "r.html").stat().st_size < 4_000_000
     titles = Page((tmp_path / "r.html").read_text("utf-8")).texts["h2"]

@@ -39,6 +39,8 @@ def deadly(mark: str) -> Callable[..., Answer]:
     def work(asked: Question, numbers: Sequence[Any], lanes: int | None) -> Answer:
         from vfife.study.batch import run_batch
 
+        if not numbers:
+            return run_batch(asked, numbers, lanes)
         try:
             os.close(os.open(mark, os.O_CREAT | os.O_EXCL))
         except FileExistsError:
@@ -74,7 +76,8 @@ class Farm:
 
     status = "running"
 
-    def __init__(self, killers: set[int]) -> None:
+    def __init__(self, killers: set[int], stillborn: int = 0) -> None:
+        self.stillborn = stillborn  # workers that end before they have begun
         self.killers, self.workers, self.killed = killers, ["w0", "w1"], list[list[int]]()
         self.begun = 2
 
@@ -86,8 +89,8 @@ class Farm:
         busy = SimpleNamespace(key=f"{workers[0]}-{members}", cancel=lambda: None, add_done_callback=lambda call: call(busy))
         answer = Answer([{"values": {"k": float(k)}} for k in members], 1.0)
         busy.result = lambda timeout: answer
-        if self.killers & set(members):
-            self.killed.append(members)
+        if self.killers & set(members) or (not members and self.begun < self.stillborn):
+            self.killed += [members] if members else []
             self.workers.remove(workers[0])
             self.workers.append(f"w{self.begun}")
             self.begun += 1
@@ -99,7 +102,7 @@ class Farm:
 
 def test_a_member_that_kills_three_workers_is_given_up_and_the_rest_finish(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(spreading, "LOOK", 0.005)
-    farm, base = Farm({5, 17}), load_model(BASE)
+    farm, base = Farm({5, 17}, stillborn=12), load_model(BASE)
     found = list(on_cluster(farm, base, [{"k": float(k)} for k in range(40)], WANTED))
     outcomes = dict(found)
     assert len(found) == len(outcomes) == 40

@@ -112,6 +112,8 @@ def test_all_faults_at_once_with_their_places(tmp_path: Path) -> None:
         ('[vary.x]\npath = "joint.C.clearance"\nfrom = 2e-4\nto = 1e-4\ncount = 3\n', "not above from"),
         ('[vary.x]\npath = "joint.C.clearance"\nfrom = 1e-4\nto = 2e-4\n', "a grid takes values"),
         ('[vary.x]\npath = "joint.C"\nvalues = [1]\n', "a table, not a number"),
+        ('[vary.x]\npath = "run.turns"\nvalues = [1]\n', "the study says this itself"),
+        ('[vary.x]\npath = "joint.B.clearance"\nvalues = [1e-4]\n', "of a kind that has no such number"),
         ('[vary.x]\npath = ["joint.C.clearance", "body.coupler.mass"]\nvalues = [1]\n', "numbers of different kinds"),
         ('[vary.x]\npath = "joint.C.clearance"\nvalues = ["1 s"]\n', "length"),
         ('[vary.x]\npath = "joint.C.clearance"\nvalues = [-1e-4]\n', "this is negative"),

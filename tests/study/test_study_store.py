@@ -79,7 +79,7 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
     assert len(whole.done) == 6
     statements, survived, kept = 0, False, set()
     while not survived:
-        statements += 4
+        statements += 5
         path = tmp_path / f"{statements}.study"
 
         def once(path: Path = path, count: int = statements) -> None:
@@ -193,6 +193,16 @@ def test_another_study_is_not_mixed_with_it(before: str, after_: str, says: str,
     with pytest.raises(VfifeError, match=says):
         vfife.study(asked, file=path)
     assert len(Study.open(path).done) == 6
+
+
+def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(asked: Path, tmp_path: Path, closed: Closed) -> None:
+    path = tmp_path / "s.study"
+    vfife.study(asked, file=path)
+    with StudyFile.open(path) as file:
+        kept = file.meta["study"]
+        law = {"kind": "contact", "name": "mine", "text": "one"}
+        for change, says in (({"step": "0"}, "which steps otherwise"), ({"own_laws": [law]}, "another text of your own laws"), ({}, "")):
+            assert says in carry.same_question(file, {**kept, **change}) and bool(says) == bool(carry.same_question(file, {**kept, **change}))
 
 
 def test_damaged_rows_are_left_out_and_computed_again(asked: Path, tmp_path: Path, closed: Closed) -> None:

@@ -45,24 +45,40 @@ def write(source: Path, out: Path, slide: list[str] | None, no_sliders: bool, se
     if not out.absolute().parent.is_dir():
         fail(f"-o {out}: there is no folder {out.absolute().parent}; make it first")
     with sentences(str(source)):
-        from ..live import asked_slides, default_slides, model_of
-        from ..live.page import LARGEST, written
-        from ..live.patches import patched
+        from ..live.page import LARGEST
         from ..results.folder import written as kept
 
         take_laws(laws)
-        mechanism, step = model_of(source, overrides(set_))
-        slides = [] if no_sliders else asked_slides(mechanism, slide) if slide else default_slides(mechanism)
-        found = patched(mechanism, slides, step)
-        page = written(found).encode("utf-8")
+        text, notes, names = written(source, slide, no_sliders, set_)
+        page = text.encode("utf-8")
         if len(page) > LARGEST:
             sizes = f"{amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may"
             raise ValueError(f"the page takes {sizes}; slide less, or use fewer elements")
-    for note in found.notes:
+    for note in notes:
         tell("note", f"{note}.")
     with writing(str(out)):
-        kept(out, page.decode("utf-8"))
-    typer.echo(f"{out}: {amount_of_bytes(len(page))}, sliders: {', '.join(one.name for one in found.slides) or 'none'}; open it in a browser.")
+        kept(out, text)
+    typer.echo(f"{out}: {amount_of_bytes(len(page))}, sliders: {', '.join(names) or 'none'}; open it in a browser.")
+
+
+def written(source: Path, slide: list[str] | None, no_sliders: bool, set_: list[str] | None) -> tuple[str, tuple[str, ...], list[str]]:
+    """The page, sentences about it, and the names of its sliders; of a static analysis its equilibria, which have none."""
+    from ..live import asked_slides, default_slides, model_of, page
+    from ..live.patches import patched
+
+    mechanism, step = model_of(source, overrides(set_))
+    if mechanism.settings.analysis == "static":
+        from ..result import Result
+        from ..results.header import is_run_file
+
+        if slide:
+            raise ValueError(
+                "--slide: the equilibria of a static analysis are not found in the page, so nothing in it can be changed; leave it out"
+            )
+        ended = source.is_dir() or is_run_file(source)
+        return (page.result_page(Result.load(source)) if ended else page.live_page(mechanism)), (), []
+    found = patched(mechanism, [] if no_sliders else asked_slides(mechanism, slide) if slide else default_slides(mechanism), step)
+    return page.written(found), found.notes, [one.name for one in found.slides]
 
 
 def serve(

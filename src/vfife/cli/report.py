@@ -55,23 +55,12 @@ def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
         refuse_taken(target, force)
     found = read(file)
     with sentences(str(file)):
-        from ..errors import VfifeError
-        from ..live.cell import LARGEST_REPORT
-        from ..live.studied import study_page
-        from ..plots.study import pictures
-        from ..report.studypage import document
+        from ..live.studied import reported
         from ..results.folder import written
 
-        drawn = pictures(found)
-        page = document(found, drawn)
-        try:
-            whole = page if no_live else document(found, drawn, *study_page(found))
-            if len(whole.encode("utf-8")) > LARGEST_REPORT:
-                tell("note", "the page in which a member runs is left out: with it the report would be too large.")
-            else:
-                page = whole
-        except VfifeError as error:
-            tell("note", f"no member runs in the report: {error}.")
+        page, notes = reported(found, not no_live)
+    for note in notes:
+        tell("note", note)
     with writing(str(target), "The study is as it was, and so is what was there before."):
         written(target, page)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")

@@ -85,9 +85,16 @@ def printed(found: Study, members: bool = False) -> None:
         console.print(f"... and {len(found.failed) - MOST_SHOWN:,} more; --json has all of them")
 
 
+def quantity(value: Any, unit: str) -> str:
+    """A quantity with a prefix; words as they are."""
+    from ..report.study import quantity as told
+
+    return told(value, unit)
+
+
 def measured(found: Study) -> Any:
     """The table of the measures."""
-    from ..report.study import extremes, placed, quantity
+    from ..report.study import extremes, placed
 
     table = grid("measure", "least", "at", "mean", "largest", "at", right=(1, 3, 4))
     for name, one in extremes(found).items():
@@ -99,8 +106,6 @@ def measured(found: Study) -> Any:
 
 def every(found: Study) -> Any:
     """The table of the members."""
-    from ..report.study import quantity
-
     names, measures = [one.name for one in found.parameters], list(found.measures)
     table = grid("member", *names, *measures, "status", right=tuple(range(len(names) + len(measures) + 1)))
     units = {**{one.name: one.unit for one in found.parameters}, **found.measures}
@@ -143,10 +148,10 @@ Kind = Annotated[str, typer.Option("--kind", metavar="KIND", help="png, svg or p
 def plot(file: FileArgument, folder: FiguresOption = None, figure: FigureOption = None, measure: MeasureOption = None, kind: Kind = "png") -> None:
     """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the better)."""
     found = read(file)
-    with sentences(str(file)), writing(str(file), "The study is as it was."):
+    target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
+    with sentences(str(file)), writing(str(target), "The study is as it was."):
         from ..plots.study import drawn
 
-        target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
         target.mkdir(parents=True, exist_ok=True)
         paths = drawn(found, target, figure or (), measure or (), f".{kind.lower().removeprefix('.')}")
     for path in paths:

@@ -52,8 +52,9 @@ class Group(Plainly, TyperGroup):
     """The commands of a study. What is no command is a study file, which is run."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Puts the command before a study file."""
-        if args and args[0] not in self.commands and args[0] != "--help":
+        """Puts the command before a study file; a word that is no file's name is a command that there is not."""
+        word = args[0] if args else "--help"
+        if word not in self.commands and word != "--help" and (word.startswith("-") or Path(word).suffix or Path(word).exists()):
             args = [RUN, *args]
         return super().parse_args(ctx, args)
 
@@ -86,11 +87,14 @@ def run(
     member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
     """
     with sentences(str(file)):
+        from ..results.header import study_head
         from ..study.cluster import elsewhere
         from ..study.plan import SEARCH
         from ..study.planfile import load_plan
 
         take_laws(laws)
+        if study_head(file) is not None:
+            raise ValueError(f"{file}: this is what a study was kept in; see vfife study show, resume or add, or name its STUDY.toml")
         plan, base = load_plan(file)
         if plan.asked.method == SEARCH:
             raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
@@ -148,11 +152,9 @@ def add(
     told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
 
     def opened() -> StudyFile:
-        from ..results.studyfile import StudyFile
+        from ..study.carry import taken_up
 
-        found = StudyFile.write(file)
-        found.add(plan.numbers(), asked)
-        return found
+        return taken_up(file, plan, asked)
 
     carried(file, opened, base, workers, cluster, run_on, as_json, quiet)
 
@@ -189,12 +191,14 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
             fail(f"this study takes {much}; add --yes if that is meant, or ask for fewer members or turns. Nothing was begun.")
     if quiet:
         return
+    if not found["members"]:
+        tell("note", f"nothing is left to compute: all {found['done']:,} members are in {target}.")
+        return
     done = f", {found['done']:,} of which are there already" if found["done"] else ""
-    each = f"{found['steps']:,.0f} steps each" if found["members"] else ""
     tell(
         "forecast",
-        f"{found['members']:,} members{done}, some {each}: {span(found['seconds'])} with {found['workers']} threads of {found['lanes']} lanes, "
-        f"{amount_of_bytes(found['bytes'])} in {target}.",
+        f"{found['members']:,} members{done}, some {found['steps']:,.0f} steps each: {span(found['seconds'])} with {found['workers']} threads of "
+        f"{found['lanes']} lanes, {amount_of_bytes(found['bytes'])} in {target}.",
         "bold",
     )
     for text in kinds:
@@ -214,7 +218,8 @@ def carried(
     """Computes what is left; says what was kept, and ends with the exit code of that."""
     from .progress import ProgressLine
 
-    kept = f"Members that ended are kept in {target}; the same command goes on after them."
+    went_on = f"Members that ended are kept in {target}; the same command goes on after them."
+    kept = went_on if target.exists() else ""
     with sentences(str(target)), writing(str(target), kept):
         from ..study.carry import carry_out, read_back
         from ..study.cluster import joined
@@ -223,7 +228,7 @@ def carried(
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
         with locked(target) as lock:
             NOW.last.append(lock.release)
-            NOW.saved = kept
+            NOW.saved = went_on
             with opened() as file:
                 with joined(cluster, workers, run_on) as runner, ProgressLine(quiet) as line:
                     whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)

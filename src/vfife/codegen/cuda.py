@@ -32,7 +32,7 @@ class Card:
     """
 
     def __init__(self, driver: Any = None) -> None:
-        self.driver = driver or _bindings()
+        self.driver, self.programs = driver or _bindings(), dict[str, Any]()
         try:
             self.call("cuInit", 0)
         except RuntimeError as error:  # the bindings look for the driver when they are first used
@@ -77,9 +77,10 @@ class Card:
         return int(free) if not int(code) else 0
 
     def program(self, ptx: str, name: str) -> Any:
-        """A kernel of a text, and the module that it lives in; the driver makes machine code of it, and keeps that."""
-        module = self.call("cuModuleLoadData", ptx.encode() + b"\0")
-        return self.call("cuModuleGetFunction", module, name.encode())
+        """A kernel of a text. The driver makes machine code of it, which takes seconds, once in this process, and keeps it for others."""
+        if ptx not in self.programs:
+            self.programs[ptx] = self.call("cuModuleLoadData", ptx.encode() + b"\0")
+        return self.call("cuModuleGetFunction", self.programs[ptx], name.encode())
 
     def memory(self, size: int) -> int:
         """Address of so many bytes, at least one."""

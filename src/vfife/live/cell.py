@@ -12,7 +12,7 @@ from ..plots.notebook import pictures
 from ..report.document import document
 from ..result import Result
 from ..results.folder import written
-from .page import live_page
+from .page import live_page, result_page
 from .sliders import asked_slides, default_slides
 
 HEIGHT = 720  # pixels of a cell
@@ -47,8 +47,17 @@ def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float |
 
     Raises VfifeError for what cannot run in a page, ModelError and AssemblyError for what cannot run at all, ValueError for a slide that is none.
     """
-    slides = default_slides(mechanism) if slide is None else asked_slides(mechanism, [slide] if isinstance(slide, str) else slide)
+    still = mechanism.settings.analysis == "static" and not slide
+    slides = [] if still else default_slides(mechanism) if slide is None else asked_slides(mechanism, [slide] if isinstance(slide, str) else slide)
     return Live(live_page(mechanism, slides, step), str(mechanism.name))
+
+
+def live_result(result: Result, slide: Iterable[str] | None = ()) -> Live:
+    """The mechanism of a result, running with its step; of a static analysis its equilibria. Raises as :func:`live` does."""
+    assembly = result.record.assembly
+    if result.record.static and not slide:
+        return Live(result_page(result), str(assembly.mechanism.name))
+    return live(assembly.mechanism, slide, assembly.choice.step)
 
 
 def reported(result: Result, running: bool = True) -> tuple[str, list[str]]:
@@ -56,7 +65,7 @@ def reported(result: Result, running: bool = True) -> tuple[str, list[str]]:
     mechanism, notes, page = result.record.assembly.mechanism, [], None
     if running:
         try:
-            page = live_page(mechanism, step=result.record.assembly.choice.step)  # sliders take long to find: vfife live has them
+            page = result_page(result)  # sliders take long to find: vfife live has them
         except VfifeError as error:
             notes.append(f"the mechanism does not run in the report: {error}.")
     drawn = pictures(result)

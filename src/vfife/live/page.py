@@ -12,7 +12,10 @@ from ..codegen import javascript
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
-from .given import given, left
+from ..result import Result
+from ..simulation import simulate
+from .equilibria import told_of
+from .given import Json, given, left
 from .patches import Patched, patched
 from .sliders import Slide
 from .together import Together
@@ -20,7 +23,7 @@ from .together import Together
 BROWSER = Path(__file__).with_name("browser")
 WORKER = ("stepper.js",)
 SCRIPTS = (
-    "pieces.js", "numbers.js", "store.js", "running.js", "theme.js", "svg.js", "pen.js", "pose.js", "scene.js", "axes.js", "charts.js",
+    "pieces.js", "numbers.js", "store.js", "running.js", "path.js", "theme.js", "svg.js", "pen.js", "pose.js", "scene.js", "axes.js", "charts.js",
     "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js", "looks.js",
 )  # fmt: skip
 LARGEST = 2_000_000  # bytes
@@ -30,15 +33,33 @@ def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | 
     """A page in which a mechanism runs, as one HTML text without any reference to elsewhere.
 
     The step that it runs is the traced one as JavaScript, with the bits of :func:`~vfife.simulation.simulate` without companions. ``slides`` become
-    sliders (:func:`~vfife.live.sliders.default_slides` for the usual ones); ``step`` (s) is that of a run, or None for the automatic one. Raises
-    VfifeError for a mechanism that cannot run in a page, ModelError and AssemblyError for one that cannot run at all.
+    sliders (:func:`~vfife.live.sliders.default_slides` for the usual ones); ``step`` (s) is that of a run, or None for the automatic one. A static
+    analysis is carried out, and the page holds its equilibria. Raises VfifeError for a mechanism that cannot run in a page, ModelError and
+    AssemblyError for one that cannot run at all.
     """
+    if mechanism.settings.analysis == "static" and not (slides := list(slides)):
+        return still(simulate(mechanism, reference=False))
     return written(patched(mechanism, list(slides), step))
+
+
+def result_page(result: Result) -> str:
+    """The page of a result: its mechanism running with its step, without sliders; of a static analysis its equilibria. Raises VfifeError."""
+    assembly = result.record.assembly
+    return still(result) if result.record.static else live_page(assembly.mechanism, step=assembly.choice.step)
+
+
+def still(result: Result) -> str:
+    """The page of the equilibria of a static analysis. Raises VfifeError where there are none but the start."""
+    return put_together(told_of(result) | {"worker": '"use strict";\n' + (BROWSER / "still.js").read_text("utf-8")})
 
 
 def written(found: Patched) -> str:
     """The page of a mechanism with its sliders."""
-    told = given(found.base) | found.json() | {"worker": worker(found.base)}
+    return put_together(given(found.base) | found.json() | {"worker": worker(found.base)})
+
+
+def put_together(told: Json) -> str:
+    """The page of what is told, as one text."""
     text = json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     safe = text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     parts = {

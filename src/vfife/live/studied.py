@@ -12,10 +12,13 @@ from ..laws.stored import standing_in
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
+from ..plots.study import pictures
 from ..report.study import where
+from ..report.studypage import document
 from ..results.studied import Study
 from ..results.studyfile import Kept
 from ..solvers.status import Status
+from .cell import LARGEST_REPORT
 from .page import written
 from .patches import GROUP_COMBINATIONS, Patched, patched
 from .sliders import Slide
@@ -60,6 +63,21 @@ def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
     with standing_in(study.asked["own_laws"]):
         found = patched(base, slides, turn / math.ceil(steps))
     return written(found), places(study, found), found.notes
+
+
+def reported(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
+    """The report of a study, and sentences about what is not in it."""
+    drawn = pictures(study)
+    page = document(study, drawn)
+    if not live:
+        return page, ()
+    try:
+        whole = document(study, drawn, *study_page(study))
+    except VfifeError as error:
+        return page, (f"no member runs in the report: {str(error).rstrip(chr(46))}.",)
+    if len(whole.encode("utf-8")) > LARGEST_REPORT:
+        return page, ("the page in which a member runs is left out: with it the report would be too large.",)
+    return whole, ()
 
 
 def mechanism(study: Study, member: Kept) -> Mechanism:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
+from ..codegen.straight_line import about
 from ..errors import RunFileError, VfifeError
 from ..laws.elasticity import elastic_energy
 from ..model.mechanism import Mechanism
@@ -18,7 +19,7 @@ from ..modelfile import load
 from ..result import Result
 from ..results.header import RUN_FILE, is_run_file
 from ..simulation import comparable
-from ..solvers.transient import choose_loop
+from ..solvers.transient import LONGEST_STRAIGHT_LINE, choose_loop
 
 Array = NDArray[np.float64]
 DEPTHS = np.geomspace(1e-9, 1e-2, 29)  # m: the energy of a contact is told at these, and is a power of the depth between two of them
@@ -111,7 +112,7 @@ def together(
     refuse_unfit(mechanism)
     own = assemble(mechanism, step, force_step=force)
     if choose_loop(own, "auto") != "generated":
-        raise VfifeError("a page runs models whose step is written out, and this one has too many elements, or path units of several steps")
+        raise VfifeError(f"a page runs models whose step is written out, and that of this one is not: {why_not(own)}")
     if not comparable(mechanism) or any(driver.steady_speed is None for driver in mechanism.drivers.values() if driver.moves):
         return Together(own, None)
     without, known = mechanism.ideal(), [] if known is None else known
@@ -120,6 +121,15 @@ def together(
             return Together(own, one)
     known.append(assemble(without, ideal_step, beside=mechanism, turns=1.0))
     return Together(own, known[-1])
+
+
+def why_not(assembly: Assembly) -> str:
+    """Why a step is not written out, with the numbers."""
+    if assembly.topology.path_unit != 1:
+        return f"its path units have {assembly.topology.path_unit} steps; leave path_unit at 1"
+    lines, count = about(assembly.topology), len(assembly.topology.frame_nodes)
+    most = f"{LONGEST_STRAIGHT_LINE:,} are the most, which is some 380 elements"
+    return f"it would have some {lines:,} lines, and {most}; there are {count:,} here, so take fewer, or vfife run and vfife plot"
 
 
 def turned(assembly: Assembly, turn: float | None) -> float:

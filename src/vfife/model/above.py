@@ -7,7 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-ANSWERS: dict[str, Callable[..., Any]] = {}  # to_toml, check, plot, html, live: functions of a mechanism; report: of a result; figures: of a study
+ANSWERS: dict[
+    str, Callable[..., Any]
+] = {}  # to_toml, check, plot, html, live: of a mechanism; live_result, report: of a result; figures: of a study
 
 
 def answered(question: str, *given: Any) -> Any:

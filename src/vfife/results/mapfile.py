@@ -76,7 +76,7 @@ class MapFile:
     @told
     def keep(self, number: int, points: Array, growth: Array, state: Array) -> None:
         """What the chains left at a value: points, shape (turns, series x chains), growth (turns, chains) and the state to go on from."""
-        tables.insert(self._connection, "legs", number, packed(points), packed(growth), packed(state.reshape(len(state), -1)))
+        tables.insert(self._connection, "legs", number, packed(points), packed(growth), packed(state))
 
     @told
     def legs(self) -> list[tuple[Array, Array]]:
@@ -88,7 +88,7 @@ class MapFile:
 
     @told
     def state(self, number: int) -> Array:
-        """The state after a value, shape (2, rows x chains)."""
+        """The state after a value, shape (rows, chains)."""
         row = tables.sound(self._connection, "legs", number)
         if row is None:
             raise RunFileError(f"{self.path}: the state after value {number} is damaged; make the map again")

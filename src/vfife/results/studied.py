@@ -186,16 +186,21 @@ class Study:
         return tuple(self._places[name][own[name]] for name in self.axes)
 
     @cached_property
+    def _along(self) -> tuple[NDArray[np.intp], ...]:
+        """Where the members that ended lie along each axis."""
+        at = np.array([self.place(one) for one in self.done], dtype=np.intp).reshape(len(self.done), len(self.axes))
+        return tuple(at.T)
+
+    @cached_property
     def _places(self) -> dict[str, dict[Any, int]]:
         return {name: {value: k for k, value in enumerate(values)} for name, values in self.axes.items()}
 
     def laid_out(self, name: str) -> NDArray[np.float64]:
         """A measure, or turns, settled or step, along the axes; NaN of members that are left or have none."""
         found = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
-        for one in self.done:
-            outcome = self.outcomes[one.number]
-            value = outcome["measures"].get(name) if name in self.measures else outcome[name]
-            found[self.place(one)] = math.nan if value is None else value
+        outcomes = [self.outcomes[one.number] for one in self.done]
+        values = [one["measures"].get(name) if name in self.measures else one[name] for one in outcomes]
+        found[self._along] = [math.nan if value is None else value for value in values]
         return found
 
     @cached_property
@@ -206,8 +211,7 @@ class Study:
         dims = tuple(self.axes)
         arrays = {name: self.laid_out(name) for name in (*self.measures, "turns", "settled", "step")}
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
-        for one in self.done:
-            status[self.place(one)] = self.outcomes[one.number]["status"]
+        status[self._along] = [str(self.outcomes[one.number]["status"]) for one in self.done]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
         found: dict[str, Any] = {name: (dims, values, {"units": units[name]}) for name, values in arrays.items()}
         found["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})

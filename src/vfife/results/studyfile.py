@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ..study.engine import Outcome
 
 Numbers: TypeAlias = Mapping[str, float | str]
+AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
 GATHER = 0.25  # s: what a kill may cost beside the members under way
 WHAT = "study"  # the entry of the meta that says what is asked
 
@@ -43,7 +44,7 @@ class Kept:
 
 def hash_of(numbers: Numbers) -> str:
     """What a member is known by: the numbers of the model that it changes, to the bit, in whatever order they come."""
-    text = json.dumps(sorted((path, value) for path, value in numbers.items()), ensure_ascii=False)
+    text = AS_TEXT(sorted(numbers.items()))
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
@@ -143,8 +144,8 @@ class StudyFile:
             tables.insert(self._connection, "meta", key, json.dumps(value))
 
     def _add(self, members: Sequence[Numbers]) -> int:
-        known = {one.hash for one in self._members()}
-        number = 1 + max(tables.keys(self._connection, "members"), default=-1)
+        known = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
+        number = 1 + int(self._connection.execute("SELECT coalesce(max(number), -1) FROM members").fetchone()[0])
         first = number
         for numbers in members:
             if (name := hash_of(numbers)) not in known:
@@ -194,7 +195,7 @@ class StudyFile:
 
     def _members(self) -> list[Kept]:
         found = []
-        for _, row in tables.each(self._connection, "members"):
+        for _, row in tables.rows(self._connection, "members"):
             if row is None:
                 self.lost += 1
             else:
@@ -206,7 +207,7 @@ class StudyFile:
         """What members came to, by their places: status, reason, turns, settled, steps, step and measures."""
         names = [column.split()[0] for column in tables.STUDY["outcomes"]]
         found = {}
-        for number, row in tables.each(self._connection, "outcomes"):
+        for number, row in tables.rows(self._connection, "outcomes"):
             if row is not None:
                 one = dict(zip(names, row, strict=True))
                 one |= {"measures": json.loads(one["measures"]), "settled": None if one["settled"] < 0 else one["settled"]}

@@ -102,6 +102,17 @@ def each(connection: sqlite3.Connection, table: str) -> Iterator[tuple[Any, tupl
         yield key, sound(connection, table, key)
 
 
+def rows(connection: sqlite3.Connection, table: str) -> list[tuple[Any, tuple[Any, ...] | None]]:
+    """The same at once, for a table of many small rows; row by row where the file is so damaged that it cannot be read through."""
+    try:
+        found = connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        if _of_storage(error):
+            raise
+        return list(each(connection, table))
+    return [(row[0], tuple(row[:-1]) if seal(table, *row[:-1]) == row[-1] else None) for row in found]
+
+
 def told(method: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:
     """Turns what SQLite, zlib and json say about a damaged file or a full disk into a sentence; the first argument has the path."""
 

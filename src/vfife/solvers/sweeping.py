@@ -2,7 +2,7 @@
 
 Chains of values lie in lanes side by side: the way up, the way down. What is looked at is the state once a turn, at one phase of the crank. The
 growth of a small difference is that of the step's own derivative, which begins as that by the number that is swept, is freed from it after a
-turn, and is taken back to length one after each.
+turn, and is taken back to length one after each (Benettin et al. 1980).
 """
 
 from __future__ import annotations
@@ -22,11 +22,13 @@ from .tangents import Neighbours, changes, rates
 
 Array = NDArray[np.float64]
 
+ALIGNED = 10  # turns in which a difference takes the direction in which it grows most
+
 
 @dataclass(frozen=True)
 class Leg:
     """What the chains leave at one value: ``rows`` recorded once a turn, shape (turns, kept, chains), ``growth`` of a small difference in each of
-    them, its logarithm, shape (turns, chains), and the ``state`` to go on from, derivatives with it."""
+    them, its logarithm, shape (turns, chains), and the ``state`` to go on from, shape (rows, chains)."""
 
     number: int
     rows: Array
@@ -38,7 +40,7 @@ class Sweep:
     """Chains of assemblies that differ in one number, ``up`` and ``down`` it: one topology, as many steps in a turn.
 
     ``phase`` (1) is the part of a turn at which it is looked at. ``near``: neighbours of the first of each chain, whose difference is the small
-    one.
+    one. Derivatives are carried along from ``ALIGNED`` turns before those that are looked at, no sooner, for they cost twice as much as the motion.
     """
 
     def __init__(self, chains: Sequence[Sequence[Assembly]], near: Sequence[Neighbours], phase: float = 0.0) -> None:
@@ -46,65 +48,76 @@ class Sweep:
         self.kept, self.rows, self.lanes = recorded_rows(first), first.layout.rows, len(chains)
         self.turn = round((first.choice.turn or 0.0) / first.choice.step)
         self.ahead = round(phase * self.turn) % self.turn
-        state = np.zeros((2, self.rows, self.lanes))
-        tables = np.zeros((self.lanes, 3, len(first.tables)))
-        for k, (chain, one) in enumerate(zip(chains, near, strict=True)):
-            state[0, :, k], state[1, :, k] = chain[0].state, (one.up.state - one.down.state) / one.apart
-            tables[k] = chain[0].tables, rates(chain[0]), changes(chain[0], one)
-        self.runner = Runner(
-            first.topology, state.reshape(-1, self.lanes), tables.reshape(self.lanes, -1), "generated", self.kept,
-            parts=first.mechanism.settings.parts, directions=1,
-        )  # fmt: skip
         self.given = np.array(first.layout.of("parameter"), dtype=np.intp)
         self.weights = np.stack([weights(chain[0]) for chain in chains], axis=1)
+        self.seeds, self.changes = np.zeros((self.rows, self.lanes)), [changes(chain[0], one) for chain, one in zip(chains, near, strict=True)]
+        for k, one in enumerate(near):
+            self.seeds[self.given, k] = ((one.up.state - one.down.state) / one.apart)[self.given]
+        start = np.stack([chain[0].state for chain in chains], axis=1)
+        self.plain, self.derived = (self._runner(first, np.concatenate([start] + [0.0 * start] * count), count) for count in (0, 1))
         self.pace = Pace()
+
+    def _runner(self, first: Assembly, states: Array, directions: int) -> Runner:
+        tables = np.tile(first.tables, (self.lanes, directions + 2 if directions else 1))
+        parts = first.mechanism.settings.parts
+        return Runner(first.topology, states, tables, "generated", self.kept, parts=parts, directions=directions)
 
     @property
     def states(self) -> Array:
-        """State and derivative, shape (2, rows, chains)."""
-        return self.runner.states.reshape(2, self.rows, self.lanes)
+        """The state, shape (rows, chains)."""
+        return self.plain.states
 
     def legs(self, turns: int, dropped: int, resume: tuple[int, Array] | None = None) -> Iterator[Leg]:
         """At each value so many ``turns``, the first of them ``dropped``; from the leg after ``resume``, the number and state of one before."""
         with Halt() as halt:
             self.pace.look = halt.look
+            first = 0 if resume is None else resume[0] + 1
             if resume is None:
-                self._begin()
+                self._take_up(0)
+                self.plain.advance(1, 1)
+                self.pace.advance(self.plain, self.turn + self.ahead, 1)
             else:
-                self.runner.done = 1 + self.turn + self.ahead + (resume[0] + 1) * turns * self.turn
+                self.plain.done = 1 + self.turn + self.ahead + first * turns * self.turn
                 self.states[:] = resume[1]
-            for number in range(0 if resume is None else resume[0] + 1, len(self.chains[0])):
+            for number in range(first, len(self.chains[0])):
                 self._take_up(number)
-                every = [self._turn() for _ in range(turns)]
-                kept = every[dropped:]
+                before = max(0, dropped - ALIGNED)
+                if before:
+                    self.pace.advance(self.plain, before * self.turn, 1)
+                kept = self._with_derivatives(turns - before)[dropped - before :]
                 yield Leg(number, np.array([rows for rows, _ in kept]), np.array([growth for _, growth in kept]), self.states.copy())
 
-    def _begin(self) -> None:
-        """The start, a turn in which the difference of the number becomes one of the motion, and the way to the phase."""
-        self.runner.advance(1, 1)
-        self.pace.advance(self.runner, self.turn, 1)
-        if self.ahead:
-            self.pace.advance(self.runner, self.ahead, 1)
-        self._renew()
-
     def _take_up(self, number: int) -> None:
-        """The numbers of the next models; their motion stays, and what differed by them is free."""
-        tables = self.runner.functions.reshape(self.lanes, 3, -1)
+        """The numbers of the next models; their motion stays."""
         for k, chain in enumerate(self.chains):
-            self.states[0, self.given, k] = chain[number].state[self.given]
-            tables[k, 0], tables[k, 1] = chain[number].tables, rates(chain[number])
-            tables[k, 2] = changes(chain[number], Neighbours(chain[number], chain[number], 1.0))
-        self.states[1, self.given] = 0.0
+            self.states[self.given, k] = chain[number].state[self.given]
+            self.plain.functions.reshape(self.lanes, -1)[k] = chain[number].tables
+            tables = self.derived.functions.reshape(self.lanes, 3, -1)[k]
+            tables[0], tables[1] = chain[number].tables, rates(chain[number])
 
-    def _turn(self) -> tuple[Array, Array]:
-        rows = self.pace.advance(self.runner, self.turn, 1)[0]
-        return rows, np.log(self._renew())
+    def _with_derivatives(self, turns: int) -> list[tuple[Array, Array]]:
+        """Turns with a difference that is one of the number at first and, after a turn, of the motion alone: rows and growth of each."""
+        runner, found = self.derived, []
+        both, tables = runner.states.reshape(2, self.rows, self.lanes), runner.functions.reshape(self.lanes, 3, -1)
+        both[0], both[1], runner.done = self.states, self.seeds, self.plain.done
+        for k in range(self.lanes):
+            tables[k, 2] = self.changes[k]
+        for turn in range(turns):
+            rows = self.pace.advance(runner, self.turn, 1)[0]
+            if turn == 0:
+                both[1, self.given] = 0.0
+                for k in range(self.lanes):
+                    tables[k, 2] = without(tables[k, 0], self.chains[k][0])
+            size = np.maximum(np.sqrt(((self.weights * both[1]) ** 2).sum(axis=0)), 1e-300)
+            both[1] /= size
+            found.append((rows, np.log(size)))
+        self.states[:], self.plain.done = both[0], runner.done
+        return found
 
-    def _renew(self) -> Array:
-        """The length of the difference in each chain, which becomes one."""
-        size = np.maximum(np.sqrt(((self.weights * self.states[1]) ** 2).sum(axis=0)), 1e-300)
-        self.states[1] /= size
-        return np.asarray(size)
+
+def without(tables: Array, assembly: Assembly) -> Array:
+    """The tables of a change that is none."""
+    return changes(assembly, Neighbours(assembly, assembly, 1.0)) if len(tables) else tables
 
 
 def weights(assembly: Assembly) -> Array:

@@ -50,7 +50,7 @@ def question(base: Mechanism, wanted: Wanted) -> Question:
 
 
 def run_batch(asked: Question, numbers: Sequence[Numbers], lanes: int | None = None) -> Answer:
-    """Runs members one thread wide. Raises VfifeError where this worker would step otherwise than who asks."""
+    """Runs members one thread wide; none, to be ready for some. Raises VfifeError where this worker would step otherwise than who asks."""
     start = time.monotonic()
     if sources().decode() != asked.step:
         from .. import __version__
@@ -58,6 +58,9 @@ def run_batch(asked: Question, numbers: Sequence[Numbers], lanes: int | None = N
         raise VfifeError(f"a worker has another text of the step (vfife {__version__}); install the same vfife on all workers")
     for file, text in asked.laws:
         load(file, text)
+    if not numbers:
+        loads(asked.model)
+        return Answer([], time.monotonic() - start)
     wanted = Wanted(**{**asked.wanted, "measures": tuple(asked.wanted["measures"])})
     found: dict[int, Outcome] = dict(run_members(loads(asked.model), numbers, wanted, workers=1, lanes=lanes))
     return Answer([dataclasses.asdict(found[k]) for k in range(len(numbers))], time.monotonic() - start)

@@ -67,9 +67,16 @@ def same_question(file: StudyFile, asked: Mapping[str, Any]) -> str:
         return "wants other measures, turns or another step"
     if [one["paths"] for one in kept["parameters"]] != [one["paths"] for one in asked["parameters"]]:
         return "varies other numbers"
+    if texts_of(kept) != texts_of(asked):
+        return "was made with another text of your own laws"
     if kept["step"] != asked["step"]:
         return f"was computed by the text of vfife {kept['versions'].get('vfife', '')}, which steps otherwise"
     return ""
+
+
+def texts_of(asked: Mapping[str, Any]) -> dict[tuple[str, str], str]:
+    """Texts of the user's own laws, by kind and name."""
+    return {(one["kind"], one["name"]): one["text"] for one in asked["own_laws"]}
 
 
 def carry_out(
@@ -127,6 +134,11 @@ def opened(path: Path, plan: Plan, base: Mechanism, name: str, *, replace: bool 
     asked = asked_of(plan, base, name)
     if not path.exists() or replace:
         return StudyFile.create(path, asked, plan.numbers())
+    return taken_up(path, plan, asked)
+
+
+def taken_up(path: Path, plan: Plan, asked: Mapping[str, Any]) -> StudyFile:
+    """A study file that is there, with the members of a plan. Raises VfifeError where it is that of another study."""
     file = StudyFile.write(path)
     try:
         if why := same_question(file, asked):

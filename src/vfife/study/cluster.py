@@ -6,9 +6,11 @@ again one by one, and a member that takes its worker with it three times is give
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from types import ModuleType
 from typing import Any
 
 from ..errors import VfifeError
@@ -17,6 +19,8 @@ from .batch import Numbers, question, run_batch
 from .engine import Outcome, Wanted, on_device
 from .spreading import Spread, Work, imported
 
+NOISY = ("asyncio", "distributed", "distributed.client")  # tell with tracebacks what is told here in sentences
+DEAF = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"  # Ctrl-C is for who asks
 ANSWER = 10.0  # s that a scheduler has to answer
 
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -28,23 +32,51 @@ def cluster(address: str, processes: int | None = None) -> Iterator[Runner]:
     of this machine, one a core, for "local". Raises VfifeError without dask.distributed, and where nobody answers at the address.
     """
     distributed = imported()
-    try:
-        if address == "local":
-            local = distributed.LocalCluster(
-                n_workers=processes, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0, silence_logs="CRITICAL"
-            )
-            client = distributed.Client(local)
-        else:
-            local, client = None, distributed.Client(address, timeout=ANSWER)
-    except (OSError, TimeoutError, ValueError) as error:
-        remedy = "start one with `dask scheduler`, check the address, or take --cluster local"
-        raise VfifeError(f"cluster {address}: no scheduler answers there ({str(error).splitlines()[0]}); {remedy}") from None
-    try:
+    with ExitStack() as stack:
+        for name in NOISY:
+            stack.enter_context(silence(name))
+        try:
+            if address == "local":
+                client = stack.enter_context(distributed.Client(stack.enter_context(processes_here(distributed, processes))))
+            else:
+                client = stack.enter_context(distributed.Client(address, timeout=ANSWER))
+        except (OSError, TimeoutError, ValueError) as error:
+            remedy = "start one with `dask scheduler`, check the address, or take --cluster local"
+            raise VfifeError(f"cluster {address}: no scheduler answers there ({str(error).splitlines()[0]}); {remedy}") from None
         yield lambda base, numbers, wanted, **more: on_cluster(client, base, numbers, wanted, **more)
+
+
+@contextmanager
+def silence(name: str) -> Iterator[None]:
+    """A logger that says nothing meanwhile."""
+    logger = logging.getLogger(name)
+    before = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
     finally:
-        client.close(timeout=5)
-        if local is not None:
-            local.close(timeout=5)
+        logger.setLevel(before)
+
+
+@contextmanager
+def processes_here(distributed: ModuleType, count: int | None) -> Iterator[Any]:
+    """A cluster of processes of this machine, one a core unless told. One that is gone is begun again, however long that takes: after 15 s it would
+    not be missed any more, and a machine with much to do may need longer."""
+    import dask
+
+    with (
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
+        distributed.LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=":0",
+            memory_limit=0,
+            silence_logs="CRITICAL",
+            preload=[DEAF],
+        ) as local,
+    ):
+        yield local
 
 
 def elsewhere(address: str | None, device: str | None) -> Runner | None:

@@ -22,7 +22,7 @@ SECONDS = 2.0  # that a batch should take
 FIRST = 8  # members of the first batches
 LOOK = 0.25  # s between looks at who is there
 PATIENCE = 60.0  # s without any worker
-HAND_OVER = 10.0  # s that a worker may take to hand over what it has
+HAND_OVER = 1.0  # s that are waited for what a worker has
 
 Work = Callable[[Question, Sequence[Numbers], int | None], Answer]
 
@@ -51,6 +51,7 @@ class Spread:
     deaths: Counter[int] = field(default_factory=Counter)
     done: queue.SimpleQueue[str] = field(default_factory=queue.SimpleQueue)
     threads: dict[str, int] = field(default_factory=dict)
+    ready: set[str] = field(default_factory=set)  # workers that have imported what a batch needs
     looked: float = -math.inf
     seen: float = field(default_factory=time.monotonic)
     each: float = math.nan  # s that a member takes
@@ -62,7 +63,7 @@ class Spread:
     @property
     def left(self) -> bool:
         """Whether any member has not ended."""
-        return bool(self.waiting or self.alone or self.running)
+        return bool(self.waiting or self.alone or any(batch.members for batch in self.running.values()))
 
     def look(self) -> None:
         """Asks who is there. Raises VfifeError where the scheduler does not answer, or nobody has been there for long."""
@@ -77,15 +78,19 @@ class Spread:
             raise VfifeError(f"the cluster has had no worker for {PATIENCE:g} s; start some, and give the same command to go on")
 
     def submit(self) -> None:
-        """Gives every free thread a batch."""
+        """Gives every free thread a batch, but to a new worker an empty one first: if it ends while it begins, no member is to blame."""
         busy = Counter(batch.worker for batch in self.running.values())
         for worker, threads in self.threads.items():
-            for _ in range(threads - busy[worker]):
-                if members := self.next():
-                    asked = [dict(self.numbers[k]) for k in members]
-                    future = self.client.submit(self.work, self.question, asked, self.lanes, workers=[worker], pure=False)
-                    self.running[future.key] = Batch(members, worker, future)
-                    future.add_done_callback(lambda future: self.done.put(future.key))
+            for _ in range(threads - busy[worker] if worker in self.ready else 1 - busy[worker]):
+                if worker not in self.ready or (members := self.next()):
+                    self.give(worker, members if worker in self.ready else [])
+
+    def give(self, worker: str, members: list[int]) -> None:
+        """Gives a batch to a worker."""
+        asked = [dict(self.numbers[k]) for k in members]
+        future = self.client.submit(self.work, self.question, asked, self.lanes, workers=[worker], pure=False)
+        self.running[future.key] = Batch(members, worker, future)
+        future.add_done_callback(lambda future: self.done.put(future.key))
 
     def next(self) -> list[int]:
         """The members of the next batch: as many as take the seconds it should, and no more than leave every thread a few batches."""
@@ -112,10 +117,16 @@ class Spread:
 
     def outcomes(self, batch: Batch) -> Iterator[tuple[int, Outcome]]:
         """What a batch came to; a worker may be gone before it could say so."""
-        killed: tuple[type[BaseException], ...] = (imported().KilledWorker, TimeoutError, imported().TimeoutError)
         try:
             answer: Answer = batch.future.result(timeout=HAND_OVER)
-        except killed:
+        except (TimeoutError, imported().TimeoutError):
+            self.look()
+            if batch.worker in self.threads:  # it has much to do
+                self.running[batch.future.key] = batch
+                self.done.put(batch.future.key)
+            else:
+                yield from self.died(batch)
+        except imported().KilledWorker:
             yield from self.died(batch)
         except VfifeError:
             raise
@@ -125,13 +136,16 @@ class Spread:
             said = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise VfifeError(f"worker {batch.worker} cannot run a batch: {said}; it needs the same vfife as this machine") from error
         else:
-            self.each = answer.seconds / len(batch.members)
+            self.ready.add(batch.worker)
+            if batch.members:
+                self.each = answer.seconds / len(batch.members)
             for member, outcome in zip(batch.members, answer.outcomes, strict=True):
                 yield member, Outcome(**outcome)
 
     def died(self, batch: Batch) -> Iterator[tuple[int, Outcome]]:
         """A batch whose worker is gone: its members are tried one by one, but for one that has taken three."""
         batch.future.cancel()
+        self.ready.discard(batch.worker)
         for member in batch.members:
             self.deaths[member] += 1
             if self.deaths[member] < TRIES or len(batch.members) > 1:

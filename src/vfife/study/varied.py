@@ -23,6 +23,10 @@ WAYS = {
     "fit": ("fit", "diameter"),
     "tolerance": ("nominal", "tolerance"),
 }
+SAID = {
+    "turns": "set turns at the top of the study", "duration": "set turns at the top of the study", "settle": "set settle at the top of the study",
+    "companions": "a study takes none", "analysis": "members turn a crank",
+}  # fmt: skip
 ALLOWED = "values, or from and to, or mean and deviation (with from and to it is cut off), or fit and diameter, or nominal and tolerance"
 
 
@@ -52,9 +56,13 @@ def places(where: Path, texts: tuple[str, ...], raw: Raw, by: Reading) -> tuple[
         except PathFault as fault:
             by.tell(where, Refused(fault.what, shown(text), "", fault.remedy))
             continue
+        if path[0] == "run" and path[-1] in SAID:
+            by.tell(where, Refused("the study says this itself, for all members", shown(text), "", f"remove it: {SAID[str(path[-1])]}"))
+            continue
         held = held_at(raw, path)
         if not isinstance(held, Measure | Whole | Choice):
-            what = "a table, not a number of the model, is there" if held is None else "this is no number that can be varied"
+            kind = "what stands there is of a kind that has no such number" if len(path) > 2 else "a table, not a number of the model, is there"
+            what = kind if held is None else "this is no number that can be varied"
             by.tell(where, Refused(what, shown(text), "", "name a number of the model by its path, such as joint.C.clearance"))
             continue
         found.append((".".join(map(str, path)), held))

@@ -21,6 +21,7 @@ function turnAt(running, head) {
 // Where outputs of a turn lie on the axis: degrees of the crank since its begin, or seconds.
 function axisOf(running) {
   if (perTurn) return { low: 0, high: 360, label: "crank angle (°)", angle: true, of: (k) => (360 * k) / perTurn };
+  if (factors) return axisOfPath();
   const end = wholeRun * running.reader.interval;
   const [factor, unit] = scaleOf(end, "s");
   return { low: 0, high: factor * end, label: `time (${unit})`, of: (k) => factor * k * running.reader.interval };
@@ -54,7 +55,9 @@ function forcesOf(reader, store, turn, name) {
 }
 
 function foundForces(reader, store, { first, count }, name) {
-  return Float64Array.from({ length: count + 1 }, (_, k) => reader.forceMax(store.data, store.offset(first + Math.max(k, first ? 0 : 1)), name));
+  return Float64Array.from({ length: count + 1 }, (_, k) =>
+    reader.forceMax(store.data, store.offset(first + Math.max(k, first || factors ? 0 : 1)), name),
+  );
 }
 
 const unitOf = (name) => (name.startsWith(TORQUE) ? "N m" : "N");

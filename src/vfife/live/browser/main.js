@@ -35,12 +35,13 @@ function changed(setting) {
 
 const cards = [
   { id: "forces", title: "Joint forces over the crank angle", draw: drawForces, when: Boolean(selected.joint), choose: ["joint"] },
+  { id: "path", title: "Load path", draw: drawPath, when: Boolean(factors), choose: ["body", "quantity"] },
   { id: "orbits", title: "Journals in their bearings", draw: drawOrbits, when: given.contacts.length > 0, choose: [] },
-  { id: "phase", title: "Phase portrait", draw: drawPhase, when: true, choose: ["body", "quantity"] },
-  { id: "spectrum", title: "Spectrum of the force", draw: drawSpectrum, when: Boolean(selected.joint), choose: ["joint"] },
-  { id: "energy", title: "Energy", draw: drawEnergy, when: true, choose: [], note: true },
+  { id: "phase", title: "Phase portrait", draw: drawPhase, when: !factors, choose: ["body", "quantity"] },
+  { id: "spectrum", title: "Spectrum of the force", draw: drawSpectrum, when: Boolean(selected.joint) && !factors, choose: ["joint"] },
+  { id: "energy", title: "Energy", draw: drawEnergy, when: !factors, choose: [], note: true },
 ].filter(({ when }) => when);
-if (!perTurn && cards[0]?.id === "forces") cards[0].title = "Joint forces over time";
+if (!perTurn && cards[0]?.id === "forces") cards[0].title = factors ? "Joint forces along the load path" : "Joint forces over time";
 
 const OPTIONS = {
   joint: () => [...Object.keys(own.joints), ...Object.keys(own.torques).map((name) => TORQUE + name)],
@@ -171,7 +172,9 @@ function tellTime() {
   const time = head * reader.interval;
   $("time").textContent = perTurn
     ? `turn ${Math.floor(head / perTurn) + 1}, ${((360 * (head % perTurn)) / perTurn).toFixed(0).padStart(3)}°, ${quantity(time, "s", 5)}`
-    : `${quantity(time, "s", 5)}`;
+    : factors
+      ? `load factor ${Number(factorAt(head).toPrecision(4))}`
+      : `${quantity(time, "s", 5)}`;
   if (clock.wanted > 0 && store.end <= clock.wanted && running.sound)
     $("time").textContent = `stepping: ${Math.floor((100 * store.end) / clock.wanted)} %`;
   const scrub = $("scrub");
@@ -180,7 +183,7 @@ function tellTime() {
   if (!clock.dragged) scrub.value = head;
   const rate = (1000 * (frames.times.length - 1)) / (frames.times.at(-1) - frames.times[0] || 1);
   const perStep = running.steps ? (1000 * running.spent) / running.steps : 0;
-  $("rate").textContent = `${rate.toFixed(0)} frames/s · ${perStep.toPrecision(2)} µs a step · ${quantity(reader.dt, "s")} steps`;
+  if (!factors) $("rate").textContent = `${rate.toFixed(0)} frames/s · ${perStep.toPrecision(2)} µs a step · ${quantity(reader.dt, "s")} steps`;
 }
 
 function play(on = !clock.playing) {
@@ -206,8 +209,13 @@ function setSpeed(exponent) {
 
 // Once it is known how far the mechanism moves: play as large as is well seen, and a phase portrait of what moves at all.
 function begun() {
+  if (factors) {
+    const { body, quantity } = longestWay(running);
+    select("body", body);
+    select("quantity", quantity);
+  }
   const angles = phaseOf(running, { first: running.store.begin, count: running.store.end - 1 - running.store.begin }).xs;
-  if (Math.max(...angles) - Math.min(...angles) < 1e-6) select("quantity", "x");
+  if (!factors && Math.max(...angles) - Math.min(...angles) < 1e-6) select("quantity", "x");
   const size = Math.max(...[0, 1].map((axis) => scene.high[axis] - scene.low[axis]));
   const play = Math.max(0, ...given.contacts.map((contact, k) => (contact.kind === "bearing" ? running.reader.plays[k] : 0)));
   setMagnify(play ? Math.min(3, Math.max(0, Math.log10((0.022 * size) / play))) : 0);
@@ -353,7 +361,9 @@ $("note").textContent = given.note;
 for (const note of given.notes) $("notes").append(Object.assign(document.createElement("li"), { textContent: note }));
 if (still) play(false);
 $("version").textContent = `vfife ${given.version}`;
+if (factors) $("peaks-title").textContent = "Peaks, of all equilibria";
 $("panel").hidden = given.slides.length === 0;
+$("speed-row").hidden = Boolean(factors);
 $("magnify-row").hidden = !given.contacts.some((contact) => contact.kind === "bearing");
 clock.wanted = clock.head;
 running.begin(sliders.setting, firstUntil);

@@ -5,6 +5,8 @@ const blank = () => Object.create(null);
 
 const TORQUE = "torque of "; // before the name of a driven body, where a chart shows that in place of a joint's force
 
+const PATH_LASTS = 8; // s of looking at all equilibria of a static analysis
+
 class Reader {
   // `sim` is how a mechanism is stepped, `state` its numbers at the start, `setting` where plays and energies are.
   constructor(sim, state, setting) {
@@ -18,7 +20,7 @@ class Reader {
     this.state = state;
     this.dt = state[this.rows.step[0]];
     this.zeta = given.damped ? 0.5 * this.dt * state[this.rows.damping[0]] : 0;
-    this.interval = this.dt * sim.every;
+    this.interval = given.factors ? PATH_LASTS / given.outputs : this.dt * sim.every;
     this.plays = setting.part("plays");
     this.energies = setting.part("energies");
     this.free = new Set(sim.free);
@@ -117,6 +119,7 @@ class Reader {
 
   // Largest force of a joint since the output before (N), of the steps in between. Or largest torque.
   forceMax(data, at, name) {
+    if (given.factors) return Math.abs(this.size(data, at, name)); // there are no steps between equilibria
     if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque_max")[this.sim.torques[name.slice(TORQUE.length)]]];
     const { block, at: places } = this.sim.joints[name].most;
     this.squares[name] ??= Int32Array.from(places, (k) => this.of(`${block}_force_squared_max`)[k]);

@@ -46,8 +46,8 @@ class Turns {
     this.open ??= { first: output - 1, force: blank(), torque: blank(), alpha: blank(), depth: [], began: [] };
     const { force, torque, alpha, depth } = this.open;
     for (const name of Object.keys(reader.sim.joints)) force[name] = Math.max(force[name] ?? 0, reader.forceMax(data, at, name));
-    for (const [name, k] of Object.entries(reader.sim.torques)) {
-      torque[name] = Math.max(torque[name] ?? 0, data[at + reader.of("driven_torque_max")[k]]);
+    for (const name of Object.keys(reader.sim.torques)) {
+      torque[name] = Math.max(torque[name] ?? 0, reader.forceMax(data, at, TORQUE + name));
     }
     for (const body of this.bodies) {
       alpha[body.name] = Math.max(alpha[body.name] ?? 0, data[at + reader.of("body_alpha_max")[reader.sim.alphas[body.name]]]);

@@ -33,7 +33,8 @@ function peaks(running) {
   }
   given.contacts.forEach((contact, k) => {
     found.push({ what: "depth", name: contact.name, unit: "m", joint: contact.joint, values: turns.map((turn) => turn.depth[k]) });
-    found.push({ what: "contacts begun", name: contact.name, unit: "1", joint: contact.joint, values: turns.map((turn) => turn.began[k]) });
+    if (!factors)
+      found.push({ what: "contacts begun", name: contact.name, unit: "1", joint: contact.joint, values: turns.map((turn) => turn.began[k]) });
   });
   return found.filter(({ values }) => values.length);
 }
@@ -48,7 +49,7 @@ function writePeaks(table, running, other) {
   const rows = peaks(running);
   const others = other ? peaks(other) : [];
   const compared = rows.some((row) => row.ideal);
-  const head = ["largest", perTurn ? "last turn" : "so far"];
+  const head = ["largest", perTurn ? "last turn" : factors ? "along the load path" : "so far"];
   if (perTurn) head.push(running.turns.words);
   if (compared) head.push("ideal", "play adds", perTurn ? "over the turns" : "");
   if (other) head.push("kept setting");

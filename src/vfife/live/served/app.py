@@ -138,6 +138,8 @@ async def page(request: Request, session: Session) -> Response:
         return HTMLResponse(FAULT.format("This model is not open here; choose one."), 404, headers)
     except (VfifeError, ValueError, ArithmeticError) as error:
         return HTMLResponse(FAULT.format(escape(str(error))), 422, headers)
+    except Exception as error:  # a fault of ours is told, too: the browser waits for a page
+        return HTMLResponse(FAULT.format(escape(f"This cannot be shown: {type(error).__name__}: {error}")), 500, headers)
 
 
 async def drawn(request: Request, session: Session) -> Response:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 from ...errors import VfifeError
-from ..page import LARGEST, written
+from ..page import LARGEST, live_page, written
 from ..patches import patched
 from ..sliders import asked_slides, default_slides
 from .documents import Document
@@ -32,6 +32,7 @@ class Pages:
         self.made: OrderedDict[tuple[Key, bool], str] = OrderedDict()
         self.wanted: OrderedDict[str, Document] = OrderedDict()
         self.current: Key | None = None
+        self.newer = False  # whether something was asked for since the sliders that are being assembled were begun
         self.building, self.changed, self.closed = threading.Lock(), threading.Condition(), False
         self.thread = threading.Thread(target=self._work, name="sliders", daemon=True)
         self.thread.start()
@@ -43,7 +44,7 @@ class Pages:
             return self.made[key, True]
         with self.building:
             if (key, False) not in self.made:
-                self._keep(key, False, written(patched(document.mechanism, [], document.its_step)))
+                self._keep(key, False, live_page(document.mechanism, [], document.its_step))
         self._want(document, key)
         return self.made[key, False]
 
@@ -64,7 +65,8 @@ class Pages:
     # --------------------------------------------------------------------------------------------------------- sliders
 
     def _want(self, document: Document, key: Key) -> None:
-        if not self.sliders:
+        if not self.sliders or document.mechanism.settings.analysis == "static":
+            self.told({"kind": "sliders", "id": key[0], "version": key[1], "said": ""})
             return
         if (key, True) in self.made:
             self.told({"kind": "sliders", "id": key[0], "version": key[1]})
@@ -73,6 +75,7 @@ class Pages:
             if self.current != key:
                 self.wanted[document.id] = document
                 self.wanted.move_to_end(document.id)
+                self.newer = True
             self.changed.notify()
 
     def _work(self) -> None:
@@ -83,6 +86,7 @@ class Pages:
                 if self.closed:
                     return
                 _, document = self.wanted.popitem()
+                self.newer = False
                 mechanism, step = document.mechanism, document.its_step
                 self.current = document.id, document.version
             self._assemble(document, self.current, mechanism, step)
@@ -92,6 +96,11 @@ class Pages:
         def going() -> None:
             if self.closed or document.version != key[1]:
                 raise Superseded
+            if self.newer:  # what was asked for last goes first; this one begins anew after it
+                with self.changed:
+                    self.wanted.setdefault(document.id, document)
+                    self.wanted.move_to_end(document.id, last=False)
+                raise Superseded
             if self.building.acquire(timeout=PAUSE):  # whoever waits for a page goes first
                 self.building.release()
 
@@ -99,6 +108,7 @@ class Pages:
         try:
             slides = asked_slides(mechanism, self.slide) if self.slide and key[0] == self.first else default_slides(mechanism)
             if not slides:
+                self.told({**about, "said": ""})
                 return
             page = written(patched(mechanism, slides, step, going))
             if len(page.encode("utf-8")) > LARGEST:

@@ -36,8 +36,9 @@ class Shelf:
     def json(self) -> Json:
         """What can be chosen."""
         shown = [{"name": name, **about(mechanism)} for name, mechanism in ((name, getattr(gallery, name)()) for name in gallery.__all__)]
+        files = [{"name": name, "title": title_of(path)} for name, path in sorted(self.files().items())]
         texts = [{"id": one.id, "name": one.name} for one in self.documents.values() if one.path is None and not one.id.startswith("gallery-")]
-        return {"gallery": shown, "files": sorted(self.files()), "folder": self.folder.name, "texts": texts}
+        return {"gallery": shown, "files": files, "folder": self.folder.name, "texts": texts}
 
     def files(self) -> dict[str, Path]:
         """Model files that may be opened: those of the folder, links that leave it not among them, and those that are open."""
@@ -115,6 +116,14 @@ def is_model(path: Path, folder: Path) -> bool:
         return bool(PARTS & tomllib.loads(path.read_text("utf-8")).keys())
     except (OSError, ValueError, RecursionError):
         return False
+
+
+def title_of(path: Path) -> str:
+    """What a model file says that it is called; nothing where it says nothing, or not in a text."""
+    try:
+        return str(tomllib.loads(path.read_text("utf-8")).get("name", ""))
+    except (OSError, ValueError, RecursionError):
+        return ""
 
 
 def about(mechanism: Mechanism) -> Json:

@@ -45,6 +45,7 @@ async function show(model, by = "") {
   }
   $("acts").hidden = false;
   $("gallery").hidden = true;
+  $("gallery").replaceChildren(); // whose drawings nobody waits for now
   $("stage").hidden = false;
   $("undo").disabled = model.undo === 0;
   $("save").disabled = model.saved;
@@ -84,6 +85,7 @@ function untyped() {
 
 // Faults at the fields that they name, the others above them; changes that wait are told, and can be dropped.
 function tell(faults, before = "") {
+  here.faults = faults;
   const left = form && !$("panel").hidden && !$("fields").hidden ? form.tell(faults) : faults;
   if ($("fields").hidden && form) form.faults = faults;
   const said = [...(before && faults.length ? [before] : []), ...left.map((one) => one.said)];
@@ -163,7 +165,9 @@ function load(other = false, sliders = false) {
       taken = true;
       live.lookAs({ ...looked, moved: { ...(here.moved ?? {}), ...looked.moved } });
     }
-    if (live?.lookAs && live.running.store.end > 1 && live.frames.count > 1) seen(frame, sliders, looked);
+    // Sliders alone can wait until the new page has come to where one looks.
+    const there = live?.lookAs && live.running.store.end > (sliders ? live.clock.wanted : 1) && live.frames.count > 1;
+    if (there || (live?.lookAs && !live.running.sound)) seen(frame, sliders, looked);
     else requestAnimationFrame(look);
   };
   requestAnimationFrame(look);
@@ -177,7 +181,7 @@ function seen(frame, sliders, looked) {
   frame.className = "";
   if (here.measured !== null) here.took = performance.now() - here.measured;
   here.measured = null;
-  if (sliders || !here.model) here.full = here.model.version;
+  if (sliders) here.full = here.model.version;
   tellState();
   const root = frame.contentDocument.documentElement;
   const follow = () => {
@@ -216,7 +220,7 @@ function choose() {
   if (!shelf) return;
   const group = (label, entries) =>
     entries.length && element("optgroup", { label }, ...entries.map(([value, text]) => element("option", { value, textContent: text })));
-  const files = shelf.files.map((name) => [`file:${name}`, name]);
+  const files = shelf.files.map(({ name }) => [`file:${name}`, name]);
   const all = shelf.gallery.map((one) => [`gallery:${one.name}`, one.title]);
   const texts = shelf.texts.map((one) => [`id:${one.id}`, one.name]);
   const groups = [group("Opened", texts), group(`Folder ${shelf.folder}`, files), group("Gallery", all)].filter(Boolean);
@@ -252,8 +256,8 @@ function showGallery() {
     made.onclick = () => open(asked);
     return made;
   };
-  const files = shelf.files.map((name) => card({ file: name }, name, "a model file", null));
-  const shown = shelf.gallery.map((one) => card({ gallery: one.name }, one.title, one.note, one.name));
+  const files = shelf.files.map(({ name, title }) => card({ file: name }, name, title, null));
+  const shown = shelf.gallery.map((one) => card({ gallery: one.name }, one.title, one.note || (one.static ? "equilibria" : ""), one.name));
   $("gallery").replaceChildren(...cards(`Models of the folder ${shelf.folder}`, files), ...cards("Gallery", shown));
   $("gallery").hidden = false;
   choose();
@@ -323,7 +327,7 @@ const HEARD = {
     here.full = event.version;
     tellState();
     if (event.said) state(event.said);
-    else load(false, true);
+    else if (event.said === undefined) load(false, true);
   },
   end: () => {
     source.close();
@@ -363,6 +367,7 @@ function tab(name) {
   $("fields").hidden = name !== "fields";
   $("text-side").hidden = name !== "text";
   untyped();
+  tell(here.faults ?? []);
 }
 
 function keys(event) {
