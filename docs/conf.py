@@ -48,6 +48,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": ["examples"],
     "filename_pattern": r"\.py$",  # every script runs, whatever its name
     "ignore_pattern": r"__init__\.py",
+    "capture_repr": (),
     "abort_on_example_error": False,  # all failures are shown, and any fails the build
     "download_all_examples": False,
     "image_scrapers": ("drawn_figures",),

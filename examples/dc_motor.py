@@ -87,6 +87,18 @@ before, lowest = speeds[times < BRAKED][-1], speeds[times > BRAKED].min()
 print(f"speed {before:.1f} rad/s before the brake, {lowest:.1f} rad/s at the lowest after it; {100.0 * away:.3f} % from SciPy at the most")
 
 # %%
+# The speed as the controller sees it, over SciPy's.
+
+from matplotlib.figure import Figure
+
+figure = Figure(figsize=(7.0, 3.0), layout="constrained")
+axes = figure.subplots()
+axes.plot(times, expected, color="0.7", lw=4, label="SciPy")
+axes.plot(times, speeds, label="vfife, stepped from outside")
+axes.set(xlabel="time (s)", ylabel="speed (rad/s)")
+axes.legend()
+
+# %%
 # Two programs that exchange their numbers every 50 microseconds are a first-order method: half of that leaves half of the difference.
 
 finer = np.abs(controlled(EXCHANGE / 2)[1] - expected).max() / TARGET

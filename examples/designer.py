@@ -54,6 +54,7 @@ assert math.isclose(told["crank.power.mean"], SPEED * told["crank.torque.mean"],
 
 for name in ("sliding_velocity.max", "contact_pressure.max", "contact_half_width.max", "pressure_velocity.mean"):
     print(f"pin.{name:28} {told[f'pin.{name}']:10.4g}")
+drawn = result.plot("orbits", "forces")
 struck = result.impacts
 print(f"{struck.count} impacts, {struck.alone} of them alone between two outputs; the hardest:")
 for one in struck.hardest(3):

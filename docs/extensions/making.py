@@ -31,11 +31,10 @@ def live_page(name: str, folder: Path) -> None:
     """The page in which a mechanism runs, with its usual sliders."""
     from vfife import load
     from vfife.live import default_slides
-    from vfife.live.page import written
-    from vfife.live.patches import patched
+    from vfife.live.page import live_page
 
     mechanism = load(ROOT / "examples" / f"{name}.toml")
-    (folder / f"{name}.html").write_text(written(patched(mechanism, default_slides(mechanism))), encoding="utf-8")
+    (folder / f"{name}.html").write_text(live_page(mechanism, default_slides(mechanism)), encoding="utf-8")
 
 
 def bare(figure: Any) -> Any:
@@ -51,15 +50,23 @@ def bare(figure: Any) -> Any:
     return figure
 
 
-def drawings(name: str, static: bool, folder: Path) -> None:
-    """The mechanism where it starts, and an equilibrium as its figures."""
-    from vfife import load, simulate
+def drawing(name: str, folder: Path) -> None:
+    """The mechanism where it starts, to be seen small."""
+    from vfife import load
 
-    mechanism = load(ROOT / "examples" / f"{name}.toml")
-    bare(mechanism.plot()).savefig(folder / Path(EXTRA).name / "pictures" / f"{name}.png", dpi=90, bbox_inches="tight")
-    if static:
-        for figure, drawn in simulate(mechanism).plot().items():
-            drawn.savefig(folder / f"{name}-{figure}.png", dpi=110)
+    drawn = bare(load(ROOT / "examples" / f"{name}.toml").plot())
+    drawn.savefig(folder / "pictures" / f"{name}.png", dpi=90, bbox_inches="tight")
+
+
+def equilibria(name: str, folder: Path) -> None:
+    """Those of a static analysis: its page and its figures, of one run."""
+    from vfife import load, simulate
+    from vfife.live.page import result_page
+
+    result = simulate(load(ROOT / "examples" / f"{name}.toml"))
+    (folder / Path(EXTRA).name / "live" / f"{name}.html").write_text(result_page(result), encoding="utf-8")
+    for figure, drawn in result.plot().items():
+        drawn.savefig(folder / f"{name}-{figure}.png", dpi=110)
 
 
 def make(folder: Path) -> None:
@@ -68,14 +75,15 @@ def make(folder: Path) -> None:
 
     from mechanisms import FAMILIES, model_of
 
-    live = folder / Path(EXTRA).name / "live"
-    for one in (live, live.parent / "pictures"):
-        one.mkdir(parents=True, exist_ok=True)
+    extra = folder / Path(EXTRA).name
+    for one in ("live", "pictures"):
+        (extra / one).mkdir(parents=True, exist_ok=True)
     for name in (name for names in FAMILIES.values() for name in names):
-        static = model_of(name)[1]
-        drawings(name, static, folder)
-        if not static:
-            live_page(name, live)
+        drawing(name, extra)
+        if model_of(name)[1]:
+            equilibria(name, folder)
+        else:
+            live_page(name, extra / "live")
     law_gallery.pictures(folder / law_gallery.PICTURES)
 
 

@@ -1,4 +1,4 @@
-"""The gallery: a page for each model file of examples/, live where it moves, with figures where it rests; a first page with all of them."""
+"""The gallery: a page for each model file of examples/, live, with figures where it rests; a first page with all of them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FAMILIES = {
 }  # fmt: skip
 LIVE = """```{raw} html
 <iframe class="live" src="../live/NAME.html" title="TITLE, running" loading="lazy"></iframe>
-<p class="below">Pull a slider, click a joint. It has more room <a href="../live/NAME.html">on a page of its own</a>.</p>
+<p class="below">HINT It has more room <a href="../live/NAME.html">on a page of its own</a>.</p>
 ```
 
 [What the page can do](../live.md).
@@ -36,6 +36,7 @@ AT_REST = """```{image} ../_made/NAME-mechanism.png
 :alt: what acts in its joints under each load factor
 ```
 """
+HINTS = {False: "Pull a slider, click a joint.", True: "Its equilibria, from load factor to load factor."}
 SECOND = {"elastica_circle": "moments"}  # the figure beside the mechanism at rest; forces of others
 PAGE = """# TITLE
 
@@ -81,9 +82,9 @@ def model_of(name: str) -> tuple[str, bool]:
 def page(name: str) -> str:
     """The page of a mechanism."""
     title, static = model_of(name)
-    text = PAGE.replace("TEXT", "\n\n".join(map(prose, head_of(name)))).replace("SHOWN", AT_REST if static else LIVE)
-    lines = text.replace("TITLE", title).replace("SECOND", SECOND.get(name, "forces")).replace("NAME", name).splitlines(keepends=True)
-    return "".join(line for line in lines if not (static and line.startswith("$ vfife live")))
+    shown = LIVE.replace("HINT", HINTS[static]) + ("\n" + AT_REST if static else "")
+    text = PAGE.replace("TEXT", "\n\n".join(map(prose, head_of(name)))).replace("SHOWN", shown)
+    return text.replace("TITLE", title).replace("SECOND", SECOND.get(name, "forces")).replace("NAME", name)
 
 
 def card(name: str) -> str:
@@ -99,7 +100,7 @@ def first_page() -> str:
     listed = [name for names in FAMILIES.values() for name in names]
     if found != set(listed):
         raise RuntimeError(f"docs/extensions/mechanisms.py has no family for {sorted(found ^ set(listed))}, or a family has no file")
-    parts = ["# Gallery", "Mechanisms to start from. Each runs on its page, is a model file of `examples` and a function of `vfife.gallery`."]
+    parts = ["# Gallery", "Mechanisms to start from. Each is live on its page, is a model file of `examples` and a function of `vfife.gallery`."]
     for family, names in FAMILIES.items():
         cards = "\n".join(map(card, names))
         parts.append(f'## {family}\n\n```{{raw}} html\n<div class="cards">\n{cards}\n</div>\n```')

@@ -141,15 +141,18 @@ class Result(View):
 
         return result_html(self)
 
-    def plot(self, *names: str) -> dict[str, Figure]:
+    def plot(self, *names: str, at: str | None = None) -> dict[str, Figure]:
         """Figures by name: without ``names`` the usual ones, as the mechanism, journal paths, forces and accelerations over the ideal ones.
 
         ``names``: of "mechanism", "orbits", "guides", "forces", "moments", "accelerations", "strip", "traces", "polar", "phase", "spectrum",
-        "waterfall", "energy", "stress", "deflection"; "all" that the result has something for. Raises VfifeError for another name, and for a figure
-        that the result has nothing for.
+        "waterfall", "energy", "stress", "deflection"; "all" that the result has something for. ``at``: the mechanism alone, at a moment as "90deg"
+        of the last turn, or "12 ms". Raises VfifeError for another name, a figure that there is nothing for, and what is no moment of the run.
         """
-        from .plots import figures
+        from .plots import figure, figures, refuse_beside
 
+        if at is not None:
+            refuse_beside(names)
+            return {"mechanism": figure(self, "mechanism", at=at)}
         return figures(self, self.reference, names)
 
     def animate(self, path: str | Path, frames: int = 240, rate: float = 25.0, turns: float = 1.0) -> None:

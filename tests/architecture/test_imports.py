@@ -85,7 +85,7 @@ def normal(name: str) -> str:
 
 def imported(folder: str) -> dict[str, str]:
     """Distributions that the files of a folder import, with a place of each. IMPORTED_AS has those of other names."""
-    ours = {"vfife", *(path.stem for room in ("tests", "benchmarks") for path in (ROOT / room).iterdir())}
+    ours = {"vfife", *(path.stem for room in ("tests", "benchmarks", "docs/extensions") for path in (ROOT / room).iterdir())}
     found: dict[str, str] = {}
     for name, tree, _ in files() if folder == "src/vfife" else parsed(ROOT / folder):
         for one in imports(name, tree):

@@ -80,9 +80,9 @@ def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: py
             raise broken()
         keep(self, one, result)
 
-    def carried(ready: Any) -> Any:
+    def carried(ready: Any, told: Any) -> Any:
         left.append(len(ready))
-        return asked(ready)
+        return asked(ready, told)
 
     monkeypatch.setattr(Parts, "keep", kept)
     monkeypatch.setattr(study, "carried_out", carried)

@@ -89,6 +89,21 @@ def test_a_machine_without_a_value_is_beyond_the_limit() -> None:
     assert found.choice is not None and (found.failures, found.count) == (0, 299)
 
 
+@pytest.mark.parametrize(("bad", "taken"), [(1, True), (2, False)])
+def test_one_of_473_may_fail_and_no_second(bad: int, taken: bool) -> None:
+    """Whichever they are: the last that are asked for."""
+    asked = 0
+
+    def failing(rows: Sequence[Sequence[float]]) -> Array:
+        nonlocal asked
+        asked += len(rows)
+        return np.array([2.0 if k > 473 - bad else 1.0 for k in range(asked - len(rows) + 1, asked + 1)])
+
+    found = allocate([[Option("any", 1.0, Normal(1.0, 0.1))]], failing, 1.5, count=473)
+    assert (found.choice is not None) is taken
+    assert found.machines == asked == 473
+
+
 def test_options_are_pairs_of_grades_or_fits() -> None:
     assert {one.name: one.cost for one in options_of("H/g", 0.02, {"IT6": 4.0, "IT7": 2.5})} == {"H6/g6": 8.0, "H7/g6": 6.5, "H7/g7": 5.0}
     assert [one.name for one in options_of("", 0.02, {"H7/g6": 3.0, "H8/f7": 1.0})] == ["H8/f7", "H7/g6"]

@@ -39,6 +39,32 @@ def test_zones_are_those_of_published_tables() -> None:
         assert (1e6 * found.low, 1e6 * found.high) == pytest.approx((low, high), abs=1e-9), (size, name)
 
 
+# As makers' tables of h zones and tables of fundamental deviations print them, a value for each step up to 500 mm (IT10, IT11 up to 315), µm.
+PRINTED_GRADES = """
+5: 4 5 6 8 9 11 13 15 18 20 23 25 27 | 6: 6 8 9 11 13 16 19 22 25 29 32 36 40 | 7: 10 12 15 18 21 25 30 35 40 46 52 57 63
+8: 14 18 22 27 33 39 46 54 63 72 81 89 97 | 9: 25 30 36 43 52 62 74 87 100 115 130 140 155 | 10: 40 48 58 70 84 100 120 140 160 185 210
+11: 60 75 90 110 130 160 190 220 250 290 320
+"""
+PRINTED_DEVIATIONS = """
+d: -20 -30 -40 -50 -65 -80 -100 -120 -145 -170 -190 -210 -230 | e: -14 -20 -25 -32 -40 -50 -60 -72 -85 -100 -110 -125 -135
+f: -6 -10 -13 -16 -20 -25 -30 -36 -43 -50 -56 -62 -68 | g: -2 -4 -5 -6 -7 -9 -10 -12 -14 -15 -17 -18 -20
+m: 2 4 6 7 8 9 11 13 15 17 20 21 23 | n: 4 8 10 12 15 17 20 23 27 31 34 37 40 | p: 6 12 15 18 22 26 32 37 43 50 56 62 68
+"""
+
+
+def by_step(table: str) -> list[tuple[str, list[int]]]:
+    lines = [line.split(":") for part in table.strip().splitlines() for line in part.split("|")]
+    return [(name.strip(), [int(value) for value in values.split()]) for name, values in lines]
+
+
+def test_every_step_has_the_printed_grades_and_deviations() -> None:
+    for name, values in by_step(PRINTED_GRADES):
+        assert [round(1e6 * tolerance(int(name), size / 1e3), 6) for size in STEPS[: len(values)]] == values, name
+    for letter, values in by_step(PRINTED_DEVIATIONS):
+        ends = [zone(f"{letter}7", size / 1e3) for size in STEPS]
+        assert [round(1e6 * (one.high if letter < "h" else one.low), 6) for one in ends] == values, letter
+
+
 def means(steps: tuple[int, ...]) -> list[float]:
     return [math.sqrt(low * high) for low, high in pairwise((1, *steps))]
 

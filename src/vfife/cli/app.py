@@ -98,4 +98,4 @@ for command in (
 ):
     app.command(cls=Command)(command)
 app.command("map", cls=Command)(map_)
-app.add_typer(study, name="study", rich_help_panel=None)
+app.add_typer(study, name="study")

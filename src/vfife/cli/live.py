@@ -12,7 +12,7 @@ from .signals import NOW, end_at_once
 from .terminal import amount_of_bytes, fail, sentences, tell, writing
 
 SOURCE = "Model file, or the folder of a run, whose step it takes; without one the page begins at the gallery."
-Source = Annotated[Path | None, typer.Argument(metavar="[MODEL|RUN]", help=SOURCE, show_default=False)]
+Source = Annotated[Path | None, typer.Argument(metavar="MODEL|RUN", help=SOURCE, show_default=False)]
 Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="Write a page that needs no server.", show_default=False)]
 SLIDE = "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; others than these there are none then."
 Slide = Annotated[list[str] | None, typer.Option("--slide", metavar="PATH=LOW..HIGH", help=SLIDE)]

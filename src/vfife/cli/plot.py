@@ -44,11 +44,11 @@ def plot(run: RunArgument, figure: Named = None, out: OutOption = None, kind: As
         listed(result)
         return
     with sentences(str(run)):
-        from ..plots import chosen
+        from ..plots import chosen, refuse_beside
 
+        if at is not None:
+            refuse_beside(names)
         wanted = chosen(result, names or (["mechanism"] if at is not None else []))
-        if at is not None and wanted != ["mechanism"]:
-            raise ValueError("--at is a moment at which the mechanism is drawn; name no other figure with it")
     single = out is not None and out.suffix.lower() in PICTURES
     if single and len(wanted) != 1:
         fail(f"-o {out}: one file holds one figure and this draws {len(wanted)}; name one with --figure, or a folder")

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..report.study import quantity
 from .options import JsonOption, LawsOption, take_laws
 from .studied import FileArgument, read
 from .terminal import counted, grid, output, print_json, row, sentences, tell

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from ..report.study import quantity
 from ..solvers.status import Status
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .signals import NOW

@@ -57,6 +57,12 @@ def chosen(result: View, names: Collection[str]) -> list[str]:
     return available(result) if EVERY in names else [name for name in FIGURES if name in names]
 
 
+def refuse_beside(names: Collection[str]) -> None:
+    """Raises VfifeError for figures other than the mechanism, which alone is drawn at a moment."""
+    if set(names) - {"mechanism"}:
+        raise VfifeError("at: the mechanism alone is drawn at a moment; name no other figure with it")
+
+
 def figure(result: View, name: str, reference: View | None = None, at: str | None = None) -> Figure:
     """One figure that the result has something for; the mechanism ``at`` a moment, see :func:`~vfife.plots.instants.output_at`."""
     with matplotlib.rc_context(STYLE):

@@ -107,7 +107,7 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
 
 
 def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Swept, factor: float, unit: str) -> None:
-    """The peak that is reported, as a number and where it is."""
+    """The peak that is reported, as a number and where it is; of a mean over turns also their highest, which is the one that is marked."""
     told = result.measures.get(one.peak)
     if told is None:
         return
@@ -115,9 +115,11 @@ def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Swept, facto
     k = int(np.argmax(sizes))
     top = reach.high if reach.high[k] >= -reach.low[k] else reach.low
     x, y = over.placed(np.where(np.arange(len(sizes)) == k, factor * top, np.nan))
-    ax.plot(x, y, ls="", marker="v" if top is reach.high else "^", ms=5, color=DEEP, mec=INK, mew=0.5, zorder=6, label="peak that is reported")
+    name = "peak that is reported" if over.turns is None else "highest of these turns"
+    ax.plot(x, y, ls="", marker="v" if top is reach.high else "^", ms=5, color=DEEP, mec=INK, mew=0.5, zorder=6, label=name)
     times = "" if one.unit in PREFIXED or factor == 1.0 else "× "
-    ax.set_title(f"peak {digits(factor * told)} {times}{unit}", loc="right", fontsize=9, fontweight="normal")
+    peak = f"peak {digits(factor * told)}" if over.turns is None else f"mean peak {digits(factor * told)}, highest {digits(factor * sizes[k])}"
+    ax.set_title(f"{peak} {times}{unit}", loc="right", fontsize=9, fontweight="normal")
 
 
 def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float) -> None:

@@ -19,6 +19,9 @@ LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = 0.82, 0.3, 0.55, 0.36, 1.0, 0.72  # inc
 SEEN, NARROW = 4.0, 4.6  # points of a dot in the legend; inches of the narrowest sheet
 LINE, TITLE, HANDLE = 0.21, 0.26, 0.62  # inches: a line of the legend, one of the title, what stands before a name in the legend
 
+WIDTHS: dict[tuple[str, float, str], float] = {}  # of texts that were measured, which takes long (inches)
+MOST_WIDTHS = 10_000
+
 
 class Panels:
     """``sizes`` are width and height (inches) of each panel, laid in rows of so many ``columns``; :meth:`close` when all is drawn."""
@@ -114,9 +117,13 @@ def _seen(handle: Any) -> Any:
 
 def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
     """Width of a line of text (inches) in the font of figures."""
-    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]  # of Agg
-    wide = renderer.get_text_width_height_descent(text, FontProperties(family="DejaVu Sans", size=size, weight=weight), ismath=False)[0]
-    return float(wide / figure.dpi)
+    if (text, size, weight) not in WIDTHS:
+        renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]  # of Agg
+        if len(WIDTHS) > MOST_WIDTHS:
+            WIDTHS.clear()
+        font = FontProperties(family="DejaVu Sans", size=size, weight=weight)
+        WIDTHS[text, size, weight] = float(renderer.get_text_width_height_descent(text, font, ismath=False)[0] / figure.dpi)
+    return WIDTHS[text, size, weight]
 
 
 def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:

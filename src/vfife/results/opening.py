@@ -7,7 +7,7 @@ import sqlite3
 from pathlib import Path
 
 from ..errors import RunFileError
-from .header import FORMAT, RUN_FILE, head_of
+from .header import FORMAT, RUN_FILE, head_of, study_head
 from .tables import damaged
 
 
@@ -18,6 +18,8 @@ def run_file_at(path: str | Path) -> Path:
     if not path.is_file():
         raise RunFileError(f"{path}: there is no run file of this name; name the folder or file of a run")
     head = head_of(path)
+    if head is None and study_head(path) is not None:
+        raise RunFileError(f"{path}: this is a study file, of many runs; see vfife study show, plot and export, and vfife report")
     if head is None:
         raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
     if int.from_bytes(head[60:64], "big") > FORMAT:

@@ -115,13 +115,13 @@ class Waiting:
 
 def stepped(
     members: Iterable[Member | Ending], count: int, *, alike: int | None = None, lanes: int | None = None, workers: int | None = None,
-    stop: threading.Event | None = None, device: str | None = None,
+    stop: threading.Event | None = None, device: str | None = None, tick: Callable[[], None] | None = None,
 ) -> Iterator[Ending]:  # fmt: skip
     """Steps members, ``count`` of them or so, and gives each when it has ended, what had ended before as it is; with ``stop`` set, no more.
 
     ``lanes``: side by side in one vector register, as many as this machine's hold if not given, or as there are members that may share one, which
     are ``alike``, all of them if not given; ``workers``: threads, one a core if not given.
-    ``device``: "cuda" has a card step them, by one thread, as many side by side as it can.
+    ``device``: "cuda" has a card step them, by one thread, as many side by side as it can. ``tick`` is called now and then while nothing ends.
     """
     if device == "cuda":
         lanes, workers = min(lanes or MEMBERS, count), 1
@@ -139,6 +139,8 @@ def stepped(
             try:
                 one = found.get(timeout=PATIENCE)
             except queue.Empty:
+                if tick is not None:
+                    tick()
                 continue
             if isinstance(one, BaseException):
                 raise one

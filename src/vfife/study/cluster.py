@@ -19,6 +19,8 @@ from .batch import Numbers, question, run_batch
 from .engine import Outcome, Wanted, on_device
 from .spreading import Spread, Work, imported
 
+NOISY = ("asyncio", "distributed", "distributed.client")  # tell with tracebacks what is told here in sentences
+DEAF = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"  # Ctrl-C is for who asks
 ANSWER = 10.0  # s that a scheduler has to answer
 
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -31,7 +33,8 @@ def cluster(address: str, processes: int | None = None) -> Iterator[Runner]:
     """
     distributed = imported()
     with ExitStack() as stack:
-        stack.enter_context(silence("asyncio"))  # which tells of every wait for a worker that is gone
+        for name in NOISY:
+            stack.enter_context(silence(name))
         try:
             if address == "local":
                 client = stack.enter_context(distributed.Client(stack.enter_context(processes_here(distributed, processes))))
@@ -64,7 +67,13 @@ def processes_here(distributed: ModuleType, count: int | None) -> Iterator[Any]:
     with (
         dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
         distributed.LocalCluster(
-            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0, silence_logs="CRITICAL"
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=":0",
+            memory_limit=0,
+            silence_logs="CRITICAL",
+            preload=[DEAF],
         ) as local,
     ):
         yield local

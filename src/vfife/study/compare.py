@@ -46,7 +46,7 @@ def compare(
     A law is a name, a class or an instance. Of a name or a class the parameters are those of the law it takes the place of, where both have a
     field of the same name and unit (restitution, coefficient ...), else its defaults. ``joints``: those whose laws are changed, all with clearance
     if left out. Runs are made side by side, on all cores. ``progress`` receives a word on all of them first, then the name of each when it has
-    ended, and may return a call for how far it came; the others are arguments of :func:`~vfife.simulate`. Without companions, which are none
+    ended, and may return a call for how far all are; the others are arguments of :func:`~vfife.simulate`. Without companions, which are none
     unless asked for, an automatic step is the finer one that nobody has to look at.
     Ctrl-C ends with the runs that are complete. In a ``folder`` (there already) they are kept until all are, so that the same comparison, broken
     off or killed, goes on after them. Raises VfifeError with every law that cannot be used, before the first run, and StorageError where a run
@@ -64,13 +64,18 @@ def compare(
     ready = prepared(variants, reference, asked)
     found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
     results: dict[int, Result] = {}
+    lines: list[Callable[[Progress], None] | None] = [None]
+
+    def told(how_far: Progress) -> None:
+        if lines[-1] is not None:
+            lines[-1](how_far)
+
     with suppress(KeyboardInterrupt):
         if progress is not None:
-            progress(f"{len(ready)} runs, side by side")
-        for k, result in made(ready, Parts(folder)):
-            told = progress(f"{len(results) + 1} of {len(ready)}: {ready[k][0]}") if progress is not None else None
-            if told is not None:
-                told(Progress(result.record.reached, result.record.reached, result.record.wall))
+            lines.append(progress(f"{len(ready)} runs, side by side" if len(ready) > 1 else ready[0][0]))
+        for k, result in made(ready, Parts(folder), told):
+            if progress is not None:
+                lines.append(progress(f"{len(results) + 1} of {len(ready)}: {ready[k][0]}"))
             if result.record.status == Status.INTERRUPTED:
                 break
             results[k] = result
@@ -80,12 +85,12 @@ def compare(
     return found
 
 
-def made(ready: Sequence[tuple[str, Prepared]], parts: Parts) -> Iterator[tuple[int, Result]]:
+def made(ready: Sequence[tuple[str, Prepared]], parts: Parts, told: Callable[[Progress], None]) -> Iterator[tuple[int, Result]]:
     """Results by their place, those first that were made before; each is kept until the last one is there."""
     kept = {k: result for k, (_, one) in enumerate(ready) if (result := parts.found(one)) is not None}
     yield from kept.items()
     left = [k for k in range(len(ready)) if k not in kept]
-    for count, (at, result) in enumerate(carried_out([ready[k][1] for k in left]), len(kept) + 1):
+    for count, (at, result) in enumerate(carried_out([ready[k][1] for k in left], told), len(kept) + 1):
         if result.record.status == Status.COMPLETE and count < len(ready):
             parts.keep(ready[left[at]][1], result)
         yield left[at], result

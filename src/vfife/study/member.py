@@ -25,6 +25,7 @@ from ..solvers.transient import choose_loop
 Array = NDArray[np.float64]
 
 ENDS = 64  # ends of turns that are kept to see whether energy is accounted for; every second of them goes when there are more
+AT_ONCE = 16  # turns between two looks, where nothing is asked for at their ends
 DOUBTFUL = 0.1  # of the energy limit: a ledger that is as open at the ends of turns is looked at output by output
 
 
@@ -58,8 +59,8 @@ class Plan:
     def __init__(self, assembly: Assembly, wanted: Wanted, measures: WantedMeasures) -> None:
         self.wanted, self.measures = wanted, measures
         self.recorded = recorded_rows(assembly)
-        self.handed = rows_by_turn(assembly) if measures.by_turn else self.recorded
         self.fine = wanted.settle is not None or not measures.by_turn
+        self.handed = rows_by_turn(assembly) if measures.by_turn and self.fine else self.recorded
         self.told, self.ends = Columns(assembly.layout, self.handed), Columns(assembly.layout, self.recorded)
         self.limited = places(self.handed, limited_rows(assembly))
         self.deep = assembly.layout["contact_deep"]
@@ -86,8 +87,13 @@ class Stepped:
         assembly, plan = self.assembly, self.plan
         self.per = outputs_of_a_turn(assembly) or 1
         self.handed, every = plan.handed, assembly.choice.outputs_every
-        self.outputs, self.every = (self.per, every) if plan.fine else (1, every * self.per)
+        self.rows, self.every = (self.per, every) if plan.fine else (1, every * self.per)  # of a turn, steps between two
         self.settling: Settling | None = None
+
+    @property
+    def outputs(self) -> int:
+        """Rows up to the next look: those of a turn, or where they are one, of several turns."""
+        return self.rows if self.plan.fine else min(AT_ONCE, self.plan.wanted.turns - self.turns)
 
     def start(self, state: Array) -> None:
         """The first output."""
@@ -99,17 +105,17 @@ class Stepped:
         self.before, self.ends = state[None, self.handed], [(0, state[self.plan.recorded])]
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """A turn."""
-        present = state[self.plan.recorded] + 0.0
-        self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any()) or not np.isfinite(present).all()
+        """A turn, or several of a row each."""
+        self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any()) or not np.isfinite(state[self.plan.recorded]).all()
         if self.doubtful:
             return
-        self.turns += 1
-        self.ends.append((self.turns, present))
-        if len(self.ends) > ENDS:
-            del self.ends[1::2]
-        self.last.append(np.concatenate([self.before, rows]))
-        self.before = rows[-1:]
+        for turn in np.split(rows, len(rows) // self.rows):
+            self.turns += 1
+            self.last.append(np.concatenate([self.before, turn]))
+            self.before = turn[-1:]
+            self.ends.append((self.turns, state[self.plan.recorded] if self.plan.fine else turn[-1]))
+            if len(self.ends) > ENDS:
+                del self.ends[1::2]
         if self.settling is not None:
             self.settling.take(rows)
         self.final = state
@@ -139,7 +145,7 @@ class Stepped:
         first = self.turns - len(self.last)
         records = []
         for k, own in enumerate(self.last, first):
-            at = np.arange(k * self.outputs, (k + 1) * self.outputs + 1, dtype=np.int64) * self.every
+            at = np.arange(k * self.rows, (k + 1) * self.rows + 1, dtype=np.int64) * self.every
             records.append(Record(assembly, at, own, self.handed, columns=self.plan.told))
         self.values = self.plan.measures.over(records, self.reference)
         del self.final, self.before

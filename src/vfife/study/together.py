@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import cast
 
@@ -16,6 +16,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds
 from ..result import Result
 from ..simulation import Prepared, carry_out, concluded, halved
+from ..solvers.progress import Progress
 from ..solvers.record import Record, recorded_rows
 from ..solvers.repeating import Settling
 from ..solvers.streaming import stepped
@@ -87,16 +88,25 @@ def fits(one: Prepared) -> bool:
     return not (one.static or one.companions or one.refined) and choose_loop(one.assembly, one.loop) == "generated"
 
 
-def carried_out(ready: Sequence[Prepared]) -> Iterator[tuple[int, Result]]:
-    """Results by the place of what was prepared, as they end: on all cores in lanes where that is possible, then one after the other."""
+def carried_out(ready: Sequence[Prepared], told: Callable[[Progress], None] | None = None) -> Iterator[tuple[int, Result]]:
+    """Results by the place of what was prepared, as they end: on all cores in lanes where that is possible, then one after the other. ``told``
+    hears how far all of them are.
+    """
     alone = [k for k, one in enumerate(ready) if not fits(one)]
     beside = [Recorded(k, one, one.assembly) for k, one in enumerate(ready) if k not in alone]
-    alike = Counter(one.assembly.topology for one in beside)
-    for ended in stepped(beside, len(beside), alike=max(alike.values())) if len(beside) > 1 else ():
+    alike, began = Counter(one.assembly.topology for one in beside), time.perf_counter()
+
+    def tick() -> None:
+        if told is not None:
+            done, steps = sum(one.done * one.every for one in beside), sum(one.assembly.choice.steps for one in beside)
+            told(Progress(done, steps, time.perf_counter() - began))
+
+    for ended in stepped(beside, len(beside), alike=max(alike.values()), tick=tick) if len(beside) > 1 else ():
         one = cast(Recorded, ended)
         if one.result is not None:
             yield one.number, one.result
+            tick()
         else:
             alone.append(one.number)
     for k in sorted([*alone, *(one.number for one in beside if len(beside) == 1)]):
-        yield k, carry_out(ready[k])
+        yield k, carry_out(ready[k], progress=told)

@@ -32,6 +32,7 @@ class Pages:
         self.made: OrderedDict[tuple[Key, bool], str] = OrderedDict()
         self.wanted: OrderedDict[str, Document] = OrderedDict()
         self.current: Key | None = None
+        self.newer = False  # whether something was asked for since the sliders that are being assembled were begun
         self.building, self.changed, self.closed = threading.Lock(), threading.Condition(), False
         self.thread = threading.Thread(target=self._work, name="sliders", daemon=True)
         self.thread.start()
@@ -74,6 +75,7 @@ class Pages:
             if self.current != key:
                 self.wanted[document.id] = document
                 self.wanted.move_to_end(document.id)
+                self.newer = True
             self.changed.notify()
 
     def _work(self) -> None:
@@ -84,6 +86,7 @@ class Pages:
                 if self.closed:
                     return
                 _, document = self.wanted.popitem()
+                self.newer = False
                 mechanism, step = document.mechanism, document.its_step
                 self.current = document.id, document.version
             self._assemble(document, self.current, mechanism, step)
@@ -92,6 +95,11 @@ class Pages:
     def _assemble(self, document: Document, key: Key, mechanism: Any, step: float | None) -> None:
         def going() -> None:
             if self.closed or document.version != key[1]:
+                raise Superseded
+            if self.newer:  # what was asked for last goes first; this one begins anew after it
+                with self.changed:
+                    self.wanted.setdefault(document.id, document)
+                    self.wanted.move_to_end(document.id, last=False)
                 raise Superseded
             if self.building.acquire(timeout=PAUSE):  # whoever waits for a page goes first
                 self.building.release()

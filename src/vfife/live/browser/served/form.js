@@ -26,7 +26,9 @@ class Form {
 
   // The schema of a value: references followed, and of several tables the one that the value is most like.
   of(schema, value) {
-    const found = schema?.$ref ? { ...this.schema.definitions[schema.$ref.split("/").at(-1)] } : { ...schema };
+    const whole = schema?.allOf?.length === 1 ? { ...schema.allOf[0], description: schema.description } : schema;
+    const named = whole?.$ref && this.schema.definitions[whole.$ref.split("/").at(-1)];
+    const found = named ? { ...named, description: whole.description ?? named.description } : { ...whole };
     const kinds = found.oneOf ?? (found.anyOf?.some((one) => one.$ref || one.properties) ? found.anyOf : null);
     if (!kinds) return found;
     const ways = kinds.map((one) => this.of(one, value)).flatMap((one) => one.ways ?? [one]);
@@ -42,7 +44,7 @@ class Form {
       return sum;
     };
     const best = ways.reduce((one, other) => (apart(other) < apart(one) ? other : one), ways[0] ?? {});
-    return { ...best, description: schema.description ?? best.description, ways: ways.filter((one) => one.properties) };
+    return { ...best, description: found.description ?? best.description, ways: ways.filter((one) => one.properties) };
   }
 
   // What a key that tells one kind from another may say, whichever kind it is now.
