@@ -43,6 +43,7 @@ def tolerance(
     The members have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or distributions; those that were added one by one
     do not count. Limits of confidence are those of independent draws.
     """
+    from ..report.study import quantity
 
     found = read(file)
     with sentences(str(file)):
@@ -98,6 +99,7 @@ def indices(file: FileArgument, measure: Measures = None, laws: LawsOption = Non
 
 def index_table(one: Any) -> Any:
     """The table of a measure, what matters most first."""
+    from ..report.study import quantity
     from ..study.indices import Index
 
     if isinstance(one.rows[0], Index):
@@ -153,6 +155,7 @@ def percents(text: str) -> tuple[float, ...]:
 
 def known(value: float, unit: str) -> str:
     """A quantity; nothing where the sample is too small for it."""
+    from ..report.study import quantity
 
     return quantity(value, unit) if math.isfinite(value) else "-"
 

@@ -45,6 +45,7 @@ def optimise(
     One measure has a best member, several have a Pareto front. Members are kept in one study file as they end, so the same command goes on after
     a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where no member keeps the limits.
     """
+    from ..report.study import quantity
 
     with sentences(str(file)):
         from ..study.searches import load_search, optimised
@@ -130,6 +131,7 @@ def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
 
 def print_allocated(task: Allotment, found: Allocated, unit: str) -> None:
     """The chosen fits for people."""
+    from ..report.study import quantity
 
     if found.choice is None or found.estimate is None:
         return
