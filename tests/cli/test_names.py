@@ -94,3 +94,11 @@ def test_a_page_in_which_a_mechanism_runs(command: Callable) -> None:
     assert "alert(1)" in page and "<script>alert" not in page and "</script><script>" not in page.replace("</script>\n<script>", "")
     for script in (Path(vfife.__file__).parent / "live" / "browser").glob("*.js"):
         assert "innerHTML" not in script.read_text() and "insertAdjacentHTML" not in script.read_text(), script.name
+
+
+def test_a_page_does_not_take_the_place_of_the_model(command: Callable) -> None:
+    Path("model.toml").write_text(CRANK)
+    for name in ("model.toml", "page", "page.txt"):
+        done = command("live", "model.toml", "-o", name)
+        assert done.exit_code == 2 and "whose name ends in .html" in done.stderr, done.stderr
+    assert Path("model.toml").read_text() == CRANK and [path.name for path in Path().iterdir()] == ["model.toml"]

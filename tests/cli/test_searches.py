@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import statistics
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -65,6 +66,30 @@ def test_tolerance_tells_quantiles_and_the_share_that_fails(command: Command, cl
     assert found["mean"] == pytest.approx(1e4 * fit.mean, rel=0.02)
     said = command("study", "tolerance", "runs/s.study", "--limit", "C.impacts=200", "--confidence", "90").stdout
     assert "fail: at most 200" in said and "50 % are below" in said and "90 % confidence" in said
+
+
+def test_a_tolerance_is_of_what_was_drawn_alone(command: Command, closed: Closed, tmp_path: Path) -> None:
+    """C.force.max = 1e4 c: its mean is that of the clearances that were drawn, whatever else is in the file."""
+    text = HEAD + 'method = "random"\ncount = 32\n[vary.play]\npath = "joint.C.clearance"\nnominal = "0.2 mm"\ntolerance = "0.05 mm"\n'
+    (tmp_path / "s.toml").write_text(text)
+    command("study", "s.toml", "-q")
+    before = told(command, "study", "tolerance", "runs/s.study")
+    drawn = [one["joint.C.clearance"] for one in closed.computed]
+    assert before["machines"] == len(set(drawn)) == 32
+    assert before["measures"]["C.force.max"]["mean"] == pytest.approx(1e4 * sum(drawn) / 32, rel=1e-12)
+    assert command("study", "add", "runs/s.study", "--point", "play=5 mm", "-q").exit_code == 0
+    done = command("study", "tolerance", "runs/s.study")
+    assert "32 machines" in done.stdout and "1 member of the file left out" in done.stderr
+    assert told(command, "study", "tolerance", "runs/s.study") == before, "a point was not drawn"
+    (tmp_path / "s.toml").write_text(text.replace("0.05 mm", "0.01 mm"))
+    closed.computed.clear()
+    command("study", "s.toml", "-q")
+    found = told(command, "study", "tolerance", "runs/s.study")
+    narrow = [one["joint.C.clearance"] for one in closed.computed]
+    assert found["machines"] == len(narrow) == 32
+    assert found["measures"]["C.force.max"]["deviation"] == pytest.approx(1e4 * statistics.stdev(narrow), rel=1e-9)
+    done = command("study", "add", "runs/s.study", "--count", "5")
+    assert (done.exit_code, "32 samples are asked for already" in done.stderr) == (2, True), done.stderr
 
 
 def test_indices_of_a_product(command: Command, closed: Closed, tmp_path: Path) -> None:

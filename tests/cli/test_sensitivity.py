@@ -37,3 +37,11 @@ def test_faults_are_sentences(command, tmp_path):
         assert "Traceback" not in done.stderr
     done = command("sensitivity", EXAMPLES / "lee_frame.toml")
     assert done.exit_code == 2 and "static" in done.stderr
+
+
+def test_a_model_without_a_driver_has_the_largest_that_there_are(command):
+    done = command("sensitivity", EXAMPLES / "block_on_incline.toml", "--duration", "10 ms", "--companions", 0, "--json")
+    assert done.exit_code == 0, done.stderr
+    assert {row["measure"].rpartition(".")[0].rpartition(".")[2] for row in json.loads(done.stdout)["rows"]} <= {"force", "angular_acceleration"}
+    done = command("sensitivity", EXAMPLES / "block_on_incline.toml", "--companions", "\N{SUPERSCRIPT TWO}")
+    assert done.exit_code == 2 and "0 to 7" in done.stderr

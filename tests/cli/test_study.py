@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,19 @@ from fake_card import FakeDriver, in_this_machine
 from study.studies import ASKED, Closed
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
-from vfife.study import carry
+from vfife.study import carry, cluster
 
 Command = Callable[..., Any]
+SEARCHED = """
+method = "search"
+[vary.play]
+path = "joint.C.clearance"
+from = "0.1 mm"
+to = "0.3 mm"
+[optimise]
+minimise = ["C.force.max"]
+members = 4
+"""
 
 
 @pytest.fixture
@@ -140,6 +151,52 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         done = command("study", "s.toml", "-o", "x.study", "-q")
     assert (done.exit_code, "writes this study; wait until it has ended" in done.stderr) == (2, True)
     assert len(Study.open("x.study").done) == 6
+
+
+def test_a_study_gives_way_only_to_one_that_can_begin(command: Command, closed: Closed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "ANSWER", 0.2)
+    command("study", "s.toml", "-o", "x.study", "-q")
+    for words in (("study",), ("optimise",)):
+        if words == ("optimise",):
+            (tmp_path / "s.toml").write_text(ASKED.split("[vary")[0] + SEARCHED)
+        done = command(*words, "s.toml", "-o", "x.study", "--force", "--cluster", "nowhere:0")
+        assert (done.exit_code, "no scheduler answers" in done.stderr) == (2, True), done.stderr
+        assert len(Study.open("x.study").done) == 6
+
+
+def test_a_damaged_study_is_called_one_and_gives_way_where_that_is_asked_for(command: Command, closed: Closed, tmp_path: Path) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    (tmp_path / "x.study").write_bytes((tmp_path / "x.study").read_bytes()[:3000])
+    for words in (("study", "show", "x.study"), ("study", "s.toml", "-o", "x.study")):
+        done = command(*words)
+        assert done.exit_code == 2 and "this study file is damaged" in done.stderr and "make the study again" in done.stderr, done.stderr
+    done = command("study", "s.toml", "-o", "x.study", "--force")
+    assert (done.exit_code, "forecast: 6 members," in done.stderr) == (0, True), done.stderr
+    again = command("study", "s.toml", "-o", "x.study", "--force")
+    assert "forecast: 6 members," in again.stderr and "already" not in again.stderr, "all of them are computed anew"
+
+
+def test_a_study_whose_members_are_all_damaged_is_shown(command: Command, closed: Closed, tmp_path: Path) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    with sqlite3.connect(tmp_path / "x.study") as file:
+        file.execute("UPDATE members SET hash = 'none'")
+    done = command("study", "show", "x.study", "--members")
+    assert done.exit_code == 0, done.exception
+    assert "6 members of this file are damaged" in done.stderr and "0 members" in done.stdout
+    command("study", "export", "x.study", "x.csv")
+    assert (tmp_path / "x.csv").read_text().startswith("member,play [m],speed [rad/s],"), "the names of columns stay"
+
+
+def test_one_is_not_said_to_be_many(command: Command, closed: Closed, tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(ASKED.split("turns")[0] + 'turns = 1\n[vary]\n"joint.C.clearance" = [1e-4]\n')
+    done = command("study", "s.toml")
+    assert "forecast: 1 member, some" in done.stderr and ": 1 member, 1 complete" in done.stdout and "1 turn;" in done.stdout, done.stdout
+
+
+def test_figures_have_a_folder_of_their_own(command: Command, closed: Closed) -> None:
+    command("study", "s.toml", "-o", "x.study", "-q")
+    done = command("study", "plot", "x.study", "-o", "s.toml")
+    assert (done.exit_code, "File exists. Name another place" in done.stderr) == (2, True), done.stderr
 
 
 def test_a_card_that_is_not_there_is_told_before_anything_is_begun(command: Command, closed: Closed) -> None:

@@ -14,7 +14,7 @@ from .progress import ProgressLine
 from .signals import NOW
 from .terminal import amount_of_bytes, sentences, span, writing
 
-AS = "Film to write: .gif, or .mp4 with the extra video (pip install vfife[video])."
+AS = "Film to write: .gif, or .mp4 with the extra video."
 Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILM", help=AS, show_default="RUN.gif")]
 Frames = Annotated[int, typer.Option(metavar="N", help="Frames; no more than the part shown has outputs.")]
 Rate = Annotated[float, typer.Option("--fps", metavar="N", help="Frames a second.")]

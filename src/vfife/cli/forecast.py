@@ -17,7 +17,7 @@ BYTES = 400, 60  # of a member, and of each number it has or leaves
 MOST_KINDS = 12
 
 
-def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, target: Path) -> dict[str, Any]:
+def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, target: Path, anew: bool = False) -> dict[str, Any]:
     """Members to compute, steps of each, seconds, bytes; estimates, and called so."""
     from ..codegen.native import widest
     from ..errors import VfifeError
@@ -25,7 +25,7 @@ def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, tar
     from .cost import estimate
 
     left = list(numbers)
-    if target.is_file():
+    if target.is_file() and not anew:
         from ..results.studied import Study
         from ..results.studyfile import hash_of
 

@@ -19,6 +19,7 @@ Slide = Annotated[list[str] | None, typer.Option("--slide", metavar="PATH=LOW..H
 NoSlide = Annotated[bool, typer.Option("--no-sliders", help="Without any slider.")]
 Port = Annotated[int, typer.Option("--port", metavar="N", help="Port of this machine to be served on.", show_default="one that is free")]
 NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Only print the address.")]
+PAGES = (".html", ".htm")
 EXTRA = "it takes the extra live (starlette and uvicorn); pip install 'vfife[live]', or write a page that needs no server: -o PAGE.html"
 
 
@@ -42,6 +43,8 @@ def live(
 
 def write(source: Path, out: Path, slide: list[str] | None, no_sliders: bool, set_: list[str] | None, laws: list[Path] | None) -> None:
     """Writes a page that needs no server."""
+    if out.suffix.lower() not in PAGES:
+        fail(f"-o {out}: a page is written, whose name ends in .html; name one")
     if not out.absolute().parent.is_dir():
         fail(f"-o {out}: there is no folder {out.absolute().parent}; make it first")
     with sentences(str(source)):

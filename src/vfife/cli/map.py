@@ -17,10 +17,11 @@ from .terminal import grid, output, row, sentences, tell, writing
 if TYPE_CHECKING:
     from ..study.maps import Bifurcation
 
+MOST_VALUES, MOST_TURNS = 10_000, 1_000_000
 OVER = "The number, from and to, as in joint.pin.clearance=0.1..1mm."
 Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
-Count = Annotated[int, typer.Option("--count", metavar="N", min=2, help="Values of it, up and down again.")]
-Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, help="Turns at each value.")]
+Count = Annotated[int, typer.Option("--count", metavar="N", min=2, max=MOST_VALUES, help="Values of it, up and down again.")]
+Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns at each value.")]
 Drop = Annotated[int, typer.Option("--drop", metavar="N", min=0, help="So many of them are not looked at.")]
 Of = Annotated[
     list[str] | None, typer.Option("--of", metavar="SERIES", help="What is looked at once a turn.", show_default="penetration, force_max")
@@ -54,18 +55,15 @@ def map_(
     command goes on.
     """
     place = target if target is not None else Path("runs") / f"{model.stem}.map"
-    drawn = figure if figure is not None else place.with_suffix(".png")
     with sentences(str(model)):
-        for option, path, endings in (("--figure", drawn, ENDINGS), ("--csv", csv, (".csv",))):
-            if path is not None and path.suffix.lower() not in endings:
-                raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
+        drawn = places(place, figure, csv, target is None)
         mechanism = read_model(model, set_, laws)
         from ..live.sliders import asked_slides
         from ..study.maps import bifurcation
 
-        (slide,) = asked_slides(mechanism, [over])
+        (slide,) = asked_slides(mechanism, [over], "--over")
         size = None if step is None else positive("--step", step, "s")
-        place.parent.mkdir(parents=True, exist_ok=True)
+        place.parent.mkdir(parents=True, exist_ok=True) if target is None else None
         NOW.saved = f"What is complete is kept in {place}; the same command goes on after it."
 
         def progress(done: int, of_all: int) -> None:
@@ -90,6 +88,20 @@ def map_(
     if found.done < count:
         tell("interrupted", f"{NOW.by}: {found.done} of {count} values are complete and kept in {place}; the same command goes on.")
         raise typer.Exit(NOW.code)
+
+
+def places(place: Path, figure: Path | None, csv: Path | None, own: bool) -> Path:
+    """Where the diagram goes; ``own``: the folder of the map is made. Raises ValueError for a place that cannot be, or that is of another file."""
+    if place.is_dir() or place.suffix.lower() in (*ENDINGS, ".csv"):
+        raise ValueError(f"-o {place}: a map file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.map")
+    drawn = figure if figure is not None else place.with_suffix(".png")
+    for option, path, endings in (("--figure", drawn, ENDINGS), ("--csv", csv, (".csv",))):
+        if path is not None and path.suffix.lower() not in endings:
+            raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
+    for option, path in (("-o", place), ("--figure", drawn), ("--csv", csv)):
+        if path is not None and not path.absolute().parent.is_dir() and not (own and path.parent == place.parent):
+            raise ValueError(f"{option} {path}: there is no folder {path.absolute().parent}; make it first")
+    return drawn
 
 
 def show(found: Bifurcation, place: Path, drawn: Path) -> None:

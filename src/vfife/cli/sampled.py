@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .options import JsonOption
+from .options import JsonOption, LawsOption, take_laws
 from .studied import FileArgument, read
-from .terminal import grid, output, print_json, row, sentences
+from .terminal import counted, grid, output, print_json, row, sentences, tell
 
 if TYPE_CHECKING:
     from ..results.studied import Study
@@ -19,7 +19,11 @@ if TYPE_CHECKING:
 
 Limits = Annotated[
     list[str] | None,
-    typer.Option("--limit", metavar="MEASURE=VALUE", help='The most that is allowed, as in C.force.max="2 kN"; else those of [limit].'),
+    typer.Option(
+        "--limit",
+        metavar="MEASURE=VALUE",
+        help='The most allowed, as in C.force.max="2 kN"; else the table limit of the study.',
+    ),
 ]
 Shares = Annotated[str, typer.Option("--quantiles", metavar="%,%", help="Quantiles to tell, in percent.")]
 Confidence = Annotated[float, typer.Option(min=50.0, max=99.99, help="Confidence of their limits, in percent.")]
@@ -27,12 +31,17 @@ Measures = Annotated[list[str] | None, typer.Option("--measure", metavar="NAME",
 
 
 def tolerance(
-    file: FileArgument, limit: Limits = None, quantiles: Shares = "1,50,95,99", confidence: Confidence = 95.0, as_json: JsonOption = False
+    file: FileArgument,
+    limit: Limits = None,
+    quantiles: Shares = "1,50,95,99",
+    confidence: Confidence = 95.0,
+    laws: LawsOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """What the machines of a study say of all that are made so: quantiles of each measure, and the share that fails a limit, with confidence.
 
-    The members have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or distributions; limits of confidence are those of
-    independent draws.
+    The members have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or distributions; those that were added one by one
+    do not count. Limits of confidence are those of independent draws.
     """
     from ..report.study import quantity
 
@@ -40,9 +49,12 @@ def tolerance(
     with sentences(str(file)):
         from ..study.tolerance import spreads
 
+        take_laws(laws)
         rows = spreads(found, bounds_of(found, limit or ()), percents(quantiles), confidence / 100.0)
     if as_json:
-        print_json({"study": found.name, "file": str(file), "confidence": confidence / 100.0, "machines": len(found.done), "measures": plain(rows)})
+        print_json(
+            {"study": found.name, "file": str(file), "confidence": confidence / 100.0, "machines": rows[0].machines, "measures": plain(rows)}
+        )
         return
     table = grid("measure", "of all machines", "value", "not below", "not above", right=(2, 3, 4))
     for one in rows:
@@ -54,11 +66,15 @@ def tolerance(
             failing = (f"{100.0 * value:.3g} %" for value in (one.failing.value, one.failing.low, one.failing.high))
             row(table, "", f"fail: {one.bound.words(one.unit)}", *failing)
     console = output()
-    console.print(f"{found.model}: {len(found.done):,} machines; not below and not above what stands there with {confidence:g} % confidence")
+    console.print(
+        f"{found.model}: {counted(rows[0].machines, 'machine')}; not below and not above what stands there with {confidence:g} % confidence"
+    )
     console.print(table)
+    if (other := len(found.done) - rows[0].machines) > 0:
+        tell("note", f"{counted(other, 'member')} of the file left out: points, members of a search, or samples of former tolerances.")
 
 
-def indices(file: FileArgument, measure: Measures = None, as_json: JsonOption = False) -> None:
+def indices(file: FileArgument, measure: Measures = None, laws: LawsOption = None, as_json: JsonOption = False) -> None:
     """Which parameters a measure hangs on, over all they vary: Sobol' indices (method = "saltelli") or effects of Morris (method = "morris").
 
     For the slope at one point, by derivatives, see `vfife sensitivity`.
@@ -67,6 +83,7 @@ def indices(file: FileArgument, measure: Measures = None, as_json: JsonOption = 
     with sentences(str(file)):
         from ..study.designs import sensitivities
 
+        take_laws(laws)
         every = sensitivities(found, measure or ())
     if as_json:
         print_json(

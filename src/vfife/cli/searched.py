@@ -40,7 +40,7 @@ def optimise(
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the parameters with which measures are least, within limits: what [optimise] of a study file asks for.
+    """Find the parameters with which measures are least, within limits: what the table optimise of a study file asks for.
 
     One measure has a best member, several have a Pareto front. Members are kept in one study file as they end, so the same command goes on after
     a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where no member keeps the limits.
@@ -86,7 +86,7 @@ def allocate(
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the cheapest fits with which nearly all machines keep a limit: what [allocation] and [cost] of a study file ask for.
+    """Find the cheapest fits with which nearly all machines keep a limit: what the tables allocation and cost of a study file ask for.
 
     Choices of fits are tried from the cheapest on, each until more machines are beyond the limit than may be. Members are kept in one study file,
     so the same command goes on after a kill. Exit codes as of `vfife study`; 3 where no choice keeps the limit.
@@ -186,7 +186,7 @@ def grown(
         with locked(target) as lock:
             NOW.last.append(lock.release)
             NOW.saved = kept
-            with made(target, plan, base, name, replace=force) as file, joined(cluster, workers) as runner, ProgressLine(quiet) as line:
+            with joined(cluster, workers) as runner, made(target, plan, base, name, replace=force) as file, ProgressLine(quiet) as line:
                 show = Line(line)
                 told = (lambda done, many, outcome: show(done, max(many, of), outcome)) if of is not None else show
                 try:

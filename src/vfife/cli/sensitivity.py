@@ -15,8 +15,12 @@ from .terminal import grid, output, print_json, row, sentences, tell, writing
 if TYPE_CHECKING:
     from ..results.derivatives import Sensitivity
 
-PEAKS = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
-Of = Annotated[list[str] | None, typer.Option("--of", metavar="MEASURE", help="Measures, * for any signs.", show_default=" and ".join(PEAKS))]
+Of = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--of", metavar="MEASURE", help="Measures, * for any signs.", show_default="*.force.max, *.torque.max and *.angular_acceleration.max"
+    ),
+]
 To = Annotated[list[str] | None, typer.Option("--to", metavar="PATH", help="Numbers of the model, * for any signs.", show_default="all")]
 Top = Annotated[int, typer.Option("-n", "--top", metavar="N", min=1, help="So many numbers of each measure.")]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
@@ -53,9 +57,9 @@ def sensitivity(
         from ..study.derivatives import sensitivity as sensitive
 
         length: dict[str, Any] = {"turns": turns, "duration": duration, "step": step}
-        beside: int | str | None = int(companions) if companions is not None and companions.isdigit() else companions
+        beside: int | str | None = int(companions) if companions is not None and companions.isdecimal() else companions
         with ProgressLine(quiet) as line:
-            found = sensitive(mechanism, of or PEAKS, to or ("*",), companions=beside, progress=line, **length)
+            found = sensitive(mechanism, of or None, to or ("*",), companions=beside, progress=line, **length)
     if csv is not None:
         with writing(str(csv)):
             found.write_csv(csv)

@@ -9,7 +9,7 @@ import typer
 
 from ..results.lock import holder
 from .options import JsonOption
-from .terminal import amount_of_bytes, errors, grid, output, print_json, row, sentences, writing
+from .terminal import amount_of_bytes, counted, errors, grid, output, print_json, row, sentences, writing
 
 if TYPE_CHECKING:
     from ..results.studied import Study
@@ -66,12 +66,12 @@ def printed(found: Study, members: bool = False) -> None:
     console = output()
     counts = ", ".join(f"{count:,} {word}" for word, count in found.counts.items() if count)
     at_work = None if found.path is None else holder(found.path.absolute().parent, f"{found.path.name}.lock")
-    said = f"{len(found.members):,} members, {counts}" + (f"; {at_work} is at work" if at_work else "")
+    said = ", ".join(filter(None, (counted(len(found.members), "member"), counts))) + (f"; {at_work} is at work" if at_work else "")
     console.print(Text.assemble((f"{found.model}: ", "bold"), said))
     wanted = found.asked["wanted"]
     until = "" if wanted["settle"] is None else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
     over = "the last turn" if wanted["last"] == 1 else f"the last {wanted['last']} turns (means)"
-    console.print(f"{wanted['turns']:,} turns{until}; measures are of {over}")
+    console.print(f"{counted(wanted['turns'], 'turn')}{until}; measures are of {over}")
     varied = grid("varied", "values", "numbers of the model")
     for k, one in enumerate(found.parameters):
         row(varied, one.name, said_of([found.at(member)[k] for member in found.members], one.unit, one.kind, one.words), ", ".join(one.paths))

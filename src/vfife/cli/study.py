@@ -17,7 +17,7 @@ from .sampled import indices, tolerance
 from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
-from .terminal import DIVERGED, amount_of_bytes, command, fail, print_json, sentences, span, tell, writing
+from .terminal import DIVERGED, amount_of_bytes, command, counted, fail, print_json, sentences, span, tell, writing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -101,7 +101,7 @@ def run(
         run_on = elsewhere(cluster, device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
-    told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet)
+    told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet, anew=force)
 
     def opened() -> StudyFile:
         from ..study.carry import opened as made
@@ -149,7 +149,7 @@ def add(
         run_on = elsewhere(cluster, device)
         items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
         plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
-    told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, file)
+    told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet)
 
     def opened() -> StudyFile:
         from ..study.carry import taken_up
@@ -175,12 +175,12 @@ def refuse_foreign(target: Path, force: bool) -> None:
         raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
 
 
-def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: Path, yes: bool, quiet: bool, begun: Path | None = None) -> None:
-    """The forecast, and the end of what nobody can mean."""
+def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: Path, yes: bool, quiet: bool, anew: bool = False) -> None:
+    """The forecast, and the end of what nobody can mean; ``anew``: what is there already gives way."""
     from .forecast import forecast, groups, too_much
 
     with sentences(str(target)):
-        found = forecast(numbers, base, turns, target if begun is None else begun)
+        found = forecast(numbers, base, turns, target, anew)
         kinds = groups(numbers, base)
     if much := too_much(found, target):
         if found["bytes"] > found["free"]:
@@ -194,11 +194,11 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
     if not found["members"]:
         tell("note", f"nothing is left to compute: all {found['done']:,} members are in {target}.")
         return
-    done = f", {found['done']:,} of which are there already" if found["done"] else ""
+    done = f" beside {found['done']:,} that are there" if found["done"] else ""
     tell(
         "forecast",
-        f"{found['members']:,} members{done}, some {found['steps']:,.0f} steps each: {span(found['seconds'])} with {found['workers']} threads of "
-        f"{found['lanes']} lanes, {amount_of_bytes(found['bytes'])} in {target}.",
+        f"{counted(found['members'], 'member')}{done}, some {found['steps']:,.0f} steps each: {span(found['seconds'])} with "
+        f"{found['workers']} threads of {found['lanes']} lanes, {amount_of_bytes(found['bytes'])} in {target}.",
         "bold",
     )
     for text in kinds:
@@ -229,8 +229,8 @@ def carried(
         with locked(target) as lock:
             NOW.last.append(lock.release)
             NOW.saved = went_on
-            with opened() as file:
-                with joined(cluster, workers, run_on) as runner, ProgressLine(quiet) as line:
+            with joined(cluster, workers, run_on) as runner, opened() as file:  # a cluster that cannot be had costs no file
+                with ProgressLine(quiet) as line:
                     whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)
                 found = read_back(file)
     if as_json:

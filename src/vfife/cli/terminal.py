@@ -109,9 +109,9 @@ def writing(name: str, kept: str = "") -> Iterator[None]:
     """Ends with exit code 5 where something cannot be written: what, why, free bytes, and what is ``kept``; with 2 where no file can be."""
     try:
         yield
-    except (FileNotFoundError, IsADirectoryError, NotADirectoryError) as error:
+    except (FileNotFoundError, FileExistsError, IsADirectoryError, NotADirectoryError) as error:
         at = Path(name)
-        remedy = f"Make the folder {at.parent} first, or name another place" if not at.parent.is_dir() else "Name a file"
+        remedy = f"Make the folder {at.parent} first, or name another place" if not at.parent.is_dir() else "Name another place"
         fail(f"{name}: {error.strerror or error}. {remedy}. {kept}".rstrip())
     except (OSError, MemoryError) as error:
         from ..results.tables import free_bytes
@@ -189,6 +189,11 @@ def amount_of_bytes(count: float) -> str:
             return f"{count:.3g} {unit}"
         count /= 1000.0
     return f"{count:.3g} TB"
+
+
+def counted(count: int, noun: str) -> str:
+    """So many of something."""
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
 def span(seconds: float) -> str:

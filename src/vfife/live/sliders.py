@@ -74,22 +74,22 @@ def made(path: str, mechanism: Mechanism, low: float, high: float) -> Slide | No
     return spaced(path, (path,), unit, ends[0], ends[1], value) if value else None
 
 
-def asked_slides(mechanism: Mechanism, texts: Iterable[str]) -> list[Slide]:
-    """Sliders that are asked for as PATH=LOW..HIGH with a unit, such as ``joint.C.clearance=0.01..0.5mm``. Raises ValueError for another text."""
+def asked_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--slide") -> list[Slide]:
+    """Sliders asked for as PATH=LOW..HIGH with a unit, such as ``joint.C.clearance=0.01..0.5mm``. ValueError names the ``option``."""
     found = []
     for text in texts:
         path, sign, span = (part.strip() for part in text.partition("="))
         low, dots, high = (part.strip() for part in span.partition(".."))
         if not (sign and dots and path and low and high):
-            raise ValueError(f"--slide {text}: this is not PATH=LOW..HIGH; write it as in --slide joint.C.clearance=0.01..0.5mm")
+            raise ValueError(f"{option} {text}: this is not PATH=LOW..HIGH; write it as in {option} joint.C.clearance=0.01..0.5mm")
         try:
             value, unit = value_at(mechanism, path)
             high_value = number(high, unit)
             low_value = number(f"{low} {NUMBER.sub('', high)}" if bare(low) else low, unit)
         except ValueError as error:
-            raise ValueError(f"--slide {text}: {error}") from None
+            raise ValueError(f"{option} {text}: {error}") from None
         if not low_value < high_value:
-            raise ValueError(f"--slide {text}: the range is empty; write its lower end first")
+            raise ValueError(f"{option} {text}: the range is empty; write its lower end first")
         found.append(spaced(path, (path,), unit, low_value, high_value, value))
     return found
 

@@ -56,6 +56,8 @@ def said_of(values: list[Any], unit: str, kind: str, words: str) -> str:
     single = list(dict.fromkeys(values))
     if any(isinstance(value, str) for value in single):
         return ", ".join(map(str, single))
+    if not single:
+        return "-"
     low, high = quantity(min(single), unit), quantity(max(single), unit)
     named = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
     return f"{named}{len(single):,} values, {low} to {high}" if len(single) > 1 else low

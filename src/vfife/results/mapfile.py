@@ -6,7 +6,7 @@ import json
 import sqlite3
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ ASKED = "map"  # the entry of the meta that says what is asked
 
 class MapFile:
     """A map file, open for writing (:meth:`create`, :meth:`write`) or reading (:meth:`open`); a context manager that closes it."""
+
+    kind: ClassVar[str] = "map"
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
         self.path, self._connection = path, connection
@@ -55,7 +57,7 @@ class MapFile:
     @classmethod
     def open(cls, path: Path) -> MapFile:
         """An existing map file, to be read. Raises RunFileError for any other file."""
-        return cls(refuse_other(path), readable(path))
+        return cls(refuse_other(path), readable(path, cls.kind))
 
     def __enter__(self) -> MapFile:
         return self

@@ -35,7 +35,7 @@ def connected(path: Path) -> sqlite3.Connection:
     return connection
 
 
-def readable(path: Path) -> sqlite3.Connection:
+def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
     """A connection that can read the file; the journal of a killed writer is rolled back first.
 
     That needs to write: where it cannot be done in place, it is done on a copy that vanishes.
@@ -47,9 +47,9 @@ def readable(path: Path) -> sqlite3.Connection:
         return connection
     except sqlite3.OperationalError as error:
         if "locked" in str(error):
-            raise RunFileError(f"{path}: another program keeps this run file locked; try again when it has ended") from error
+            raise RunFileError(f"{path}: another program keeps this {kind} file locked; try again when it has ended") from error
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-        raise RunFileError(damaged(path, str(error))) from error
+        raise RunFileError(damaged(path, str(error), kind)) from error
     import tempfile
 
     memory = sqlite3.connect(":memory:", isolation_level=None)
@@ -63,5 +63,5 @@ def readable(path: Path) -> sqlite3.Connection:
             copy.backup(memory)
             copy.close()
     except (sqlite3.DatabaseError, UnicodeDecodeError, OSError) as error:
-        raise RunFileError(damaged(path, str(error))) from error
+        raise RunFileError(damaged(path, str(error), kind)) from error
     return memory

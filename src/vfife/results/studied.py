@@ -34,6 +34,7 @@ UNITS = {
     "sliding_distance.total": "m", "sliding_velocity.max": "m/s", "stress.place": "m", "tension.max": "Pa", "torque.max": "N m",
     "torque.mean": "N m", "torque.ripple": "1", "velocity.max": "m/s",
 }  # fmt: skip
+OUTCOME = ("status", "turns", "settled", "step", "reason")
 SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid
 
 
@@ -239,6 +240,11 @@ class Study:
             "settle": -1.0 if wanted["settle"] is None else wanted["settle"], "vfife_version": self.asked["versions"]["vfife"],
         }  # fmt: skip
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of what a row has."""
+        return ("member", *(one.name for one in self.parameters), *self.measures, *OUTCOME)
+
     def rows(self) -> list[dict[str, Any]]:
         """A flat map for every member, for tables: parameters, measures, status, turns, settled, step, reason."""
         found = []
@@ -247,7 +253,7 @@ class Study:
             row: dict[str, Any] = {"member": one.number, **dict(zip((two.name for two in self.parameters), self.at(one), strict=True))}
             measures = {} if outcome is None else outcome["measures"]
             row |= {name: measures.get(name) for name in self.measures}
-            row |= {name: None if outcome is None else outcome[name] for name in ("status", "turns", "settled", "step", "reason")}
+            row |= {name: None if outcome is None else outcome[name] for name in OUTCOME}
             row["status"] = row["status"] or "left"
             found.append(row)
         return found

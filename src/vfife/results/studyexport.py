@@ -35,7 +35,7 @@ def units(study: Study) -> dict[str, str]:
 def _csv(study: Study, path: Path) -> None:
     """A line of names with units, then one for each member, numbers to the last bit."""
     rows, known = study.rows(), units(study)
-    names = list(rows[0]) if rows else []
+    names = study.columns
     with whole(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         lines = csv.writer(stream)
         lines.writerow(f"{name} [{known[name]}]" if name in known else name for name in names)
@@ -52,7 +52,7 @@ def _parquet(study: Study, path: Path) -> None:
     rows, known = study.rows(), units(study)
     kinds: dict[str, Any] = {"member": pyarrow.int64(), "status": pyarrow.string(), "reason": pyarrow.string()}
     kinds |= {name: pyarrow.int64() for name in ("turns", "settled")} | {name: pyarrow.float64() for name in (*study.measures, "step")}
-    columns = {name: [row[name] for row in rows] for name in (rows[0] if rows else ())}
+    columns = {name: [row[name] for row in rows] for name in study.columns}
     arrays = [pyarrow.array(values, kinds.get(name)) for name, values in columns.items()]
     fields = [pyarrow.field(name, array.type, metadata={"units": known.get(name, "1")}) for name, array in zip(columns, arrays, strict=True)]
     schema = pyarrow.schema(fields, metadata={key: str(value) for key, value in study.attributes.items()})

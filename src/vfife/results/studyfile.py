@@ -84,7 +84,7 @@ class StudyFile:
     def open(cls, path: str | Path) -> StudyFile:
         """A study file for reading; also one whose writer was killed or is still at work."""
         path = study_file_at(Path(path))
-        return cls(path, readable(path))
+        return cls(path, readable(path, cls.kind))
 
     @classmethod
     def write(cls, path: str | Path) -> StudyFile:

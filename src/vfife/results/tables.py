@@ -137,10 +137,10 @@ def path_of(file: Any) -> str:
     return str(getattr(file, "path", file))
 
 
-def damaged(file: Any, what: str) -> str:
-    """The sentence about a damaged file."""
-    kind = getattr(file, "kind", "run")
-    again = "run the model again" if kind == "run" else "make the study again"
+def damaged(file: Any, what: str, kind: str = "run") -> str:
+    """The sentence about a damaged file, which says itself of what ``kind`` it is, or is a path."""
+    kind = getattr(file, "kind", kind)
+    again = "run the model again" if kind == "run" else f"make the {kind} again"
     return f"{path_of(file)}: this {kind} file is damaged ({what}); {again}, or take a copy of the file"
 
 

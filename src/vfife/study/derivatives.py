@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from statistics import median
@@ -27,6 +27,7 @@ from ..solvers.tangents import Neighbours, comparable, tangents
 from ..solvers.transient import choose_loop, run
 
 NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
+PEAKS = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
 SHARES = 0.0, 0.25, 0.5, 0.75  # of a first step, by which runs are displaced: as many on every machine
 Pairs: TypeAlias = list[tuple[Record, Record]]  # of a number, one for each displaced run
@@ -43,7 +44,7 @@ class Way:
 
 def sensitivity(
     mechanism: Mechanism,
-    of: Sequence[str] = ("*",),
+    of: Sequence[str] | None = ("*",),
     to: Sequence[str] = ("*",),
     *,
     turns: float | None = None,
@@ -52,7 +53,8 @@ def sensitivity(
     companions: int | str | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Sensitivity:
-    """How measures ``of`` a run depend on numbers of its model, ``to``: patterns of names and of paths, ``"*.force.max"``, ``"joint.C.*"``.
+    """How measures ``of`` a run depend on numbers of its model, ``to``: patterns of names and of paths, ``"*.force.max"``, ``"joint.C.*"``;
+    of None: of the largest forces, torques and angular accelerations that there are.
 
     The run is that of :func:`~vfife.simulate` with these arguments; derivatives are of its measures over the last turn, at the steps that it
     took. Where an onset falls in its step is decided by the steps, and leaves each derivative an error of first order in them: with contact it is
@@ -73,7 +75,8 @@ def sensitivity(
         elements = len(assembly.topology.frame_nodes)
         what = f"its {elements} elements are stepped by the data-driven loop, which carries no derivatives along"
         raise ModelError([Fault("body", what, "", "", "use fewer elements, or vary the number with vfife study")], mechanism.name)
-    names = matching("of", of, over_turn(result.record, last_turn(result.record)))
+    known = over_turn(result.record, last_turn(result.record))
+    names = matching("of", [one for one in PEAKS if fits(one, known)] or ["*"] if of is None else of, known)
     every = tuple(one for one in OVER_TURN if names.keys() & over_turn(result.record, last_turn(result.record), (one,)).keys())
     ways, refused = neighbours(text, chosen, assembly)
     displaced = bool(assembly.contacts) and result.record.companions is not None
@@ -90,12 +93,17 @@ def refuse_unfit(mechanism: Mechanism) -> None:
         raise ModelError([Fault("run.analysis", what, "static", "dynamic", remedy)], mechanism.name)
 
 
+def fits(pattern: str, known: Iterable[str]) -> bool:
+    """Whether a pattern fits any name."""
+    return any(fnmatchcase(one, pattern) for one in known)
+
+
 def matching(name: str, patterns: Sequence[str], known: dict[str, float]) -> dict[str, float]:
     """Those that fit any pattern. Raises ModelError with each pattern that fits none."""
     faults = [
         Fault(f"{name} {pattern!r}", "fits nothing that this model has", "", "", suggestion(pattern, known, "* stands for any characters"))
         for pattern in patterns
-        if not any(fnmatchcase(one, pattern) for one in known)
+        if not fits(pattern, known)
     ]
     if faults:
         raise ModelError(faults, "sensitivity")

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,13 +17,14 @@ from numpy.typing import NDArray
 from ..analysis.chaos import exponent, kind
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, VfifeError, suggestion
+from ..errors import Fault, ModelError, StepError, VfifeError, suggestion
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..result import Result
 from ..results.channels import entities
 from ..results.folder import written
+from ..results.lock import Lock
 from ..results.mapfile import MapFile
 from ..simulation import prepare
 from ..solvers.arguments import Asked
@@ -101,31 +103,39 @@ def bifurcation(
     At each ``turns`` turns, of which ``dropped`` are not looked at. ``series``: what is looked at once a turn, by its name in ``result.series``;
     the penetration and the largest force of the first contact unless said. ``step`` (s): the finer automatic one of both ends unless said; a turn
     has a whole number of them, the same for all values. With a ``file`` what is known is kept in it after each value, and the same call goes on
-    there. Ctrl-C leaves what is complete. Raises ModelError for a number that cannot be swept so.
+    there. Ctrl-C leaves what is complete. Raises ModelError for a number that cannot be swept so, HeldError where another process writes the file.
     """
     asked, every = planned(mechanism, path, np.linspace(low, high, count), turns, dropped, tuple(series), phase, step)
     refuse(asked, every)
+    with nullcontext() if file is None else Lock(Path(file).absolute().parent, f"{Path(file).name}.lock", "this map"):
+        return drawn_together(mechanism.name, asked, swept(mechanism, asked, every, file, progress))
+
+
+def swept(
+    mechanism: Mechanism, asked: Swept, every: list[Assembly], file: str | Path | None, progress: Callable[[int, int], None] | None
+) -> list[tuple[Array, Array]]:
+    """The legs of a map, those that its file has among them. Ctrl-C leaves what is complete."""
     chains = [every, every[::-1]]
     near = [neighbours(mechanism, asked, chain[0], k) for k, chain in enumerate(chains)]
     kept = opened(file, asked, mechanism.name)
     legs = [] if kept is None else kept.legs()
     try:
-        sweep = Sweep(chains, near, phase)
+        sweep = Sweep(chains, near, asked.phase)
         resume = None if kept is None or not legs else (len(legs) - 1, kept.state(len(legs) - 1).reshape(sweep.states.shape))
-        for leg in sweep.legs(turns, dropped, resume):
+        for leg in sweep.legs(asked.turns, asked.dropped, resume):
             points = looked(asked, [chain[leg.number] for chain in chains], sweep.kept, leg.rows)
             if kept is not None:
                 kept.keep(leg.number, points.reshape(len(points), -1), leg.growth, leg.state)
             legs.append((points.reshape(len(points), -1), leg.growth))
             if progress is not None:
-                progress(len(legs), count)
+                progress(len(legs), len(every))
     except KeyboardInterrupt:
         if not legs:
             raise
     finally:
         if kept is not None:
             kept.__exit__()
-    return drawn_together(mechanism.name, asked, legs)
+    return legs
 
 
 def read_map(path: str | Path) -> Bifurcation:
@@ -153,19 +163,34 @@ def planned(
     every = [assemble(model, (turn_of(model) or 0.0) / steps, turns=1, outputs=1, force_step=True) for model in models]
     chosen = series or default_series(every[0])
     known = list(Result(at_start(every[0])).series)
-    wrong = [Fault("series", "the mechanism has none of this name", name, "", suggestion(name, known, "")) for name in chosen if name not in known]
+    wrong = [
+        Fault("series", "the mechanism has none of this name", name, "", suggestion(name, known, "name one that it has"))
+        for name in chosen
+        if name not in known
+    ]
     if wrong:
         raise ModelError(wrong, mechanism.name)
     return Swept(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps), every
 
 
 def step_count(models: Sequence[Mechanism], step: float | None) -> int:
-    """Steps in a turn, enough for both ends."""
+    """Steps in a turn, enough for both ends. Raises ModelError for a step that is too large for one of them."""
     counts = []
     for model in (models[0], models[-1]):
+        if step is not None:
+            refuse_large(model, step)
         size = prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step if step is None else step
         counts.append(math.ceil((turn_of(model) or 0.0) / size * (1.0 - 1e-9)))
     return max(counts)
+
+
+def refuse_large(model: Mechanism, step: float) -> None:
+    """Raises ModelError for a step that the model is not stable with."""
+    try:
+        assemble(model, step, turns=1.0, outputs=1)
+    except StepError as error:
+        limit = str(error).partition(": ")[2].partition(";")[0]
+        raise ModelError([Fault("step", "this is not taken", f"{step:g} s", limit, "give another")], model.name) from None
 
 
 def default_series(assembly: Assembly) -> tuple[str, ...]:

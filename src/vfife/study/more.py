@@ -48,6 +48,8 @@ def added(
         own = [{found.parameter(name).name: parsed(one) if isinstance(one, str) else one for name, one in point.items()} for point in points]
         raw["point"] = [*raw.get("point", []), *own]
     if count is not None:
+        if count < (drawn := before.asked.count or 0):
+            raise VfifeError(f"{path}: {drawn:,} samples are asked for already, and --count {count} says how many there shall be in all; give more")
         raw["count"] = count
     plan, base = understood(raw, str(path), base=base)
     return plan, base, asked_of(plan, base, found.name)

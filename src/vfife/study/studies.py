@@ -72,7 +72,7 @@ def made(
 ) -> Study:
     """A plan carried out into its file."""
     told = None if progress is None else lambda done, of, _: progress(done, of)
-    with locked(path), opened(path, plan, base, name, replace=force) as file, joined(cluster, workers, otherwise) as runner:
+    with locked(path), joined(cluster, workers, otherwise) as runner, opened(path, plan, base, name, replace=force) as file:
         carry_out(file, base, workers=workers, lanes=lanes, told=told, runner=runner)
         return read_back(file)
 

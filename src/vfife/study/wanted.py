@@ -40,7 +40,7 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
         elif name not in known:
             owner, _, ending = name.partition(".")
             if owner not in owners or ending not in UNITS:
-                remedy = suggestion(name, known, "vfife run MODEL.toml --json has the names")
+                remedy = suggestion(name, known, "the names are those of vfife run MODEL.toml --json")
                 by.tell(("measures", k), Refused("there is no such measure", shown(name), "", remedy))
     if names and len(set(names)) < len(names):
         by.tell(("measures",), Refused("the same measure twice", "", "each one once", "remove it"))
