@@ -40,6 +40,7 @@ def grown(part):
 @given(st.recursive(atoms(), grown, max_leaves=12))
 def test_it_means_what_python_means(text):
     found, wanted = parse(text)(X), python(text, X)
+    wanted = np.where(np.isreal(wanted), np.real(wanted), np.nan)  # Python goes on with complex numbers: (-1)^0.5
     assert found == pytest.approx(wanted, rel=1e-12, nan_ok=True)
 
 

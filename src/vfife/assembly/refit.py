@@ -10,14 +10,14 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from copy import copy
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.topology import Topology
 from ..laws import Material
-from ..model.joints import ClearanceRevolute
+from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from .assembled import Assembly, StepChoice
@@ -35,7 +35,7 @@ class Refit:
     def __init__(self, assembly: Assembly, step: float | str | None, expected: Mapping[str, float], **run: Any) -> None:
         self.assembly, self.step, self.expected, self.run = assembly, step, expected, run
         mechanism, layout = assembly.mechanism, assembly.layout
-        self.places = {name: k for k, name in enumerate(assembly.contact_joints) if isinstance(mechanism.contacts[name], ClearanceRevolute)}
+        self.places = {name: k for k, name in enumerate(assembly.contact_joints) if mechanism.contacts[name].refits}
         self.usable = mechanism.start.journals == "centred" and len(self.places) == len(assembly.contacts)
         self.masses = {name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places}
         self.materials = {
@@ -61,14 +61,14 @@ class Refit:
 
         return math.dist(seen("bearing"), seen("journal"))
 
-    def with_joints(self, joints: Mapping[str, ClearanceRevolute]) -> Assembly | None:
+    def with_joints(self, joints: Mapping[str, Contact]) -> Assembly | None:
         """The assembly with some of its joints replaced by others of the same laws; None where it has to be made anew, or cannot be."""
         old = self.assembly
         if not self.usable or not joints.keys() <= self.places.keys():
             return None
         state = old.state.copy()
         for name, joint in joints.items():
-            former: Any = old.mechanism.joints[name]
+            joint, former = cast(Any, joint), cast(Any, old.mechanism.joints[name])
             alike = (joint.sides, type(joint.contact), type(joint.friction)) == (former.sides, type(former.contact), type(former.friction))
             if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
                 return None

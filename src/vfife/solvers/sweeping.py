@@ -7,7 +7,9 @@ turn, and is taken back to length one after each (Benettin et al. 1980).
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,7 +57,7 @@ class Sweep:
             self.seeds[self.given, k] = ((one.up.state - one.down.state) / one.apart)[self.given]
         start = np.stack([chain[0].state for chain in chains], axis=1)
         self.plain, self.derived = (self._runner(first, np.concatenate([start] + [0.0 * start] * count), count) for count in (0, 1))
-        self.pace = Pace()
+        self.pace, self.stop = Pace(), threading.Event()
 
     def _runner(self, first: Assembly, states: Array, directions: int) -> Runner:
         tables = np.tile(first.tables, (self.lanes, directions + 2 if directions else 1))
@@ -68,56 +70,71 @@ class Sweep:
         return self.plain.states
 
     def legs(self, turns: int, dropped: int, resume: tuple[int, Array] | None = None) -> Iterator[Leg]:
-        """At each value so many ``turns``, the first of them ``dropped``; from the leg after ``resume``, the number and state of one before."""
-        with Halt() as halt:
+        """At each value so many ``turns``, the first of them ``dropped``; from the leg after ``resume``, the number and state of one before.
+
+        A second thread carries derivatives through the turns that are looked at, while the motion goes on to the next value.
+        """
+        first, before = 0 if resume is None else resume[0] + 1, max(0, dropped - ALIGNED)
+        with Halt() as halt, ThreadPoolExecutor(1) as beside:
             self.pace.look = halt.look
-            first = 0 if resume is None else resume[0] + 1
-            if resume is None:
-                self._take_up(0)
-                self.plain.advance(1, 1)
-                self.pace.advance(self.plain, self.turn + self.ahead, 1)
-            else:
-                self.plain.done = 1 + self.turn + self.ahead + first * turns * self.turn
-                self.states[:] = resume[1]
-            for number in range(first, len(self.chains[0])):
-                self._take_up(number)
-                before = max(0, dropped - ALIGNED)
-                if before:
-                    self.pace.advance(self.plain, before * self.turn, 1)
-                kept = self._with_derivatives(turns - before)[dropped - before :]
-                yield Leg(number, np.array([rows for rows, _ in kept]), np.array([growth for _, growth in kept]), self.states.copy())
+            try:
+                self._begin(first, turns, resume)
+                waiting: tuple[int, Array, Future[list[tuple[Array, Array]]]] | None = None
+                for number in range(first, len(self.chains[0])):
+                    self._take_up(number)
+                    if before:
+                        self.pace.advance(self.plain, before * self.turn, 1)
+                    job = beside.submit(self._with_derivatives, number, self.states.copy(), self.plain.done, turns - before)
+                    self.pace.advance(self.plain, (turns - before) * self.turn, 1)
+                    if waiting is not None:
+                        yield self._leg(*waiting, dropped - before)
+                    waiting = number, self.states.copy(), job
+                if waiting is not None:
+                    yield self._leg(*waiting, dropped - before)
+            finally:
+                self.stop.set()
+
+    def _begin(self, first: int, turns: int, resume: tuple[int, Array] | None) -> None:
+        """The start, a turn, and the way to the phase; or the state of a leg before."""
+        if resume is None:
+            self._take_up(0)
+            self.plain.advance(1, 1)
+            self.pace.advance(self.plain, self.turn + self.ahead, 1)
+        else:
+            self.plain.done = 1 + self.turn + self.ahead + first * turns * self.turn
+            self.states[:] = resume[1]
+
+    def _leg(self, number: int, state: Array, job: Future[list[tuple[Array, Array]]], dropped: int) -> Leg:
+        kept = job.result()[dropped:]
+        return Leg(number, np.array([rows for rows, _ in kept]), np.array([growth for _, growth in kept]), state)
 
     def _take_up(self, number: int) -> None:
         """The numbers of the next models; their motion stays."""
         for k, chain in enumerate(self.chains):
             self.states[self.given, k] = chain[number].state[self.given]
             self.plain.functions.reshape(self.lanes, -1)[k] = chain[number].tables
-            tables = self.derived.functions.reshape(self.lanes, 3, -1)[k]
-            tables[0], tables[1] = chain[number].tables, rates(chain[number])
 
-    def _with_derivatives(self, turns: int) -> list[tuple[Array, Array]]:
+    def _with_derivatives(self, number: int, states: Array, done: int, turns: int) -> list[tuple[Array, Array]]:
         """Turns with a difference that is one of the number at first and, after a turn, of the motion alone: rows and growth of each."""
-        runner, found = self.derived, []
+        runner, found, pace = self.derived, [], Pace(self._end_if)
         both, tables = runner.states.reshape(2, self.rows, self.lanes), runner.functions.reshape(self.lanes, 3, -1)
-        both[0], both[1], runner.done = self.states, self.seeds, self.plain.done
-        for k in range(self.lanes):
-            tables[k, 2] = self.changes[k]
+        both[0], both[1], runner.done = states, self.seeds, done
+        for k, chain in enumerate(self.chains):
+            tables[k] = chain[number].tables, rates(chain[number]), self.changes[k]
         for turn in range(turns):
-            rows = self.pace.advance(runner, self.turn, 1)[0]
+            rows = pace.advance(runner, self.turn, 1)[0]
             if turn == 0:
                 both[1, self.given] = 0.0
-                for k in range(self.lanes):
-                    tables[k, 2] = without(tables[k, 0], self.chains[k][0])
+                for k, chain in enumerate(self.chains):
+                    tables[k, 2] = changes(chain[number], Neighbours(chain[number], chain[number], 1.0))
             size = np.maximum(np.sqrt(((self.weights * both[1]) ** 2).sum(axis=0)), 1e-300)
             both[1] /= size
             found.append((rows, np.log(size)))
-        self.states[:], self.plain.done = both[0], runner.done
         return found
 
-
-def without(tables: Array, assembly: Assembly) -> Array:
-    """The tables of a change that is none."""
-    return changes(assembly, Neighbours(assembly, assembly, 1.0)) if len(tables) else tables
+    def _end_if(self) -> None:
+        if self.stop.is_set():
+            raise KeyboardInterrupt
 
 
 def weights(assembly: Assembly) -> Array:

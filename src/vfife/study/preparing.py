@@ -21,7 +21,7 @@ from ..assembly.possible import outlook
 from ..assembly.refit import Refit
 from ..errors import Path, VfifeError
 from ..fields import Measure, Refused, value_of
-from ..model.joints import ClearanceRevolute
+from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.override import PathFault, parsed, resolve
@@ -117,7 +117,7 @@ class Preparing:
         except PathFault:
             return None
         joint = self.base.joints.get(str(at[1])) if at[0] == "joint" and len(at) in (3, 4) else None
-        if not isinstance(joint, ClearanceRevolute):
+        if joint is None or not joint.refits:
             return None
         held = measure(joint if len(at) == 3 else getattr(joint, str(at[2])) if at[2] in LAWS else None, str(at[-1]))
         return None if held is None else (at, held)
@@ -134,7 +134,7 @@ class Preparing:
             except Refused:
                 return None
             given.setdefault(str(at[1]), {}).setdefault(str(at[2]) if len(at) == 4 else "", {})[str(at[-1])] = read
-        joints: dict[str, ClearanceRevolute] = {}
+        joints: dict[str, Contact] = {}
         for name, parts in given.items():
             joint: Any = made.refit.assembly.mechanism.joints[name]
             try:

@@ -30,6 +30,7 @@ class ClearanceRevolute(Contact):
     kind: ClassVar[str] = "clearance"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "bearing_radius": 0.02}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
+    refits: ClassVar[bool] = True
 
     clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)

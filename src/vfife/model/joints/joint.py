@@ -24,6 +24,7 @@ class Joint(Kind):
     journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
     registry: ClassVar[dict[str, type[Joint]]] = {}
+    refits: ClassVar[bool] = False  # whether its numbers reach nothing but the record of its one contact, journals being centred at the start
 
     @property
     def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
