@@ -57,6 +57,18 @@ def test_the_first_value_is_the_run_of_its_own() -> None:
     assert found.points["pin.force_max"].shape == (2, 3, 2) and not np.isnan(found.points["pin.force_max"]).any()
 
 
+def test_a_phase_is_so_much_of_a_turn_later() -> None:
+    """A quarter of a turn later stand the bits of a run's outputs a quarter of a turn later."""
+    path = "joint.pin.clearance"
+    found = bifurcation(loose(), path, 2e-4, 3e-4, **{**GIVEN, "count": 2}, series=["rod.angular_velocity"], phase=0.25)
+    assert found.asked.steps % 4 == 0
+    m = load(f"{EXAMPLES}/slider_crank_loose_pin.toml", set=[("joint.pin.contact.restitution", 0.3), (path, 2e-4)])
+    step = 2.0 * math.pi / 100.0 / found.asked.steps
+    alone = vfife.simulate(m, turns=6, outputs=4, step=step, companions=0, reference=False, force_step=True)
+    own = alone.series["rod.angular_velocity"].values
+    assert np.array_equal(found.points["rod.angular_velocity"][0, 0], own[[4 * 4 + 1, 5 * 4 + 1]])
+
+
 def test_a_map_goes_on_where_it_was_broken_off(tmp_path) -> None:
     """To the bit; what asks something else is not touched."""
     whole = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN, file=tmp_path / "whole.map")

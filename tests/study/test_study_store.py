@@ -15,9 +15,9 @@ from study.studies import ASKED, BASE, Closed
 from vfife.errors import HeldError, ModelError, RunFileError, VfifeError
 from vfife.results import studyfile
 from vfife.results.studied import Study
-from vfife.results.studyfile import StudyFile
+from vfife.results.studyfile import Kept, StudyFile
 from vfife.study import carry, studies
-from vfife.study.engine import Wanted, run_members
+from vfife.study.engine import Outcome, Wanted, run_members
 from vfife.study.planfile import load_plan
 
 
@@ -94,6 +94,23 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
         assert told(again) == told(whole)
         assert len(closed.computed) == 6 - max(before, 0)
     assert {-1, 0, 6} < kept and len(kept) > 5, "kills fell before, between and after all members"
+
+
+def test_a_member_is_known_by_its_numbers_in_any_order() -> None:
+    one = {"joint.C.clearance": 1e-4, "driver.crank.speed": 100.0}
+    assert studyfile.hash_of(one) == studyfile.hash_of(dict(reversed(one.items()))) != studyfile.hash_of({**one, "driver.crank.speed": 101.0})
+
+
+def test_what_came_of_other_numbers_is_not_taken_for_a_member(asked: Path, tmp_path: Path, closed: Closed) -> None:
+    """A whole outcome in the place of another member is computed again."""
+    plan, base = load_plan(asked)
+    path = tmp_path / "x.study"
+    whole = told(studies.made(path, plan, base, "asked"))
+    with StudyFile.write(path) as file:
+        first, second = file.members()[:2]
+        file.record(Kept(first.number, second.hash, first.numbers), Outcome({"C.force.max": 1.0, "C.impacts": 1.0}, turns=2, step=1e-6, steps=7))
+    closed.computed.clear()
+    assert told(studies.made(path, plan, base, "asked")) == whole and len(closed.computed) == 1
 
 
 @pytest.mark.skipif(os.name != "posix", reason="a process is forked and killed")

@@ -26,7 +26,7 @@ Drop = Annotated[int, typer.Option("--drop", metavar="N", min=0, help="So many o
 Of = Annotated[
     list[str] | None, typer.Option("--of", metavar="SERIES", help="What is looked at once a turn.", show_default="penetration, force_max")
 ]
-Phase = Annotated[float, typer.Option("--phase", metavar="DEG", min=0.0, max=360.0, help="Angle of the crank at which it is looked at.")]
+Phase = Annotated[float, typer.Option("--phase", metavar="DEG", min=0.0, max=360.0, help="How far beyond its start the crank is looked at.")]
 Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help="Time step.", show_default="the finer automatic one of both ends")]
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.map", help="Where to keep it.", show_default="runs/MODEL.map")]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The diagram.", show_default="FILE.png")]
