@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .style import BLUE, GREY, VERMILION, heading, panels, scale_of
+from .style import BLUE, GREY, VERMILION, heading, length_unit, panels, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -14,7 +14,12 @@ if TYPE_CHECKING:
     from ..study.maps import Bifurcation
 
 WAYS = (("way up", BLUE, "o", 1.6), ("way down", VERMILION, "x", 2.6))
-UNITS = {"force": "N", "force_max": "N", "torque": "N m", "moment": "N m"}
+
+
+def readable(values: Any, unit: str) -> tuple[float, str]:
+    """Factor and unit in which numbers of a unit read well."""
+    size = float(np.nanmax(np.abs(values), initial=0.0))
+    return length_unit(size) if unit == "m" else scale_of(size, unit)
 
 
 def diagram(found: Bifurcation) -> Figure:
@@ -22,12 +27,10 @@ def diagram(found: Bifurcation) -> Figure:
     rows = len(found.points) + 1
     figure, axes = panels(rows, 1, 9.0, 2.7, sharex=True)
     values = np.array(found.asked.values)
-    span = float(np.abs(values).max())
-    power = 3 * int(np.floor(np.log10(span) / 3.0)) if span else 0
-    x = values / 10.0**power
+    scale, unit_x = readable(values, found.asked.unit)
+    x = scale * values
     for ax, (name, points) in zip(axes, found.points.items(), strict=False):
-        size = float(np.nanmax(np.abs(points), initial=0.0))
-        factor, unit = scale_of(size, UNITS.get(name.rpartition(".")[2], "")) if name.rpartition(".")[2] in UNITS else (1.0, "SI")
+        factor, unit = readable(points, dict(zip(found.asked.series, found.asked.units, strict=False)).get(name, "SI"))
         for (label, color, marker, area), chain in zip(WAYS, points, strict=True):
             across = np.repeat(x, chain.shape[1])
             ax.scatter(
@@ -41,8 +44,7 @@ def diagram(found: Bifurcation) -> Figure:
         last.plot(x, chain[:, 0], color=color, lw=1.0, marker=marker, ms=2.0)
     last.axhline(0.0, color=GREY, lw=0.8)
     last.set_ylabel("largest exponent\n(1/turn)")
-    exponent = f" (10^{power} SI)" if power else " (SI)"
-    last.set_xlabel(f"{found.asked.path}{exponent}")
+    last.set_xlabel(f"{found.asked.path} ({unit_x})")
     axes[0].legend(loc="upper left", markerscale=4.0, ncols=2)
     told = f"{found.asked.turns - found.asked.dropped} turns at each value after {found.asked.dropped}, {found.asked.steps:,} steps a turn"
     heading(figure, f"{found.name}: {told}")

@@ -6,7 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from ..analysis.chaos import exponent, kind
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, StepError, VfifeError, suggestion
+from ..live.sliders import value_at
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -41,7 +42,8 @@ CHAINS = ("up", "down")
 @dataclass(frozen=True)
 class Swept:
     """What is asked: the number's ``path`` and its ``values`` in the order of the way up, ``turns`` at each, the first of them ``dropped``;
-    ``series`` are looked at once a turn at ``phase`` (1) of it; ``steps`` in a turn."""
+    ``series`` are looked at once a turn at ``phase`` (1) of it; ``steps`` in a turn. ``unit`` is that of the number, ``units`` are those of series.
+    """
 
     model: str
     path: str
@@ -51,6 +53,8 @@ class Swept:
     series: tuple[str, ...]
     phase: float
     steps: int
+    unit: str = "SI"
+    units: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -162,7 +166,8 @@ def planned(
     steps = step_count(models, step)
     every = [assemble(model, (turn_of(model) or 0.0) / steps, turns=1, outputs=1, force_step=True) for model in models]
     chosen = series or default_series(every[0])
-    known = list(Result(at_start(every[0])).series)
+    result = Result(at_start(every[0]))
+    known = list(result.series)
     wrong = [
         Fault("series", "the mechanism has none of this name", name, "", suggestion(name, known, "name one that it has"))
         for name in chosen
@@ -170,7 +175,20 @@ def planned(
     ]
     if wrong:
         raise ModelError(wrong, mechanism.name)
-    return Swept(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps), every
+    units = tuple(unit_of(result, name) for name in chosen)
+    return Swept(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps, unit_at(mechanism, path), units), every
+
+
+def unit_at(mechanism: Mechanism, path: str) -> str:
+    """Unit of a number of the model; none where its place does not say it."""
+    with suppress(ValueError):
+        return value_at(mechanism, path)[1]
+    return "SI"
+
+
+def unit_of(result: Result, series: str) -> str:
+    """Unit of a series."""
+    return result.channels[result.series.place(series)[0]].unit
 
 
 def step_count(models: Sequence[Mechanism], step: float | None) -> int:
