@@ -1,5 +1,6 @@
 """Derivatives of measures through a run: against dimensional analysis, closed forms, and differences of whole runs."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -110,6 +111,13 @@ def test_patterns_that_fit_nothing_are_told_together():
     with pytest.raises(ModelError, match=r"'joint\.pinn\.\*'") as caught:
         sensitivity(mechanism, to=["joint.pinn.*", "body.crank.mas"])
     assert "body.crank.mass" in str(caught.value)
+
+
+def test_a_measure_that_no_run_has_is_told_before_there_is_one(monkeypatch):
+    monkeypatch.setattr("vfife.study.derivatives.simulate", lambda *given, **more: pytest.fail("a run was begun"))
+    for wrong in ("pin.forc.max", "*.forc.max", "pinn.force.maxi"):
+        with pytest.raises(ModelError, match=re.escape(wrong)):
+            sensitivity(vfife.load(f"{EXAMPLES}/slider_crank.toml"), [wrong])
 
 
 def replace_name(mechanism: vfife.Mechanism) -> vfife.Mechanism:

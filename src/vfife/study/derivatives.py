@@ -18,6 +18,8 @@ from ..modelfile import dump, loads
 from ..modelfile.numbers import numbers
 from ..result import Result
 from ..results.derivatives import Derivative, Sensitivity
+from ..results.studied import UNITS
+from ..results.view import standing
 from ..simulation import simulate
 from ..solvers.arguments import Arguments
 from ..solvers.companions import SENSITIVE
@@ -25,6 +27,7 @@ from ..solvers.progress import Progress
 from ..solvers.record import Record
 from ..solvers.tangents import Neighbours, comparable, tangents
 from ..solvers.transient import choose_loop, run
+from .wanted import known_measures
 
 NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
 PEAKS = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
@@ -66,15 +69,11 @@ def sensitivity(
     given.mechanism(mechanism)
     given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=False, companions=companions)
     given.tell()
-    refuse_unfit(mechanism)
+    refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
     result = simulate(mechanism, turns=turns, duration=duration, step=step, companions=companions, progress=progress)
     assembly = result.record.assembly
-    if choose_loop(assembly, "auto") != "generated":
-        elements = len(assembly.topology.frame_nodes)
-        what = f"its {elements} elements are stepped by the data-driven loop, which carries no derivatives along"
-        raise ModelError([Fault("body", what, "", "", "use fewer elements, or vary the number with vfife study")], mechanism.name)
     known = over_turn(result.record, last_turn(result.record))
     names = matching("of", [one for one in PEAKS if fits(one, known)] or ["*"] if of is None else of, known)
     every = tuple(one for one in OVER_TURN if names.keys() & over_turn(result.record, last_turn(result.record), (one,)).keys())
@@ -86,11 +85,18 @@ def sensitivity(
     return told
 
 
-def refuse_unfit(mechanism: Mechanism) -> None:
-    """Raises ModelError for a mechanism whose steps have no derivatives."""
+def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
+    """Raises ModelError for a mechanism whose steps have no derivatives, and for measures that no run of it can have, before there is one."""
     if mechanism.settings.analysis == "static":
         what, remedy = "a static analysis has no steps that carry derivatives along", "vary the number with vfife study instead"
         raise ModelError([Fault("run.analysis", what, "static", "dynamic", remedy)], mechanism.name)
+    assembly = assemble(mechanism)
+    if choose_loop(assembly, "auto") != "generated":
+        elements = len(assembly.topology.frame_nodes)
+        what = f"its {elements} elements are stepped by the data-driven loop, which carries no derivatives along"
+        raise ModelError([Fault("body", what, "", "", "use fewer elements, or vary the number with vfife study")], mechanism.name)
+    known = known_measures(standing(assembly))
+    matching("of", [one for one in of if not fits(one.partition(".")[2], UNITS)], dict.fromkeys(known, 0.0))
 
 
 def fits(pattern: str, known: Iterable[str]) -> bool:

@@ -27,9 +27,10 @@ from ..results.channels import entities
 from ..results.folder import written
 from ..results.lock import Lock
 from ..results.mapfile import MapFile
+from ..results.view import View, standing
 from ..simulation import prepare
 from ..solvers.arguments import Asked
-from ..solvers.record import Record, recorded_rows
+from ..solvers.record import Record
 from ..solvers.sweeping import Sweep, carried_on
 from ..solvers.tangents import Neighbours
 from ..solvers.transient import choose_loop
@@ -166,8 +167,8 @@ def planned(
     steps = step_count(models, step)
     every = [assemble(model, (turn_of(model) or 0.0) / steps, turns=1, outputs=1, force_step=True) for model in models]
     chosen = series or default_series(every[0])
-    result = Result(at_start(every[0]))
-    known = list(result.series)
+    start = standing(every[0])
+    known = list(start.series)
     wrong = [
         Fault("series", "the mechanism has none of this name", name, "", suggestion(name, known, "name one that it has"))
         for name in chosen
@@ -175,7 +176,7 @@ def planned(
     ]
     if wrong:
         raise ModelError(wrong, mechanism.name)
-    units = tuple(unit_of(result, name) for name in chosen)
+    units = tuple(unit_of(start, name) for name in chosen)
     return Swept(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps, unit_at(mechanism, path), units), every
 
 
@@ -186,9 +187,9 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
     return "SI"
 
 
-def unit_of(result: Result, series: str) -> str:
+def unit_of(start: View, series: str) -> str:
     """Unit of a series."""
-    return result.channels[result.series.place(series)[0]].unit
+    return start.channels[start.series.place(series)[0]].unit
 
 
 def step_count(models: Sequence[Mechanism], step: float | None) -> int:
@@ -217,12 +218,6 @@ def default_series(assembly: Assembly) -> tuple[str, ...]:
     if joints:
         return tuple(f"{joints[0]}.{what}" for what in ("penetration", "force_max"))
     return (f"{list(assembly.bodies)[-1]}.angular_velocity",)
-
-
-def at_start(assembly: Assembly) -> Record:
-    """A record of nothing but the start."""
-    kept = recorded_rows(assembly)
-    return Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept)
 
 
 def refuse(asked: Swept, every: Sequence[Assembly]) -> None:
