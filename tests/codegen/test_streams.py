@@ -110,3 +110,19 @@ def test_a_lane_that_breaks_ends_the_call_and_no_other_lane() -> None:
     assert filled.stream.done == LOOK + 10_000
     expected = alone(assemblies[0], LOOK + 10_000 - 1, 1)[0]
     assert (bits(filled.stream.states[recorded_rows(filled.first), 0]) == bits(expected)).all()
+
+
+def test_a_lane_is_looked_at_after_as_many_steps_of_its_own_whenever_it_came() -> None:
+    """As a run by itself is: it comes where ``beat`` is zero."""
+    model, step = MODELS[0]
+    assemblies = [assembled(model, step, which) for which in (0, 3)]
+    filled = Filled(assemblies, 2)
+    wild = np.array([[1.0], [2.0]]) * np.ones(len(limited_rows(filled.first)))
+    for lane, one in enumerate(assemblies):
+        filled.stream.put(lane, filled.starter.begun(one.state, one.tables, np.stack(bounds(one))), 10**6, 1)
+    filled.stream.advance(3 * LOOK + 7)
+    filled.stream.advance(filled.stream.beat)
+    one = assemblies[1]
+    begun = filled.stream.put(1, filled.starter.begun(one.state, one.tables, wild), 10**6, 1)
+    filled.stream.advance(10_000)
+    assert filled.stream.broken[1] - begun == LOOK

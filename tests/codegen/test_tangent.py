@@ -11,6 +11,7 @@ from vfife.assembly.assemble import assemble
 from vfife.codegen.runner import Runner
 from vfife.codegen.tangent import tangent
 from vfife.codegen.trace import Mathematics, Rows, Symbol, Tape, Trace, select
+from vfife.solvers.tangents import Neighbours, changes, rates
 
 FUNCTIONS = {  # of x = row 0 and y = row 1: the function as it is traced, and its derivatives by x and y
     "sum": (lambda x, y: x + 3.0 * y - 2.0, lambda x, y: (1.0, 3.0)),
@@ -83,3 +84,30 @@ def test_numbers_keep_their_bits_beside_their_derivatives():
     for runner in (alone, derived):
         runner.advance(1, 1)
     assert np.array_equal(bits(alone.advance(250, 2)), bits(derived.advance(250, 2)))
+
+
+def test_functions_of_time_carry_all_their_derivatives():
+    """A harmonic drive whose steps become longer: at step n its time grows by n for each second of them, and at the next one by n + 1."""
+    mechanism = mechanisms.every_drive()
+    drive = mechanism.drivers["hung"]
+    assembly = assemble(mechanism, 4e-6, duration=2e-3, force_step=True)
+    layout, steps, omega = assembly.layout, 250, 2.0 * math.pi * drive.frequency
+    states = np.zeros((3 * layout.rows, 4))
+    states[: layout.rows] = assembly.state[:, None]
+    states[layout.rows + layout.row("step")] = 1.0
+    own = np.concatenate([assembly.tables, rates(assembly), *[changes(assembly, Neighbours(assembly, assembly, 1.0))] * 2])
+    kept = np.arange(3 * layout.rows, dtype=np.uint32)
+    runner = Runner(assembly.topology, states, np.repeat(own[None, :], 4, axis=0), "generated", kept, directions=2, parts=1)
+    runner.advance(1, 1)
+    found = runner.advance(steps, 1)[0, :, 0]
+    time = steps * 4e-6
+    closed = {
+        "rate": drive.amplitude * omega * math.cos(omega * time),
+        "acceleration": -drive.amplitude * omega**2 * math.sin(omega * time),
+        "third": -drive.amplitude * omega**3 * math.cos(omega * time),
+    }
+    place = int(np.argmin([abs(found[row] - closed["rate"]) for row in layout["function_rate"]]))
+    for block, slope in (("function_value", "rate"), ("function_rate", "acceleration"), ("function_acceleration", "third")):
+        assert found[layout.rows + layout.row(block, place)] == pytest.approx(steps * closed[slope], rel=1e-6)
+    after = (steps + 1) * drive.amplitude * omega * math.cos(omega * (time + 4e-6))
+    assert found[layout.rows + layout.row("function_next", place)] == pytest.approx(after, rel=1e-6)

@@ -8,11 +8,14 @@ import pytest
 import mechanisms
 import vfife
 from vfife.analysis.measures import last_turn, over_turn
+from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
+from vfife.kernels.polynomial import polynomial
 from vfife.modelfile import dump
 from vfife.modelfile.numbers import numbers
+from vfife.solvers.tangents import changes
 from vfife.solvers.transient import run
-from vfife.study.derivatives import placed, sensitivity
+from vfife.study.derivatives import beside, placed, sensitivity
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
@@ -104,6 +107,22 @@ def test_drives_of_every_kind_carry_their_derivatives():
             seen += abs(one.value * difference) > 1e-3 * size
             assert one.values[measure] == pytest.approx(difference, rel=1e-5, abs=3e-4 * size / abs(one.value))
     assert seen > 5
+
+
+def test_tables_whose_pieces_begin_later_change_as_their_values_do():
+    """The derivative of a table at a fixed time, by the time of one of its points: differences of what the two tables say there."""
+    mechanism = mechanisms.every_drive()
+    text, assembly = dump(mechanism), assemble(mechanism, 4e-6, duration=4e-3, force_step=True)
+    path, value, seen = "driver.timed.times.1", 0.002, 0
+    near = beside(text, path, value, assembly)
+    changed = changes(assembly, near)
+    for start in assembly.topology.function_start:
+        for time in (0.0005, 0.0019, 0.0021, 0.0037, 0.0046):
+            up, down = (polynomial(one.tables, start, time)[0] for one in (near.up, near.down))
+            found = polynomial(changed, start, time)[0]
+            assert found == pytest.approx((up - down) / near.apart, rel=1e-6, abs=1e-6)
+            seen += abs(found) > 1.0
+    assert seen >= 4
 
 
 def test_patterns_that_fit_nothing_are_told_together():
