@@ -11,9 +11,7 @@ from __future__ import annotations
 import json
 import math
 import sqlite3
-import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +28,7 @@ from .opening import connected, readable, run_file_at
 from .packing import packed, unpacked
 from .space import space
 from .tables import damaged, told, unwritten
+from .transactions import Transactions
 
 if TYPE_CHECKING:
     from ..solvers.companions import Beside
@@ -38,16 +37,15 @@ CHECKPOINTS = 2  # the latest ones are kept
 LARGE = 10**8  # bytes of a file whose outputs are read when they are asked for
 
 
-class RunFile:
+class RunFile(Transactions):
     """A run file, open for writing (:meth:`create`, :meth:`write`) or reading (:meth:`open`); a context manager that closes it.
 
     ``lost`` says, after reading, what was damaged and is left out.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection, gather: float = 0.0) -> None:
-        self.path, self._connection = path, connection
-        self._gather, self._kept, self._waiting = gather, time.monotonic(), False
-        self.size = 0  # bytes of the transaction under way
+        super().__init__(connection)
+        self.path, self._gather = path, gather
         self.version = int(connection.execute("PRAGMA user_version").fetchone()[0])
         self._lost: dict[str, None] = {}
         self._next: dict[str, Any] = {}  # the meta of a try whose first output is still to come
@@ -226,29 +224,8 @@ class RunFile:
                 }
             )
 
-    @contextmanager
-    def _transaction(self, patience: float = 0.0) -> Iterator[None]:
-        """A transaction, or more of the one that gathers: it ends unless the last ended less than ``patience`` seconds ago."""
-        if not self._waiting:
-            self._connection.execute("BEGIN IMMEDIATE")
-            self.size = 0
-        self._waiting = True
-        try:
-            yield
-            if not self._gather or self.arrive is not None or time.monotonic() - self._kept >= patience:
-                self._settle()
-        except BaseException:
-            self._waiting = False
-            if self._connection.in_transaction:
-                self._connection.rollback()
-            raise
-
-    def _settle(self) -> None:
-        """Brings to the disk what was gathered."""
-        if self._connection.in_transaction:
-            self._connection.commit()
-        self._waiting = False
-        self._kept = time.monotonic()
+    def _due(self, patience: float) -> bool:
+        return not self._gather or self.arrive is not None or super()._due(patience)
 
     def _insert(self, table: str, *values: Any) -> None:
         self.size += tables.insert(self._connection, table, *values)

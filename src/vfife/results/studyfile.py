@@ -10,9 +10,7 @@ import hashlib
 import json
 import math
 import sqlite3
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
@@ -22,6 +20,7 @@ from . import tables
 from .header import STUDY_APPLICATION, STUDY_FORMAT, study_head
 from .opening import connected, readable
 from .tables import told, unwritten
+from .transactions import Transactions
 from .whole import whole
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ def hash_of(numbers: Numbers) -> str:
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-class StudyFile:
+class StudyFile(Transactions):
     """A study file, open for writing (:meth:`create`, :meth:`write`) or reading (:meth:`open`); a context manager that closes it.
 
     ``lost`` counts rows that were damaged and are left out; a member whose outcome is lost is computed again.
@@ -57,8 +56,8 @@ class StudyFile:
     kind: ClassVar[str] = "study"
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
-        self.path, self._connection = path, connection
-        self._kept, self._waiting = time.monotonic(), False
+        super().__init__(connection)
+        self.path = path
         self.lost = 0
 
     @classmethod
@@ -153,28 +152,6 @@ class StudyFile:
                 tables.insert(self._connection, "members", number, name, json.dumps(dict(numbers)))
                 number += 1
         return number - first
-
-    @contextmanager
-    def _transaction(self, patience: float = 0.0) -> Iterator[None]:
-        if not self._waiting:
-            self._connection.execute("BEGIN IMMEDIATE")
-        self._waiting = True
-        try:
-            yield
-            if time.monotonic() - self._kept >= patience:
-                self._settle()
-        except BaseException:
-            self._waiting = False
-            if self._connection.in_transaction:
-                self._connection.rollback()
-            raise
-
-    def _settle(self) -> None:
-        """Brings to the disk what was gathered."""
-        if self._connection.in_transaction:
-            self._connection.commit()
-        self._waiting = False
-        self._kept = time.monotonic()
 
     # ------------------------------------------------------------------------------------------------------- reading
 
