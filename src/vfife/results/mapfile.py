@@ -11,13 +11,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import RunFileError, StorageError
+from ..errors import RunFileError
 from . import tables
 from .header import MAP_APPLICATION, MAP_FORMAT, head_with
-from .opening import connected, readable
+from .opening import connected, new_file, readable
 from .packing import packed, unpacked
-from .tables import told, unwritten
-from .whole import whole
+from .tables import told
 
 Array = NDArray[np.float64]
 ASKED = "map"  # the entry of the meta that says what is asked
@@ -34,19 +33,8 @@ class MapFile:
     @classmethod
     def create(cls, path: Path, asked: Mapping[str, Any]) -> MapFile:
         """A new map file, which is there whole or not at all; one of this name gives way. Raises StorageError."""
-        try:
-            with whole(path) as part:
-                for left in (part, part.with_name(f"{part.name}-journal")):
-                    left.unlink(missing_ok=True)
-                connection = connected(part)
-                connection.execute(f"PRAGMA application_id = {MAP_APPLICATION}")
-                connection.execute(f"PRAGMA user_version = {MAP_FORMAT}")
-                for statement in tables.MAP_SCHEMA:
-                    connection.execute(statement)
-                tables.insert(connection, "meta", ASKED, json.dumps(asked))
-                connection.close()
-        except (OSError, sqlite3.Error) as error:
-            raise StorageError(f"{unwritten(str(path), f'no map file can be made here ({error})')} Name a folder you can write to") from error
+        with new_file(path, cls.kind, MAP_APPLICATION, MAP_FORMAT, tables.MAP_SCHEMA) as connection:
+            tables.insert(connection, "meta", ASKED, json.dumps(asked))
         return cls.write(path)
 
     @classmethod

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from ..errors import RunFileError
+from ..errors import RunFileError, StorageError
 from .header import FORMAT, RUN_FILE, head_of, study_head
-from .tables import damaged
+from .tables import damaged, unwritten
+from .whole import whole
 
 
 def run_file_at(path: str | Path) -> Path:
@@ -33,6 +36,26 @@ def connected(path: Path) -> sqlite3.Connection:
     connection.execute("PRAGMA journal_mode = DELETE")
     connection.execute("PRAGMA synchronous = NORMAL")
     return connection
+
+
+@contextmanager
+def new_file(path: Path, kind: str, application: int, version: int, schema: Iterable[str]) -> Iterator[sqlite3.Connection]:
+    """A connection to a new file with its tables, which is there whole or not at all; one of this name gives way. Raises StorageError."""
+    try:
+        with whole(path) as part:
+            for left in (part, part.with_name(f"{part.name}-journal")):
+                left.unlink(missing_ok=True)
+            connection = connected(part)
+            try:
+                connection.execute(f"PRAGMA application_id = {application}")
+                connection.execute(f"PRAGMA user_version = {version}")
+                for statement in schema:
+                    connection.execute(statement)
+                yield connection
+            finally:
+                connection.close()
+    except (OSError, sqlite3.Error) as error:
+        raise StorageError(f"{unwritten(str(path), f'no {kind} file can be made here ({error})')} Name a folder you can write to") from error
 
 
 def readable(path: Path, kind: str = "run") -> sqlite3.Connection:

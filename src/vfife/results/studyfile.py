@@ -18,10 +18,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 from ..errors import RunFileError, StorageError
 from . import tables
 from .header import STUDY_APPLICATION, STUDY_FORMAT, study_head
-from .opening import connected, readable
+from .opening import connected, new_file, readable
 from .tables import told, unwritten
 from .transactions import Transactions
-from .whole import whole
 
 if TYPE_CHECKING:
     from ..study.engine import Outcome
@@ -63,20 +62,11 @@ class StudyFile(Transactions):
     @classmethod
     def create(cls, path: Path, asked: Mapping[str, Any], members: Sequence[Numbers]) -> StudyFile:
         """A new study file, which is there whole or not at all; one of this name gives way. Raises StorageError."""
-        try:
-            with whole(path) as part:
-                for left in (part, part.with_name(f"{part.name}-journal")):
-                    left.unlink(missing_ok=True)
-                connection = connected(part)
-                connection.execute(f"PRAGMA application_id = {STUDY_APPLICATION}")
-                connection.execute(f"PRAGMA user_version = {STUDY_FORMAT}")
-                with cls(part, connection) as file, file._transaction():
-                    for statement in tables.STUDY_SCHEMA:
-                        connection.execute(statement)
-                    file._put({WHAT: asked, "created": tables.now(), "status": "running"})
-                    file._add(members)
-        except (OSError, sqlite3.Error) as error:
-            raise StorageError(f"{unwritten(str(path), f'no study file can be made here ({error})')} Name a folder you can write to") from error
+        with new_file(path, cls.kind, STUDY_APPLICATION, STUDY_FORMAT, tables.STUDY_SCHEMA) as connection:
+            file = cls(path, connection)
+            with file._transaction():
+                file._put({WHAT: asked, "created": tables.now(), "status": "running"})
+                file._add(members)
         return cls.write(path)
 
     @classmethod
