@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields.members import columns
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
@@ -94,7 +95,7 @@ class Assembly:
         return slots_of(self.layout, self.state, index, len(self.mechanism.contacts[self.contact_joints[index]].contact.slots))
 
 
-def slots_of(layout: Layout, state: NDArray[np.float64], index: int, count: int) -> tuple[float, ...]:
+def slots_of(layout: Layout, state: NDArray[np.float64], index: int, count: int) -> tuple[Any, ...]:
     """So many parameters of the law of a contact, from its record."""
     row = layout.row("contact_slots", index)
-    return tuple(float(value) for value in state[row : row + count])
+    return tuple(columns(state[..., row : row + count]))

@@ -13,6 +13,8 @@ from typing import Any
 class Taylor:
     """value + rate t + second t^2/2; comparisons are those of the values."""
 
+    __array_ufunc__ = None  # so that arrays leave what they do with it to it
+
     value: float
     rate: float = 0.0
     second: float = 0.0
