@@ -25,7 +25,8 @@ class Topology:
     Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per entity.
     ``contact_path`` and ``joint_path`` are indices of
     paths, -1 for none; ``path_pieces`` the number of pieces of each. ``guides`` are the first contact and the one after the last of each block in
-    a guide with play, whose corners are contacts of their own.
+    a guide with play, whose corners are contacts of their own. ``wears`` are the contacts of which wear is kept, ``profiles`` how many harmonics
+    the worn profiles of bearing and journal have in each of them; none unless said.
     """
 
     particles: int
@@ -39,6 +40,8 @@ class Topology:
     contact_kind: tuple[int, ...] = ()
     contact_path: tuple[int, ...] = ()
     guides: tuple[tuple[int, int], ...] = ()
+    wears: tuple[int, ...] = ()
+    profiles: tuple[tuple[int, int], ...] = ()
     contact_form: tuple[int, ...] = ()
     friction_form: tuple[int, ...] = ()
     joint_bearing: tuple[int, ...] = ()
@@ -130,5 +133,7 @@ class Topology:
             "body": len(self.body_nodes),
             "function": len(self.function_start),
             "piece": sum(self.path_pieces),
+            "wear": len(self.wears),
+            "harmonic": sum(map(sum, self.profiles)),
             "system": 1,
         }
