@@ -187,8 +187,12 @@ class Lists:
         return self.records(
             "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
             t.contact_form, t.friction_form, ahead, kinked, film, self.graph.together, t.contact_kind or [0] * len(t.contact_bearing),
-            *self.paths(t.contact_path, len(t.contact_bearing)), self.wears(), *self.profiles(),
+            *self.paths(t.contact_path, len(t.contact_bearing)), *self.knots(), self.wears(), *self.profiles(),
         )  # fmt: skip
+
+    def knots(self) -> tuple[list[int], list[int]]:
+        """First row and number of the pieces of the table of each contact's law, 0 for none."""
+        return [self.layout.record("knot", first) if many else 0 for first, many in self.t.knots], [many for _, many in self.t.knots]
 
     def wears(self) -> list[int]:
         """Row of the wear of each contact, 0 where none is kept."""
