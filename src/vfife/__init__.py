@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from .study.maps import bifurcation
     from .study.stepped import Simulation
     from .study.studies import study
+    from .study.wearing import read_wear, wear
+    from .study.worn import Worn
 
 __version__ = "0.2.0"
 
@@ -70,7 +72,10 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
+    "read_wear": "study.wearing",
     "study": "",  # the room, which can be called
+    "wear": "study.wearing",
+    "Worn": "study.worn",
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
     "laws": ("MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"),
@@ -175,6 +180,7 @@ __all__ = [
     "Study",
     "VfifeError",
     "Wear",
+    "Worn",
     "bifurcation",
     "compare",
     "ensemble",
@@ -187,11 +193,13 @@ __all__ = [
     "load_study",
     "modes",
     "quantity",
+    "read_wear",
     "resume",
     "save_model",
     "sensitivity",
     "simulate",
     "study",
+    "wear",
 ]
 if TYPE_CHECKING:
     __all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists

@@ -32,6 +32,7 @@ from .signals import NOW, Signals
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
+from .wear import wear
 
 
 class Group(Plainly, TyperGroup):
@@ -95,6 +96,7 @@ for command in (
     schema,
     paper,
     verify,
+    wear,
 ):
     app.command(cls=Command)(command)
 app.command("map", cls=Command)(map_)
