@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
+    from .results.spectra import envelope, spectrogram, spectrum
     from .results.studied import Study, load_study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
@@ -57,6 +58,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
+    "envelope": "results.spectra",
     "errors": "",
     "gallery": "",
     "load": "modelfile.files",
@@ -69,6 +71,8 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
+    "spectrogram": "results.spectra",
+    "spectrum": "results.spectra",
     "study": "",  # the room, which can be called
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
@@ -175,6 +179,7 @@ __all__ = [
     "bifurcation",
     "compare",
     "ensemble",
+    "envelope",
     "errors",
     "gallery",
     "load",
@@ -188,6 +193,8 @@ __all__ = [
     "save_model",
     "sensitivity",
     "simulate",
+    "spectrogram",
+    "spectrum",
     "study",
 ]
 if TYPE_CHECKING:
