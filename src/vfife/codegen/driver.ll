@@ -376,7 +376,7 @@ row:
   %at = mul i64 %r, WIDTH
   %here = getelementptr double, ptr %S, i64 %at
   %there = getelementptr double, ptr %Q, i64 %at
-  %old = load NUMBER, ptr %here, align 8
+  %old = load volatile NUMBER, ptr %here, align 8
   %new = load NUMBER, ptr %there, align 8
   %value = select TRUTH %which, NUMBER %new, NUMBER %old
   store NUMBER %value, ptr %here, align 8

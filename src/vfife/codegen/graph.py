@@ -187,8 +187,12 @@ class Lists:
         return self.records(
             "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
             t.contact_form, t.friction_form, ahead, kinked, film, self.graph.together, t.contact_kind or [0] * len(t.contact_bearing),
-            *self.paths(t.contact_path, len(t.contact_bearing)),
+            *self.paths(t.contact_path, len(t.contact_bearing)), *self.knots(),
         )  # fmt: skip
+
+    def knots(self) -> tuple[list[int], list[int]]:
+        """First row and number of the pieces of the table of each contact's law, 0 for none."""
+        return [self.layout.record("knot", first) if many else 0 for first, many in self.t.knots], [many for _, many in self.t.knots]
 
     def guides(self) -> list[tuple[int, int, int]]:
         """Blocks in guides with play, with the contacts that are their corners."""

@@ -189,6 +189,10 @@ BLOCKS: tuple[Block, ...] = (
         piece_end_y | m | end of the piece
         piece_end_cosine | 1 | direction there, 0 where the piece goes on beyond its end
         piece_end_sine | 1 | direction there, 0 where the piece goes on beyond its end"""),
+    *_blocks("parameter", "knot", """
+        knot_begin | m | penetration from which a piece of a contact law's table counts
+        knot_mean | N/m^k | mean of loading and unloading over the penetration from there: coefficients, constant first | 4
+        knot_half | N/m^k | half of what they are apart | 4"""),
     *_blocks("parameter", "spring", """
         spring_first_x | m | pin in the first body's frame
         spring_first_y | m | pin in the first body's frame

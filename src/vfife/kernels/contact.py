@@ -12,6 +12,7 @@ from .central_difference import larger
 from .constraint import apply_response, joint_compliance
 from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
 from .path import in_slot
+from .tabled import tabled_law, turned_slowness
 from .together import approach_rate, press, press_together, shove
 from .topology import LINE, ROUND, SLOT
 
@@ -37,12 +38,17 @@ def expected(S, i, p, h):
     return p * (S[i + PARTICLE.u] + h * S[i + PARTICLE.ax]), p * (S[i + PARTICLE.v] + h * S[i + PARTICLE.ay]), w
 
 
+def expected_rate(S, j, b, k, p, h):
+    """Rate of the penetration at t_n under the last step's accelerations."""
+    bu, bv, bw = expected(S, b, p, h)
+    ku, kv, kw = expected(S, k, p, h)
+    return S[j + CONTACT.nx] * (ku - bu) + S[j + CONTACT.ny] * (kv - bv) + S[j + CONTACT.jn] * kw - S[j + CONTACT.bn] * bw
+
+
 def onset(S, j, b, k, depth, start, p, h):
     """A contact begins: its speed is located inside the step and held until the two part."""
     dt = S[SYSTEM.step]
-    bu, bv, bw = expected(S, b, p, h)
-    ku, kv, kw = expected(S, k, p, h)
-    rate = S[j + CONTACT.nx] * (ku - bu) + S[j + CONTACT.ny] * (kv - bv) + S[j + CONTACT.jn] * kw - S[j + CONTACT.bn] * bw
+    rate = expected_rate(S, j, b, k, p, h)
     located = rate if start else onset_speed(depth, S[j + CONTACT.penetration], rate, dt)
     slow = located < S[j + CONTACT.floor]
     S[j + CONTACT.slowness] = 1.0 / (S[j + CONTACT.floor] if slow else located)
@@ -54,6 +60,18 @@ def onset(S, j, b, k, depth, start, p, h):
     S[j + CONTACT.approach] += located
     S[j + CONTACT.duration] -= dt
     S[SYSTEM.event] = 1.0
+
+
+def law_of(S, I, r, depth, slowness, p, h):
+    """Elastic force and damping coefficient of a contact, by its law's function or its table."""
+    j = I[r + CONTACT_INDEX.row]
+    if I[r + CONTACT_INDEX.knots] != 0:
+        rate = expected_rate(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], p, h)
+        turned = turned_slowness(slowness, S[j + CONTACT.slots], rate)
+        elastic, damping = tabled_law(S, I[r + CONTACT_INDEX.knot], I[r + CONTACT_INDEX.knots], depth, turned)
+    else:
+        elastic, damping = contact_law(I[r + CONTACT_INDEX.contact], depth, slowness, S, j + CONTACT.slots)
+    return elastic, damping
 
 
 def contact_geometry(S, I, start, p, h):
@@ -101,9 +119,7 @@ def contact_geometry(S, I, start, p, h):
         slowness = S[j + CONTACT.slowness]
         S[j + CONTACT.penetration] = depth
         S[j + CONTACT.duration] += S[SYSTEM.step] if touching else 0.0
-        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = contact_law(
-            I[r + CONTACT_INDEX.contact], depth if touching else 0.0, slowness, S, j + CONTACT.slots
-        )
+        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = law_of(S, I, r, depth if touching else 0.0, slowness, p, h)
         S[j + CONTACT.normal] = 0.0
         S[j + CONTACT.friction] = 0.0
         if I[r + CONTACT_INDEX.film] != 0:
