@@ -7,7 +7,7 @@ the same text becomes code of other processors, of graphics cards and of the web
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from ..kernels.arrays import Layout
@@ -172,21 +172,22 @@ def literal(x: float) -> str:
     return "0x%016X" % struct.unpack("<Q", struct.pack("<d", float(x)))[0]  # noqa: UP031
 
 
-def lean(step: Trace, width: int, found: list[Function]) -> str:
+def lean(step: Trace, width: int, changing: Collection[int]) -> str:
     """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
     or for an old value to be read; in the end all is in S. Where two copies are more than the nearest cache holds, there is one, and what is
-    written waits for the test. What all steps share comes before the first, rows that are the same number after each of them behind the last.
+    written waits for the test. What all steps share comes before the first, rows that are the same number after each of them behind the last;
+    rows that are ``changing`` are made anew before each.
     """
-    truths, changing = step.truths, {row for f in found for row in f.rows}
+    truths = step.truths
     first, step = steady(step, changing)
     same, step = settled(step, changing)
     twice = 8 * width * len(step.stores) <= COPY
     w = Writer(width, truths, step.stores if twice else ())
     ready = w.lines(first, "entry")
     before, w.out = "\n".join(w.out), []
-    w.begin(bool(found))
+    w.begin(bool(changing))
     last = w.lines(reread(apart(step, ordered(step, False)) if twice else woven(step, ordered(step))))
     body, w.out = "\n".join(w.out), []
     for row, value in same.items():
@@ -369,7 +370,7 @@ def written(topology: Topology, width: int, directions: int = 0) -> str:
     return "\n".join(
         [
             searched(found, width, layout, steps[0].stores, directions),
-            lean(steps[0], width, found),
+            lean(steps[0], width, {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}),
             whole(steps[1], width, bool(found), bool(step.rare)),
             resize(change, width),
             driver(layout, width, directions),
