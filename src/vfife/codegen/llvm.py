@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .native import LINE, padded
 from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
@@ -352,7 +353,10 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     """Text of ``advance`` and ``stream``, and of what they call beside the steps."""
     w, stride = Writer(width), stride or width
     words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
-    words |= {"ROWS": layout.rows * (directions + 1)} | {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
+    rows, solid = layout.rows * (directions + 1), stride == width  # whether rows lie one behind the other, with room behind the last
+    words |= {"CHUNK_STRIDE": LINE if solid else stride, "CHUNKS": padded(rows * width) // LINE if solid else rows}
+    words |= {"CHUNK": f"<{LINE} x double>" if solid else w.number, "SPARE": padded(rows * width) if solid else rows * stride, "ROWS": rows}
+    words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
     text = DRIVER.read_text()
     for word, value in words.items():
         text = text.replace(word, str(value))
