@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .elimination import shared_tangent
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
 from .tangent import Tangents, named, of_size, of_time, tangent
@@ -87,6 +88,9 @@ class Writer:
             text = f"select {self.truth} {values[0]}, {kind} {values[1]}, {kind} {values[2]}"
         elif operator == "round":
             text = f"fsub {self.number} {self.fresh(f'fadd {self.number} {values[0]}, {self.value(ROUNDING)}')}, {self.value(ROUNDING)}"
+        elif operator == "fused":
+            kind = self.number
+            text = f"call {kind} @llvm.fmuladd.{self.suffix}({', '.join(f'{kind} {value}' for value in values)})"
         elif operator == "neg":
             text = f"fneg {self.number} {values[0]}"
         else:
@@ -168,7 +172,7 @@ def literal(x: float) -> str:
     return "0x%016X" % struct.unpack("<Q", struct.pack("<d", float(x)))[0]  # noqa: UP031
 
 
-def lean(step: Trace, width: int, searching: bool) -> str:
+def lean(step: Trace, width: int, searching: bool, arranged: bool = False) -> str:
     """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
@@ -178,7 +182,8 @@ def lean(step: Trace, width: int, searching: bool) -> str:
     twice = 8 * width * len(step.stores) <= COPY
     w = Writer(width, step.truths, step.stores if twice else ())
     w.begin(searching)
-    last = w.lines(apart(step, ordered(step, False)) if twice else woven(step, ordered(step)))
+    order = list(step.operations) if arranged else ordered(step, not twice)
+    last = w.lines(apart(step, order) if twice else woven(step, order))
     body = "\n".join(w.out)
     home = "\n".join(_copied(step.stores if twice else (), width))
     there, here = ("to", "from") if twice else ("S", "S")
@@ -342,7 +347,8 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     for word, value in words.items():
         text = text.replace(word, str(value))
     declared = (f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))
-    return "\n".join([*declared, lanes(width), text])
+    three = ", ".join([w.number] * 3)
+    return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({three})", lanes(width), text])
 
 
 def written(topology: Topology, width: int, directions: int = 0) -> str:
@@ -350,12 +356,12 @@ def written(topology: Topology, width: int, directions: int = 0) -> str:
     found, layout, step = functions(topology), Layout(topology), trace(topology)
     steps, change = [step, trace(topology, True)], resizing(topology)
     if directions:
-        steps = [tangent(one, layout.rows, directions) for one in steps]
+        steps = [shared_tangent(step, layout.rows, directions), tangent(steps[1], layout.rows, directions)]
         change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
     return "\n".join(
         [
             searched(found, width, layout, steps[0].stores, directions),
-            lean(steps[0], width, bool(found)),
+            lean(steps[0], width, bool(found), arranged=directions > 0),
             whole(steps[1], width, bool(found), bool(step.rare)),
             resize(change, width),
             driver(layout, width, directions),
