@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
+    from .results.spectra import envelope, spectrogram, spectrum
     from .results.studied import Study, load_study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
@@ -60,6 +61,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
+    "envelope": "results.spectra",
     "errors": "",
     "gallery": "",
     "load": "modelfile.files",
@@ -73,6 +75,8 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
     "read_wear": "study.wearing",
+    "spectrogram": "results.spectra",
+    "spectrum": "results.spectra",
     "study": "",  # the room, which can be called
     "wear": "study.wearing",
     "Worn": "study.worn",
@@ -184,6 +188,7 @@ __all__ = [
     "bifurcation",
     "compare",
     "ensemble",
+    "envelope",
     "errors",
     "gallery",
     "load",
@@ -198,6 +203,8 @@ __all__ = [
     "save_model",
     "sensitivity",
     "simulate",
+    "spectrogram",
+    "spectrum",
     "study",
     "wear",
 ]

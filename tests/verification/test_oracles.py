@@ -64,7 +64,7 @@ def test_a_ball_on_a_shaking_table_doubles_at_its_closed_form():
 
 
 def test_a_ball_hops_high_and_low_as_the_exact_map_does():
-    """Five per cent above: both heights where the table goes up through the middle; the difference goes with the time of contact, stiffness^-0.4."""
+    """Five per cent above, where the table goes up through the middle; the difference goes with the time of contact, stiffness^-0.4."""
     restitution = 0.5
     acceleration = 1.05 * doubling(restitution)
     hops = exact_hops(acceleration, restitution, 300, math.acos(steady_part(restitution) / acceleration), math.pi)[-2:]
