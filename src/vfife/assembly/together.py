@@ -22,9 +22,9 @@ from ..kinematics.initial import driven_start
 from ..kinematics.mobility import Mobility
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
-from .assemble import tables_of, topology_of
+from .assemble import filled, tables_of, topology_of
 from .assembled import Assembly, BodyMap
-from .checks import refuse_deep, refuse_idle, refuse_infinite
+from .checks import refuse_idle, refuse_infinite
 from .entities import parts_of
 from .fill import Filler
 from .numbering import Numbering
@@ -83,14 +83,7 @@ class Together:
             topology = topology_of(mechanism, numbering, parts, self.laws, starts)
             if (topology, len(tables)) != (self.plain, len(self.base.tables)):
                 raise ValueError("another topology")
-            filler = Filler(mechanism, numbering, self.base.layout, motion, None, count=(count,))
-            filler.bodies()
-            filler.ideals(parts.ideals, tables)
-            filler.touches(parts.touches)
-            filler.paths(parts.paths)
-            refuse_deep(filler, parts.touches)
-            filler.springs(parts.springs)
-            filler.drivers_and_loads(parts.loads)
+            filler = filled(Filler(mechanism, numbering, self.base.layout, motion, None, count=(count,)), parts, tables)
             if redundant(filler.layout, filler.state, topology):
                 raise ValueError("joints hold more than there is to hold")
             freedom = motion.system.starts[-1]
