@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from statistics import median
@@ -27,10 +27,12 @@ from ..solvers.progress import Progress
 from ..solvers.record import Record
 from ..solvers.tangents import Neighbours, comparable, tangents
 from ..solvers.transient import choose_loop, run
+from .nearby import Change, nearby
 from .wanted import known_measures
 
 NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
 PEAKS = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
+NONE: Mapping[Change, Assembly | None] = {}
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
 SHARES = 0.0, 0.25, 0.5, 0.75  # of a first step, by which runs are displaced: as many on every machine
 Pairs: TypeAlias = list[tuple[Record, Record]]  # of a number, one for each displaced run
@@ -118,25 +120,30 @@ def matching(name: str, patterns: Sequence[str], known: dict[str, float]) -> dic
 
 def neighbours(text: str, chosen: dict[str, float], assembly: Assembly) -> tuple[list[Way], dict[str, str]]:
     """The models to both sides of each number; and of those that cannot be assembled, why."""
-    ways, refused = [], {}
+    ways, refused = [], {path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0}
+    changes = [(path, value + sign * NEAR * abs(value)) for path, value in chosen.items() if path not in refused for sign in (1.0, -1.0)]
+    made = dict(zip(changes, nearby(text, chosen, changes, assembly), strict=True))
     for path, value in chosen.items():
-        if value == 0.0:
-            refused[path] = "zero, of which there is no small part"
+        if path in refused:
             continue
         try:
-            ways.append(Way(path, value, beside(text, path, value, assembly)))
+            ways.append(Way(path, value, beside(text, path, value, assembly, made)))
         except VfifeError as error:
             refused[path] = str(error).strip().splitlines()[-1].strip()
     return ways, refused
 
 
-def beside(text: str, path: str, value: float, assembly: Assembly) -> Neighbours:
-    """A number a little larger and a little smaller; where only one of them is a mechanism, that and the model itself."""
+def beside(text: str, path: str, value: float, assembly: Assembly, made: Mapping[Change, Assembly | None] = NONE) -> Neighbours:
+    """A number a little larger and a little smaller; where only one of them is a mechanism, that and the model itself.
+
+    ``made`` are known already.
+    """
     models: list[tuple[float, Assembly]] = []
     trouble: VfifeError | None = None
     for sign in (1.0, -1.0):
+        change = path, value + sign * NEAR * abs(value)
         try:
-            models.append((sign, placed(text, path, value + sign * NEAR * abs(value), assembly)))
+            models.append((sign, made.get(change) or placed(text, *change, assembly)))
         except VfifeError as error:
             trouble = error
     if trouble is not None and not models:
