@@ -40,8 +40,12 @@ STUDY = {
         "settled INTEGER NOT NULL", "steps INTEGER NOT NULL", "step REAL NOT NULL", "measures TEXT NOT NULL",
     ),
 }  # fmt: skip
-# The same of a map file: at each value of a number the points of all chains, and the state to go on from.
-MAP = {"meta": COLUMNS["meta"], "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL")}
+# The same of a map file: at each value of a number the points of all chains, and the state to go on from; what is told beside it in arrays.
+MAP = {
+    "meta": COLUMNS["meta"],
+    "arrays": COLUMNS["arrays"],
+    "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL"),
+}
 SCHEMA, STUDY_SCHEMA, MAP_SCHEMA = (
     [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()]
     for one in (COLUMNS, STUDY, MAP)
