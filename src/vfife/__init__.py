@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from .study.maps import bifurcation
     from .study.stepped import Simulation
     from .study.studies import study
+    from .study.waterfall import waterfall
 
 __version__ = "0.2.0"
 
@@ -73,6 +74,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "simulate": "simulation",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
+    "waterfall": "study.waterfall",
     "study": "",  # the room, which can be called
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
@@ -196,6 +198,7 @@ __all__ = [
     "spectrogram",
     "spectrum",
     "study",
+    "waterfall",
 ]
 if TYPE_CHECKING:
     __all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists

@@ -69,6 +69,12 @@ class MapFile:
         tables.insert(self._connection, "legs", number, packed(points), packed(growth), packed(state))
 
     @told
+    def members(self) -> dict[int, tuple[Array, Array]]:
+        """Points and growth of all that are there, whatever is missing or damaged between them."""
+        found = tables.rows(self._connection, "legs")
+        return {number: (unpacked(row[1]), unpacked(row[2])) for number, row in found if row is not None}
+
+    @told
     def legs(self) -> list[tuple[Array, Array]]:
         """Points and growth of all values from the first on, up to one that is missing or damaged."""
         found: list[tuple[Array, Array]] = []
