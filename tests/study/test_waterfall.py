@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import vfife
-from oracles import turning
 from vfife.errors import ModelError, VfifeError
 from vfife.study.maps import bifurcation
 from vfife.study.waterfall import read_waterfall, waterfall
+from vfife.verification.chaotic import turning
 
 SPEED = "driver.crank.speed"
 GIVEN = {"count": 5, "turns": 14, "last": 2, "outputs": 96, "highest": 6.0, "series": ["block.x"], "step": 1e-3}
