@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .model.loads import *  # noqa: F403
     from .model.mechanism import Mechanism, Settings, StartSettings
     from .model.springs import *  # noqa: F403
+    from .model.wear import Wear
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
@@ -87,6 +88,7 @@ _ROOMS = {  # of nouns and laws: the public names in each, or None for all that 
     "model.drivers": None,
     "model.loads": None,
     "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
+    "model.wear": ("Wear",),
 }
 _FORMER = {"Start": "StartSettings"}  # what a name of version 0.1 is called now
 
@@ -178,6 +180,7 @@ __all__ = [
     "Status",
     "Study",
     "VfifeError",
+    "Wear",
     "bifurcation",
     "compare",
     "ensemble",

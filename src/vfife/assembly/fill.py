@@ -171,6 +171,14 @@ class Filler:
             start = self.layout.record("knot", index)
             self.state[start : start + len(piece)] = piece
 
+    def profiles(self, touches: Sequence[Touch]) -> None:
+        """Depths of worn surfaces, of bearing and journal of one contact after the other."""
+        worn = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
+        depths = [profile for wear in worn for profile in (wear.bearing_profile, wear.journal_profile) if profile]
+        numbers = [number for mean, *more in depths for number in (mean, 0.0, *more)]
+        self.state[self.layout.rows_of("harmonic_cosine")] = numbers[::2]
+        self.state[self.layout.rows_of("harmonic_sine")] = numbers[1::2]
+
     def paths(self, paths: Sequence[Path]) -> None:
         """Pieces of the paths of joints and contacts, one path after the other."""
         for index, numbers in enumerate(numbers for path in paths for numbers in path.numbers()):

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .elimination import shared_tangent
+from .native import LINE, padded
 from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
@@ -89,6 +91,9 @@ class Writer:
             text = f"select {self.truth} {values[0]}, {kind} {values[1]}, {kind} {values[2]}"
         elif operator == "round":
             text = f"fsub {self.number} {self.fresh(f'fadd {self.number} {values[0]}, {self.value(ROUNDING)}')}, {self.value(ROUNDING)}"
+        elif operator == "fused":
+            kind = self.number
+            text = f"call {kind} @llvm.fmuladd.{self.suffix}({', '.join(f'{kind} {value}' for value in values)})"
         elif operator == "neg":
             text = f"fneg {self.number} {values[0]}"
         else:
@@ -172,7 +177,7 @@ def literal(x: float) -> str:
     return "0x%016X" % struct.unpack("<Q", struct.pack("<d", float(x)))[0]  # noqa: UP031
 
 
-def lean(step: Trace, width: int, changing: Collection[int]) -> str:
+def lean(step: Trace, width: int, changing: Collection[int], arranged: bool = False) -> str:
     """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
@@ -188,7 +193,8 @@ def lean(step: Trace, width: int, changing: Collection[int]) -> str:
     ready = w.lines(first, "entry")
     before, w.out = "\n".join(w.out), []
     w.begin(bool(changing))
-    last = w.lines(reread(apart(step, ordered(step, False)) if twice else woven(step, ordered(step))))
+    order = list(step.operations) if arranged else ordered(step, not twice)
+    last = w.lines(reread(apart(step, order) if twice else woven(step, order)))
     body, w.out = "\n".join(w.out), []
     for row, value in same.items():
         w.store(row, value)
@@ -352,12 +358,16 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     """Text of ``advance`` and ``stream``, and of what they call beside the steps."""
     w, stride = Writer(width), stride or width
     words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
-    words |= {"ROWS": layout.rows * (directions + 1)} | {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
+    rows, solid = layout.rows * (directions + 1), stride == width  # whether rows lie one behind the other, with room behind the last
+    words |= {"CHUNK_STRIDE": LINE if solid else stride, "CHUNKS": padded(rows * width) // LINE if solid else rows}
+    words |= {"CHUNK": f"<{LINE} x double>" if solid else w.number, "SPARE": padded(rows * width) if solid else rows * stride, "ROWS": rows}
+    words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
     text = DRIVER.read_text()
     for word, value in words.items():
         text = text.replace(word, str(value))
     declared = (f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))
-    return "\n".join([*declared, lanes(width), text])
+    three = ", ".join([w.number] * 3)
+    return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({three})", lanes(width), text])
 
 
 def written(topology: Topology, width: int, directions: int = 0) -> str:
@@ -365,12 +375,12 @@ def written(topology: Topology, width: int, directions: int = 0) -> str:
     found, layout, step = functions(topology), Layout(topology), trace(topology)
     steps, change = [step, trace(topology, True)], resizing(topology)
     if directions:
-        steps = [tangent(one, layout.rows, directions) for one in steps]
+        steps = [shared_tangent(step, layout.rows, directions), tangent(steps[1], layout.rows, directions)]
         change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
     return "\n".join(
         [
             searched(found, width, layout, steps[0].stores, directions),
-            lean(steps[0], width, {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}),
+            lean(steps[0], width, {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}, arranged=directions > 0),
             whole(steps[1], width, bool(found), bool(step.rare)),
             resize(change, width),
             driver(layout, width, directions),
