@@ -33,6 +33,7 @@ from .wanted import known_measures
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
+MOST_RUNS = 8  # that go side by side in the widest vector
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
@@ -47,25 +48,30 @@ def sensitivity(
     step: float | str | None = None,
     companions: int | str | None = None,
     runs: int | None = None,
+    force_step: bool = False,
     progress: Callable[[Progress], None] | None = None,
 ) -> Sensitivity:
     """How measures ``of`` a run depend on numbers of its model, ``to``: patterns of names and of paths, ``"*.force.max"``, ``"joint.C.*"``;
     of None: of the largest forces, torques and angular accelerations that there are.
 
     The run is that of :func:`~vfife.simulate` with these arguments; derivatives are of its measures over the last turn, at the steps that it
-    took. Where an onset falls in its step is decided by the steps, and leaves each derivative an error of first order in them: with contact it is
-    the median over four displaced runs, with their range; without ``companions``, of the run alone. A number that the model has as zero is left
-    out, and so are those that nothing depends on. Derivatives of a measure that the run's companions do not agree on mean nothing, and are marked.
+    took. Where an onset or a reversal of friction falls in its step is decided by the steps, and leaves each derivative an error of first order in
+    them: with contact it is the mean over ``runs`` with displaced steps, two if nothing is said, with their range; without ``companions``, of the
+    run alone. A number that the model has as zero is left out, and so are those that nothing depends on. Derivatives of a measure that the run's
+    companions do not agree on mean nothing, and are marked. Those relative to the ideal mechanism take its own derivatives with them.
     Raises ModelError for patterns that fit nothing, and what simulate raises.
     """
     given = Arguments("sensitivity")
     given.mechanism(mechanism)
-    given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=False, companions=companions)
+    given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=force_step, companions=companions)
+    if given.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
+        given.fault("runs", "more than go side by side", runs, f"a whole number from 1 to {MOST_RUNS}", "give fewer")
     given.tell()
     refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
-    result = simulate(mechanism, turns=turns, duration=duration, step=step, companions=companions, progress=progress)
+    length = {"turns": turns, "duration": duration, "step": step}
+    result = simulate(mechanism, **length, force_step=force_step, companions=companions, progress=progress)
     record, reference = result.record, None if result.reference is None else result.reference.measures
     window = last_turn(record)
     known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
