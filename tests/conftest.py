@@ -28,7 +28,8 @@ FIRST = (
     "physics/test_machinery.py", "model/test_kinds.py", "physics/test_symmetry.py",
 )  # fmt: skip
 
-TOGETHER = "tests/live/"  # a browser takes four seconds to start and to end
+# Files that go to one process: those of a browser, which takes four seconds to start and to end, and those that look at the same runs.
+TOGETHER = (("live/",), ("examples/test_gallery.py", "plots/test_figures_of_all_kinds.py"))
 
 settings.register_profile("calm", deadline=None)
 settings.load_profile("calm")
@@ -53,7 +54,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     class Scheduling(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = nodeid.split("::", 1)[0]
-            return TOGETHER if TOGETHER in file else file
+            return next((group[0] for group in TOGETHER if any(part in file for part in group)), file)
 
     return Scheduling(config, log)
 

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 from rich.console import Console
 
+import gallery_runs
 import vfife
 from drawn_texts import faults
 from mechanisms import everything
@@ -25,8 +26,7 @@ def run(name: str) -> Result:
     """A short run of it."""
     if name == "everything":
         return vfife.simulate(everything(), duration=0.02, step=2e-6, outputs=50)
-    fewer = {"turns": 1.0} if name == "compressor" else {}
-    return vfife.simulate(getattr(gallery, name)(**fewer), reference=False)
+    return gallery_runs.run(name)
 
 
 @cache
