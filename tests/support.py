@@ -95,6 +95,7 @@ def journal_in_bearing(speed: float = 1.0, mass: float = 1.0, **joint: Any) -> M
 CONTACT_LAWS = sorted((law for law in ContactLaw.registry.values() if law.__module__.startswith("vfife.")), key=lambda law: law.name)
 # Values of the parameters that laws have no default for.
 GIVEN = {"stiffness": 2e9, "exponent": 1.4, "damping_coefficient": 2e3, "full_damping_depth": 3e-5}
+GIVEN |= {"loading": tuple((d * 1e-6, 6.6e10 * (d * 1e-6) ** 1.5) for d in (0, 1, 3, 10, 30, 100, 300))}
 
 
 def contact_law(law: Any, **parameters: Any) -> Any:

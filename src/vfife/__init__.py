@@ -32,9 +32,11 @@ if TYPE_CHECKING:
     from .model.loads import *  # noqa: F403
     from .model.mechanism import Mechanism, Settings, StartSettings
     from .model.springs import *  # noqa: F403
+    from .model.wear import Wear
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
+    from .results.spectra import envelope, spectrogram, spectrum
     from .results.studied import Study, load_study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
@@ -57,6 +59,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
+    "envelope": "results.spectra",
     "errors": "",
     "gallery": "",
     "load": "modelfile.files",
@@ -69,6 +72,8 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
+    "spectrogram": "results.spectra",
+    "spectrum": "results.spectra",
     "study": "",  # the room, which can be called
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
@@ -81,6 +86,7 @@ _ROOMS = {  # of nouns and laws: the public names in each, or None for all that 
     "model.drivers": None,
     "model.loads": None,
     "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
+    "model.wear": ("Wear",),
 }
 _FORMER = {"Start": "StartSettings"}  # what a name of version 0.1 is called now
 
@@ -172,9 +178,11 @@ __all__ = [
     "Status",
     "Study",
     "VfifeError",
+    "Wear",
     "bifurcation",
     "compare",
     "ensemble",
+    "envelope",
     "errors",
     "gallery",
     "load",
@@ -188,6 +196,8 @@ __all__ = [
     "save_model",
     "sensitivity",
     "simulate",
+    "spectrogram",
+    "spectrum",
     "study",
 ]
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mechanisms
-from lane_models import LANES, cylinder, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars
+from lane_models import LANES, cylinder, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars, worn_bars
 from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
@@ -23,6 +23,7 @@ EIGHT = tuple(k % LANES for k in range(8))
 # model, step, steps between outputs, outputs, outputs to interpret
 RUNS = {
     rigid_bars: (2e-6, 100, 120, 10),
+    worn_bars: (2e-6, 100, 120, 8),
     two_particle_bars: (1e-6, 100, 120, 10),
     one_clearance: (2e-6, 100, 120, 8),
     elastic_bars: (1e-6, 50, 60, 8),

@@ -58,7 +58,7 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float) -> Impac
     dt = deepest_without_loss(law, p, 0.5 * mass * speed**2) / speed / STEPS
 
     def force(depth: float, rate: float) -> float:
-        elastic, damping = law.force(depth, 1.0 / speed, p) if depth > 0.0 else (0.0, 0.0)
+        elastic, damping = law.force(depth, law.slowness(speed, rate), p) if depth > 0.0 else (0.0, 0.0)
         return max(elastic + damping * rate, 0.0)
 
     x, v = 0.0, speed

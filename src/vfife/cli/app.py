@@ -29,6 +29,7 @@ from .schema import schema
 from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
+from .spectrum import spectrum
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
@@ -86,6 +87,7 @@ for command in (
     impacts,
     optimise,
     plot,
+    spectrum,
     animate,
     report,
     live,

@@ -19,7 +19,6 @@ from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
 from .functiontext import function_text, function_tree
 from .lock import WRITING
 
-
 _DEFINITIONS: dict[tuple[object, ...], str] = {}  # known ones: to write them takes most of the time of a text
 
 
@@ -156,6 +155,9 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
     given = "normal, free, mobility, dt" if friction else "depth, slowness"
     lines = ["@jit", f"def {kind}_law(kind, {given}, S, base{', memory' if friction else ''}):", "    first = 0.0", "    second = 0.0"]
     for number, law in enumerate(laws):
+        if getattr(law, "tabled", False):  # its table is not among the slots: kernels/tabled.py
+            lines += [f"    {'el' if number else ''}if kind == {number}:", "        first, second = 0.0, 0.0"]
+            continue
         count, rows = room(kind, law)
         name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
         slots = "".join(f"S[base + {k}], " for k in range(count))

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.chaos import exponent, kind
+from ..analysis.chaos import exponent
+from ..analysis.verdict import kind
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, StepError, VfifeError, suggestion
