@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .map import places
+from .mapped import places
 from .options import LawsOption, ModelArgument, SetOption, positive, read_model
 from .run import Quiet
 from .signals import NOW

@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -22,7 +22,6 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..results.folder import written
-from ..results.lock import Lock
 from ..results.mapfile import MapFile
 from ..results.spectra import spectrum
 from ..results.view import standing
@@ -30,6 +29,7 @@ from ..simulation import prepare
 from ..solvers.arguments import Asked
 from ..solvers.ensemble import placed
 from ..solvers.streaming import stepped
+from .looks import kept_in
 from .spectral import Spectral
 
 Array = NDArray[np.float64]
@@ -126,7 +126,7 @@ def waterfall(
     """
     asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
     places = round(asked.highest * asked.last) + 1
-    with opened(file, asked, mechanism.name) as kept:
+    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
         found = {} if kept is None else {number: points for number, (points, _) in kept.members().items()}
         missing = [k for k in range(count) if k not in found]
         try:
@@ -210,20 +210,3 @@ def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:
     """Forces of the joints with play, or of all joints."""
     names = [f"{name}.force" for name in (dict.fromkeys(assembly.contact_joints) or assembly.mechanism.joints)]
     return tuple(name for name in names if name in known)
-
-
-@contextmanager
-def opened(file: str | Path | None, asked: Fallen, name: str) -> Iterator[MapFile | None]:
-    """The file, locked: a new one, or one that asks the same. Raises VfifeError for one that asks something else, HeldError."""
-    if file is None:
-        yield None
-        return
-    path = Path(file)
-    said = {"what": WHAT, "name": name, "asked": {key: list(value) if isinstance(value, tuple) else value for key, value in vars(asked).items()}}
-    with Lock(path.absolute().parent, f"{path.name}.lock", "this waterfall"):
-        if path.exists():
-            with MapFile.open(path) as before:
-                if before.asked != said:
-                    raise VfifeError(f"{path}: there is a map here that asks something else; name another file, or remove this one")
-        with MapFile.write(path) if path.exists() else MapFile.create(path, said) as found:
-            yield found
