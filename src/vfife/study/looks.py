@@ -158,14 +158,7 @@ def kept_in(file: str | Path | None, said: Mapping[str, Any]) -> Iterator[MapFil
     path = Path(file)
     with Lock(path.absolute().parent, f"{path.name}.lock", "this map"):
         said = {key: value if isinstance(value, str) else _listed(value) for key, value in said.items()}
-        if not path.exists():
-            found = MapFile.create(path, said)
-        else:
-            with MapFile.open(path) as before:
-                if before.asked != said:
-                    raise VfifeError(f"{path}: there is a map here that asks something else; name another file, or remove this one")
-            found = MapFile.write(path)
-        with found:
+        with MapFile.going_on(path, said) as found:
             yield found
 
 
