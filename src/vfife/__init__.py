@@ -47,6 +47,8 @@ if TYPE_CHECKING:
     from .study.stepped import Simulation
     from .study.studies import study
     from .study.waterfall import waterfall
+    from .study.wearing import read_wear, wear
+    from .study.worn import Worn
 
 __version__ = "0.2.0"
 
@@ -73,10 +75,13 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
+    "read_wear": "study.wearing",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
     "waterfall": "study.waterfall",
     "study": "",  # the room, which can be called
+    "wear": "study.wearing",
+    "Worn": "study.worn",
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
     "laws": ("MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"),
@@ -181,6 +186,7 @@ __all__ = [
     "Study",
     "VfifeError",
     "Wear",
+    "Worn",
     "bifurcation",
     "compare",
     "ensemble",
@@ -194,6 +200,7 @@ __all__ = [
     "load_study",
     "modes",
     "quantity",
+    "read_wear",
     "resume",
     "save_model",
     "sensitivity",
@@ -202,6 +209,7 @@ __all__ = [
     "spectrum",
     "study",
     "waterfall",
+    "wear",
 ]
 if TYPE_CHECKING:
     __all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists

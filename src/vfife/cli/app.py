@@ -34,6 +34,7 @@ from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
 from .waterfall import waterfall
+from .wear import wear
 
 
 class Group(Plainly, TyperGroup):
@@ -99,6 +100,7 @@ for command in (
     schema,
     paper,
     verify,
+    wear,
 ):
     app.command(cls=Command)(command)
 app.command("map", cls=Command)(map_)

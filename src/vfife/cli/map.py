@@ -90,10 +90,10 @@ def map_(
         raise typer.Exit(NOW.code)
 
 
-def places(place: Path, figure: Path | None, csv: Path | None, own: bool) -> Path:
+def places(place: Path, figure: Path | None, csv: Path | None, own: bool, kind: str = "map") -> Path:
     """Where the diagram goes; ``own``: the folder of the map is made. Raises ValueError for a place that cannot be, or that is of another file."""
     if place.is_dir() or place.suffix.lower() in (*ENDINGS, ".csv"):
-        raise ValueError(f"-o {place}: a map file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.map")
+        raise ValueError(f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.{kind}")
     drawn = figure if figure is not None else place.with_suffix(".png")
     for option, path, endings in (("--figure", drawn, ENDINGS), ("--csv", csv, (".csv",))):
         if path is not None and path.suffix.lower() not in endings:

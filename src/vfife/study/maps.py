@@ -18,7 +18,7 @@ from ..analysis.chaos import exponent
 from ..analysis.verdict import kind
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, StepError, VfifeError, suggestion
+from ..errors import Fault, ModelError, StepError, suggestion
 from ..live.sliders import value_at
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
@@ -281,10 +281,4 @@ def opened(file: str | Path | None, asked: Swept, name: str) -> MapFile | None:
     if file is None:
         return None
     said = {"name": name, "asked": {key: list(value) if isinstance(value, tuple) else value for key, value in vars(asked).items()}}
-    path = Path(file)
-    if not path.exists():
-        return MapFile.create(path, said)
-    with MapFile.open(path) as before:
-        if before.asked != said:
-            raise VfifeError(f"{path}: there is a map here that asks something else; name another file, or remove this one")
-    return MapFile.write(path)
+    return MapFile.going_on(Path(file), said)
