@@ -41,9 +41,12 @@ if TYPE_CHECKING:
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
+    from .study.basins import basins
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.kept import load_map
     from .study.maps import bifurcation
+    from .study.sections import poincare_section
     from .study.stepped import Simulation
     from .study.studies import study
     from .study.waterfall import waterfall
@@ -59,6 +62,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
+    "basins": "study.basins",
     "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
@@ -67,10 +71,12 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "gallery": "",
     "load": "modelfile.files",
     "load_laws": "laws.user",
+    "load_map": "study.kept",
     "load_model": "modelfile.files",
     "load_result": "result",
     "load_study": "results.studied",
     "modes": "analysis.modes",
+    "poincare_section": "study.sections",
     "resume": "simulation",
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
@@ -187,6 +193,7 @@ __all__ = [
     "VfifeError",
     "Wear",
     "Worn",
+    "basins",
     "bifurcation",
     "compare",
     "ensemble",
@@ -195,10 +202,12 @@ __all__ = [
     "gallery",
     "load",
     "load_laws",
+    "load_map",
     "load_model",
     "load_result",
     "load_study",
     "modes",
+    "poincare_section",
     "quantity",
     "read_wear",
     "resume",

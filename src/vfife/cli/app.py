@@ -103,5 +103,5 @@ for command in (
     wear,
 ):
     app.command(cls=Command)(command)
-app.command("map", cls=Command)(map_)
+app.add_typer(map_, name="map")
 app.add_typer(study, name="study")
