@@ -6,18 +6,16 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.spectral import resolution_of, window_of
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, VfifeError, suggestion
-from ..live.sliders import value_at
+from ..errors import Fault, ModelError, suggestion
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -29,8 +27,11 @@ from ..simulation import prepare
 from ..solvers.arguments import Asked
 from ..solvers.ensemble import placed
 from ..solvers.streaming import stepped
-from .looks import kept_in
+from .looks import kept_in, tupled, unit_at, unit_of
 from .spectral import Spectral
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 WHAT = "waterfall"
@@ -85,6 +86,12 @@ class Waterfall:
         wide = resolution_of(asked.window, float(asked.last))
         dropped = f", {asked.turns - asked.last} dropped" if asked.turns > asked.last else ""
         return f"{name} window over {asked.last} turns{dropped}; resolution {wide:.3g} orders; {asked.outputs} outputs a turn"
+
+    def plot(self, hertz: bool = False) -> Figure:
+        """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
+        from ..plots.waterfall import drawn
+
+        return drawn(self, hertz)
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for each value and order: the value, order, frequency (Hz) and the amplitude of each series. Raises OSError."""
@@ -144,14 +151,10 @@ def waterfall(
     return laid_out(mechanism.name, asked, found)
 
 
-def read_waterfall(path: str | Path) -> Waterfall:
-    """The waterfall in a file, as far as it is known. Raises RunFileError for another file, VfifeError for one that holds another map."""
-    with MapFile.open(Path(path)) as file:
-        said = file.asked
-        if said.get("what") != WHAT:
-            raise VfifeError(f"{path}: this is a map of another kind, no waterfall")
-        tuples: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in said["asked"].items()}
-        return laid_out(said["name"], Fallen(**tuples), {number: points for number, (points, _) in file.members().items()})
+def read_waterfall(file: MapFile) -> Waterfall:
+    """The waterfall in a file, as far as it is known."""
+    said = file.asked
+    return laid_out(said["name"], Fallen(**tupled(said["asked"])), {number: points for number, (points, _) in file.members().items()})
 
 
 def transformed(one: Spectral, asked: Fallen, places: int) -> Array:
@@ -199,11 +202,10 @@ def planned(
     if wrong := [name for name in series if name not in start.series]:
         told = [Fault("series", "the mechanism has none of this name", name, "", suggestion(name, start.series, "name one")) for name in wrong]
         raise ModelError(told, mechanism.name)
-    units = tuple(start.channels[start.series.place(name)[0]].unit for name in series)
-    unit = "SI"
-    with suppress(ValueError):
-        unit = value_at(mechanism, path)[1]
-    return Fallen(text, path, unit, tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step), assemblies
+    units = tuple(unit_of(start, name) for name in series)
+    return Fallen(
+        text, path, unit_at(mechanism, path), tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step
+    ), assemblies
 
 
 def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:
