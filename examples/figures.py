@@ -71,6 +71,14 @@ spectrum = four_bar.plot("spectrum")["spectrum"]
 waterfall = slider.plot("waterfall")["waterfall"]
 
 # %%
+# **spectrogram**: the same from moment to moment, in windows that overlap; title and axes tell window, overlap and resolution. **envelope**: the
+# size of what vibrates, by Hilbert's transform, and how often it is struck. ``result.spectrogram("C.force", turns=0.1)`` and ``vfife spectrum``
+# take any series, window and band.
+
+spectrogram = slider.plot("spectrogram")["spectrogram"]
+envelope = slider.plot("envelope")["envelope"]
+
+# %%
 # **energy**: what is stored, supplied and lost over the whole run, and what the ledger leaves open.
 
 energy = four_bar.plot("energy")["energy"]

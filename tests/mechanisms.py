@@ -46,6 +46,9 @@ def everything() -> Mechanism:
     return m
 
 
+UNLOADING = ((0.0, 0.0), (1e-5, 1e3), (3e-4, 3e5))  # of the law that is a table
+
+
 def every_law() -> Mechanism:
     """A spinning journal that flies against its bearing for each contact law, each with another friction law."""
     frictions = [law for law in FrictionLaw.registry.values() if law.__module__.startswith("vfife.")]
@@ -53,7 +56,7 @@ def every_law() -> Mechanism:
     m.point("O", 0.0, 0.0)
     for k, law in enumerate(CONTACT_LAWS):
         m.rigid_body(law.name, mass=1.0, inertia=1e-4, velocity=(2.0, 0.5, 30.0), pins={"eye": (0.0, 0.0)})
-        options = {"contact": contact_law(law, viscosity=0.4), "friction": frictions[k % len(frictions)]()}
+        options = {"contact": contact_law(law, viscosity=0.4, unloading=UNLOADING), "friction": frictions[k % len(frictions)]()}
         m.clearance(law.name, "ground.O", f"{law.name}.eye", clearance=2e-4, bearing_radius=0.01, axial_length=0.02, **options)
     return m
 

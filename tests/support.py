@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from one_loop import compiled_already
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.codegen.runner import Runner
@@ -23,6 +24,7 @@ CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 TURN = 0.04  # s, one turn of that crank
 SQUARE = Section.square(1e-3)  # the links of the paper: A = 1e-3 m^2
 EPS = 2.0**-52
+FEW = 100_000  # steps of a run for which no straight line is compiled
 SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.3  # of the examples of a property in one run; they differ from run to run
 
 
@@ -93,6 +95,7 @@ def journal_in_bearing(speed: float = 1.0, mass: float = 1.0, **joint: Any) -> M
 CONTACT_LAWS = sorted((law for law in ContactLaw.registry.values() if law.__module__.startswith("vfife.")), key=lambda law: law.name)
 # Values of the parameters that laws have no default for.
 GIVEN = {"stiffness": 2e9, "exponent": 1.4, "damping_coefficient": 2e3, "full_damping_depth": 3e-5}
+GIVEN |= {"loading": tuple((d * 1e-6, 6.6e10 * (d * 1e-6) ** 1.5) for d in (0, 1, 3, 10, 30, 100, 300))}
 
 
 def contact_law(law: Any, **parameters: Any) -> Any:
@@ -109,8 +112,15 @@ def with_settings(mechanism: Mechanism, **settings: Any) -> Mechanism:
 
 
 def go(mechanism: Mechanism, step: float, *, loop: str = "auto", **options: Any) -> Record:
-    """Assembles and runs; every run of a test must come to its end."""
-    record = run(assemble(mechanism, step, force_step=True, **options), loop=loop)  # type: ignore[arg-type]
+    """Assembles and runs; every run of a test must come to its end.
+
+    A short one is taken by the data-driven loop, which is compiled once for all tests and gives the bits of the straight line; that would take
+    longer to compile than it saves. Loops are compared in ``tests/codegen``, and `make verify` leaves the choice to the package.
+    """
+    assembly = assemble(mechanism, step, force_step=True, **options)
+    if loop == "auto" and assembly.choice.steps < FEW and compiled_already(assembly.topology):
+        loop = "data-driven"
+    record = run(assembly, loop=loop)  # type: ignore[arg-type]
     assert record.status == "complete"
     return record
 

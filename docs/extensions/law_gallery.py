@@ -13,6 +13,7 @@ GIVEN = {  # what has no default, for the pictures
     "anagnostopoulos": ("stiffness=1e8 N/m", "effective_mass=1 kg"),
     "impact": ("stiffness=6.6e10", "exponent=1.5", "damping_coefficient=1e5", "full_damping_depth=20 um"),
     "kelvin-voigt": ("stiffness=1e8 N/m", "damping_coefficient=2e3"),
+    "table": ("loading=[[0, 0], [2e-5, 1500], [5e-5, 4500], [1e-4, 10000]]", "unloading=[[0, 0], [5e-5, 3000], [1e-4, 10000]]"),
 }
 WITHOUT = ("none",)
 TITLES = {

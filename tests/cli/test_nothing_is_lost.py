@@ -271,7 +271,7 @@ def test_signals_are_heard_between_outputs(process: Callable, command: Callable,
     while not (tmp_path / "long" / "run.sqlite").exists():
         assert began.poll() is None and time.monotonic() < until, began.communicate()[1]
         time.sleep(0.02)
-    time.sleep(1.0)
+    time.sleep(0.2)
     asked = time.monotonic()
     began.send_signal(getattr(signal, name))
     out, err = began.communicate(timeout=60)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from support import often
 from vfife import gallery, simulate
 from vfife.assembly.possible import outlook
 from vfife.errors import AssemblyError
@@ -68,7 +69,7 @@ def slider_crank(crank, rod, offset, angle=0.3):
 sizes = st.floats(0.1, 1.0)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=often(24), deadline=None)
 @given(ground=sizes, crank=sizes, coupler=sizes, rocker=sizes, angle=st.floats(0.2, 3.0), hand=st.sampled_from([-1.0, 1.0]))
 def test_a_crank_turns_fully_where_grashof_says_so(ground, crank, coupler, rocker, angle, hand):
     reach = math.sqrt(ground**2 + crank**2 - 2.0 * ground * crank * math.cos(angle))
@@ -100,7 +101,7 @@ def test_the_nearest_length_is_grashofs(coupler, rocker):
     assert math.cos(jam.widest[0]) == pytest.approx(-1.0 if short else 1.0, abs=1e-6)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=often(16), deadline=None)
 @given(crank=st.floats(0.03, 0.1), rod=st.floats(0.05, 0.3), offset=st.floats(-0.05, 0.05))
 def test_a_slider_crank_turns_where_the_rod_is_longer_than_crank_and_offset(crank, rod, offset):
     assume(abs(crank * math.sin(0.3) - offset) < 0.9 * rod and abs(rod - crank - abs(offset)) > 2e-3)

@@ -80,7 +80,8 @@ def test_every_field_has_a_unit_and_a_meaning(law):
 @pytest.mark.parametrize("pair", PAIRS, ids=lambda pair: f"{pair.clearance:g}")
 def test_slots_name_the_parameters(law, pair):
     p = contact_law(law).parameters(pair)
-    assert len(p) == len(law.slots) == len(set(law.slots))
+    assert len(p) == len(law.slots) or law.tabled, "a table's pieces follow"
+    assert len(law.slots) == len(set(law.slots))
     assert all(isinstance(value, float) and math.isfinite(value) for value in p)
     assert set(contact_law(law).derived(pair)) == set(law.slots)
 
@@ -245,6 +246,8 @@ def test_damping_factor_of_the_literature(law, restitution):
     """That of the law's name; cylinders take Lankarani and Nikravesh's unless another is named."""
     p = with_restitution(law, restitution).parameters(PAIRS[1])
     printed = PRINTED.get(law.name, PRINTED["lankarani-nikravesh"])
+    if law.tabled:
+        return  # loses what its two branches are apart: test_tabulated.py
     assert law.name in PRINTED or law.film or "damping" in {f.name for f in dataclasses.fields(law)}
     assert damping_factor(law, p) == pytest.approx(printed(restitution), rel=1e-12, abs=1e-15)
 

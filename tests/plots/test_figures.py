@@ -219,7 +219,8 @@ def test_stress_and_deflection_reach_what_is_reported() -> None:
 
 def test_the_table_says_what_a_result_has_nothing_for() -> None:
     assert {name for name in FIGURES if name not in available(run("toggle_press"))} == {
-        "orbits", "guides", "moments", "accelerations", "phase", "spectrum", "waterfall", "energy", "stress", "deflection"
+        "orbits", "guides", "moments", "accelerations", "phase", "spectrum", "waterfall", "spectrogram", "envelope", "energy", "stress",
+        "deflection",
     }  # fmt: skip
     with pytest.raises(VfifeError, match='nothing for the figure "energy": a static analysis has no motion; there are mechanism, '):
         run("toggle_press").plot("energy")

@@ -25,7 +25,8 @@ def run(name: str) -> Result:
     """A short run of it."""
     if name == "everything":
         return vfife.simulate(everything(), duration=0.02, step=2e-6, outputs=50)
-    return vfife.simulate(getattr(gallery, name)(), reference=False)
+    fewer = {"turns": 1.0} if name == "compressor" else {}
+    return vfife.simulate(getattr(gallery, name)(**fewer), reference=False)
 
 
 @cache

@@ -1,6 +1,7 @@
 """Equilibria against closed forms, published numbers and independent integrations."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -58,6 +59,7 @@ def reaction(record: Record, joint: str) -> np.ndarray:
 # ------------------------------------------------------------------------------------------------------------------ elastica
 
 
+@cache
 def dead(elements: int) -> tuple[np.ndarray, Record]:
     m = cantilever(elements, *DEAD)
     m.loads["P"] = PointForce(name="P", at="beam.end", force=(0.0, 1.0))

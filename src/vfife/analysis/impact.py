@@ -14,7 +14,7 @@ from ..laws import ContactLaw, FrictionLaw, Pair
 
 Array = NDArray[np.float64]
 
-STEPS = 1500  # of the time that the journal needs to pass its deepest point at its first speed
+STEPS = 500  # of the time that the journal needs to pass its deepest point at its first speed
 LONGEST = 60  # such times after which an impact that has not parted is given up
 
 
@@ -58,7 +58,7 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float) -> Impac
     dt = deepest_without_loss(law, p, 0.5 * mass * speed**2) / speed / STEPS
 
     def force(depth: float, rate: float) -> float:
-        elastic, damping = law.force(depth, 1.0 / speed, p) if depth > 0.0 else (0.0, 0.0)
+        elastic, damping = law.force(depth, law.slowness(speed, rate), p) if depth > 0.0 else (0.0, 0.0)
         return max(elastic + damping * rate, 0.0)
 
     x, v = 0.0, speed

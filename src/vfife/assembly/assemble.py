@@ -81,6 +81,7 @@ def assemble(
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)
+    filler.profiles(parts.touches)
     filler.paths(parts.paths)
     refuse_deep(filler, parts.touches)
     filler.springs(parts.springs)
@@ -111,7 +112,7 @@ def topology_of(
     mechanism: Mechanism, numbering: Numbering, parts: Parts, laws: list[tuple[type[Law], ...]], functions: tuple[int, ...]
 ) -> Topology:
     """The integers that say what is joined to what."""
-    paths = parts.numbered()
+    paths, knots = parts.numbered(), tuple(len(t.joint.contact.knots()) for t in parts.touches)
     return Topology(
         particles=numbering.count,
         free=tuple(numbering.free),
@@ -124,6 +125,9 @@ def topology_of(
         contact_kind=tuple(t.kind for t in parts.touches),
         contact_path=paths[len(parts.ideals) :],
         guides=guides_of(parts),
+        contact_knots=knots if any(knots) else (),
+        wears=tuple(k for k, t in enumerate(parts.touches) if t.joint.wear is not None),
+        profiles=profiles_of(parts),
         contact_form=tuple(laws[0].index(t.joint.contact.form()) for t in parts.touches),
         friction_form=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
         joint_bearing=tuple(j.bearing[0] for j in parts.ideals),
@@ -159,6 +163,12 @@ def guides_of(parts: Parts) -> tuple[tuple[int, int], ...]:
     return tuple((joints.index(name), joints.index(name) + joints.count(name)) for name in dict.fromkeys(joints) if joints.count(name) > 1)
 
 
+def profiles_of(parts: Parts) -> tuple[tuple[int, int], ...]:
+    """How many harmonics the worn profiles of each contact have; nothing where all surfaces are round."""
+    counts = tuple(touch.harmonics for touch in parts.touches)
+    return counts if any(map(any, counts)) else ()
+
+
 def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np.float64]]:
     """Start of each function's table, and all of them in one array."""
     starts, parts, at = [], [np.zeros(1)], 1
@@ -177,8 +187,10 @@ def refitted(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     the start, which depends on clearances where journals are seated.
     """
     mechanism = assembly.mechanism
-    if tuple(joints) != assembly.contacts or mechanism.start.journals == "seated":
-        raise ValueError("only the clearance joints of a mechanism whose journals start centred can be refitted, and all of them at once")
+    if tuple(joints) != assembly.contacts or mechanism.start.journals == "seated" or assembly.topology.contact_knots:
+        raise ValueError(
+            "only clearance joints of a mechanism whose journals start centred and whose laws are no tables can be refitted, all of them at once"
+        )
     state, topology = assembly.state.copy(), assembly.topology
     for index, (name, joint) in enumerate(joints.items()):
         kinds = topology.contact_laws[topology.contact_form[index]], topology.friction_laws[topology.friction_form[index]]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.arrays import Layout
+from ..kernels.arrays import KNOT, Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
 from ..model.path import Path
@@ -90,11 +90,13 @@ class Assembly:
     shared: tuple[str, ...] = ()
 
     def contact_slots(self, index: int) -> tuple[float, ...]:
-        """Parameters of the law of a contact."""
-        return slots_of(self.layout, self.state, index, len(self.mechanism.contacts[self.contact_joints[index]].contact.slots))
+        """Parameters of the law of a contact, as its ``force`` takes them."""
+        law = self.mechanism.contacts[self.contact_joints[index]].contact
+        return slots_of(self.layout, self.state, self.topology, index, len(law.slots))
 
 
-def slots_of(layout: Layout, state: NDArray[np.float64], index: int, count: int) -> tuple[float, ...]:
-    """So many parameters of the law of a contact, from its record."""
-    row = layout.row("contact_slots", index)
-    return tuple(float(value) for value in state[row : row + count])
+def slots_of(layout: Layout, state: NDArray[np.float64], topology: Topology, index: int, count: int) -> tuple[float, ...]:
+    """So many parameters of the law of a contact, from its record; after them the pieces of one that is a table."""
+    row, (first, pieces) = layout.row("contact_slots", index), topology.knots[index]
+    ranges = [(row, count), *((layout.record("knot", first + k), KNOT.SIZE) for k in range(pieces))]
+    return tuple(float(value) for start, size in ranges for value in state[start : start + size])

@@ -97,6 +97,11 @@ class Touch:
     touching: Touching
 
     @property
+    def harmonics(self) -> tuple[int, int]:
+        """How many harmonics the worn profiles of its bearing and its journal have."""
+        return (0, 0) if self.joint.wear is None else self.joint.wear.harmonics
+
+    @property
     def kind(self) -> int:
         """Its geometry, as the kernels call it."""
         return GEOMETRIES[self.touching.geometry]
@@ -209,6 +214,7 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     places += [place for spring in springs for place in spring[2:4]] + [load.place for load in applied]
     armed = {p for p, at in places if p and at != (0.0, 0.0)}
     armed |= {j.bearing[0] for j in ideals if j.place in (ACROSS, ALONG, ON_PATH)} | {t.bearing[0] for t in touches if t.kind in (LINE, SLOT)}
+    armed |= {place[0] for t in touches for place, count in zip((t.bearing, t.journal), t.harmonics, strict=True) if count}
     armed |= {s[2][0] for s in springs if s[1] == BUSHING} | {load.place[0] for load in applied if load.follow}
     armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {numbering.held(name) for name in numbering.driven}
     return tuple(sorted(armed - {0}))

@@ -167,6 +167,17 @@ class Filler:
             self._pins("contact", index, (touch.bearing, touch.journal))
             for row, values in touch_rows(self.mechanism, self.layout, touch, index):
                 self.state[row : row + len(values)] = values
+        for index, piece in enumerate(piece for touch in touches for piece in touch.joint.contact.knots()):
+            start = self.layout.record("knot", index)
+            self.state[start : start + len(piece)] = piece
+
+    def profiles(self, touches: Sequence[Touch]) -> None:
+        """Depths of worn surfaces, of bearing and journal of one contact after the other."""
+        worn = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
+        depths = [profile for wear in worn for profile in (wear.bearing_profile, wear.journal_profile) if profile]
+        numbers = [number for mean, *more in depths for number in (mean, 0.0, *more)]
+        self.state[self.layout.rows_of("harmonic_cosine")] = numbers[::2]
+        self.state[self.layout.rows_of("harmonic_sine")] = numbers[1::2]
 
     def paths(self, paths: Sequence[Path]) -> None:
         """Pieces of the paths of joints and contacts, one path after the other."""
@@ -242,7 +253,7 @@ def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
     return (
         (touching.size,), (touching.normal[0],), (touching.normal[1],), (arms[0],), (arms[1],), (overlap,), (joint.impact_speed_floor,),
-        (joint.landing,), joint.contact.parameters(pair), joint.friction.parameters(pair),
+        (joint.landing,), joint.contact.parameters(pair)[: len(joint.contact.slots)], joint.friction.parameters(pair),
     )  # fmt: skip
 
 

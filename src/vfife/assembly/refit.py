@@ -36,7 +36,7 @@ class Refit:
         self.assembly, self.step, self.expected, self.run = assembly, step, expected, run
         mechanism, layout = assembly.mechanism, assembly.layout
         self.places = {name: k for k, name in enumerate(assembly.contact_joints) if mechanism.contacts[name].refits}
-        self.usable = mechanism.start.journals == "centred" and len(self.places) == len(assembly.contacts)
+        self.usable = mechanism.start.journals == "centred" and len(self.places) == len(assembly.contacts) and not assembly.topology.contact_knots
         self.masses = {name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places}
         self.materials = {
             name: [mechanism.bodies[body].material if body != "ground" else Material() for body, _ in mechanism.contacts[name].sides]
@@ -70,6 +70,7 @@ class Refit:
         for name, joint in joints.items():
             joint, former = cast(Any, joint), cast(Any, old.mechanism.joints[name])
             alike = (joint.sides, type(joint.contact), type(joint.friction)) == (former.sides, type(former.contact), type(former.friction))
+            alike = alike and joint.wear == former.wear
             if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
                 return None
             pair = dataclasses.replace(joint.pair(*self.materials[name]), effective_mass=self.masses[name])

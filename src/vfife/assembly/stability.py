@@ -193,7 +193,7 @@ def contact_stiffness(
     found = []
     for index, touch in enumerate(touches):
         law = touch.joint.contact
-        slots = slots_of(layout, state, index, len(law.slots))
+        slots = slots_of(layout, state, topology, index, len(law.slots))
         mobility = joint_mobility(layout, state, topology, index)
         force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(law, slots, state, layout, mobility)
         found.append((tangent(law, slots, force)[1], mobility))

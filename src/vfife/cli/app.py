@@ -29,9 +29,11 @@ from .schema import schema
 from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
+from .spectrum import spectrum
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
+from .wear import wear
 
 
 class Group(Plainly, TyperGroup):
@@ -86,6 +88,7 @@ for command in (
     impacts,
     optimise,
     plot,
+    spectrum,
     animate,
     report,
     live,
@@ -95,7 +98,8 @@ for command in (
     schema,
     paper,
     verify,
+    wear,
 ):
     app.command(cls=Command)(command)
-app.command("map", cls=Command)(map_)
+app.add_typer(map_, name="map")
 app.add_typer(study, name="study")

@@ -158,11 +158,17 @@ def show_couplings(console: Console, couplings: list[dict[str, str]]) -> None:
 
 def law(kind: str, entry: Mapping[str, Any]) -> str:
     """A law in words: what is set, and what follows from it and the surfaces."""
-    given = ", ".join(f"{name} {shown(value)}" for name, value in entry["parameters"].items() if value is not None)
+    given = ", ".join(f"{name} {points(value) or shown(value)}" for name, value in entry["parameters"].items() if value is not None)
     derived = [f"{name} {with_unit(value, entry['units'].get(name, ''))}" for name, value in entry["derived"].items()]
     if "modulus" in entry:
         derived += [f"exponent {entry['exponent']:.4g}", f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa"]
     return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; {', '.join(derived)}" if derived else "")
+
+
+def points(value: Any) -> str:
+    """A curve by its number of points and its last one; nothing of other values."""
+    curve = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[-1], list | tuple)
+    return f"{len(value)} points up to {value[-1][1]:.4g} N at {value[-1][0]:.4g} m" if curve else ""
 
 
 def with_unit(value: str, unit: str) -> str:

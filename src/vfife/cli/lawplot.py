@@ -39,10 +39,13 @@ def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> 
     from ..laws.check import try_out
     from ..model.lawtables import read_law
     from ..model.validate.laws import senseless
+    from ..modelfile.csvtables import expand_curves
     from ..modelfile.override import parsed
 
     holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
+    broken = expand_curves(holder, "laws") if kind == "contact" else []
     found, refused = read_law(kind, holder)
+    refused = [((key,), one) for key, one in broken] + [one for one in refused if one[0][0] not in dict(broken)]
     if found is None or refused:
         faults = [Fault(str(path[-1]), one.what, one.value, one.limit, one.remedy) for path, one in refused]
         raise ValueError("\n".join(f"--set {fault}" for fault in faults))

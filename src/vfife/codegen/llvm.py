@@ -7,11 +7,12 @@ the same text becomes code of other processors, of graphics cards and of the web
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .elimination import shared_tangent
 from .native import LINE, padded
 from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
@@ -90,6 +91,9 @@ class Writer:
             text = f"select {self.truth} {values[0]}, {kind} {values[1]}, {kind} {values[2]}"
         elif operator == "round":
             text = f"fsub {self.number} {self.fresh(f'fadd {self.number} {values[0]}, {self.value(ROUNDING)}')}, {self.value(ROUNDING)}"
+        elif operator == "fused":
+            kind = self.number
+            text = f"call {kind} @llvm.fmuladd.{self.suffix}({', '.join(f'{kind} {value}' for value in values)})"
         elif operator == "neg":
             text = f"fneg {self.number} {values[0]}"
         else:
@@ -173,22 +177,24 @@ def literal(x: float) -> str:
     return "0x%016X" % struct.unpack("<Q", struct.pack("<d", float(x)))[0]  # noqa: UP031
 
 
-def lean(step: Trace, width: int, found: list[Function]) -> str:
+def lean(step: Trace, width: int, changing: Collection[int], arranged: bool = False) -> str:
     """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
     or for an old value to be read; in the end all is in S. Where two copies are more than the nearest cache holds, there is one, and what is
-    written waits for the test. What all steps share comes before the first, rows that are the same number after each of them behind the last.
+    written waits for the test. What all steps share comes before the first, rows that are the same number after each of them behind the last;
+    rows that are ``changing`` are made anew before each.
     """
-    truths, changing = step.truths, {row for f in found for row in f.rows}
+    truths = step.truths
     first, step = steady(step, changing)
     same, step = settled(step, changing)
     twice = 8 * width * len(step.stores) <= COPY
     w = Writer(width, truths, step.stores if twice else ())
     ready = w.lines(first, "entry")
     before, w.out = "\n".join(w.out), []
-    w.begin(bool(found))
-    last = w.lines(reread(apart(step, ordered(step, False)) if twice else woven(step, ordered(step))))
+    w.begin(bool(changing))
+    order = list(step.operations) if arranged else ordered(step, not twice)
+    last = w.lines(reread(apart(step, order) if twice else woven(step, order)))
     body, w.out = "\n".join(w.out), []
     for row, value in same.items():
         w.store(row, value)
@@ -360,7 +366,8 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     for word, value in words.items():
         text = text.replace(word, str(value))
     declared = (f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))
-    return "\n".join([*declared, lanes(width), text])
+    three = ", ".join([w.number] * 3)
+    return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({three})", lanes(width), text])
 
 
 def written(topology: Topology, width: int, directions: int = 0) -> str:
@@ -368,12 +375,12 @@ def written(topology: Topology, width: int, directions: int = 0) -> str:
     found, layout, step = functions(topology), Layout(topology), trace(topology)
     steps, change = [step, trace(topology, True)], resizing(topology)
     if directions:
-        steps = [tangent(one, layout.rows, directions) for one in steps]
+        steps = [shared_tangent(step, layout.rows, directions), tangent(steps[1], layout.rows, directions)]
         change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
     return "\n".join(
         [
             searched(found, width, layout, steps[0].stores, directions),
-            lean(steps[0], width, found),
+            lean(steps[0], width, {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}, arranged=directions > 0),
             whole(steps[1], width, bool(found), bool(step.rare)),
             resize(change, width),
             driver(layout, width, directions),

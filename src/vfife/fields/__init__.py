@@ -7,7 +7,7 @@ makes, the lists of defaults.
 from __future__ import annotations
 
 from .described import Field, described, described_fields, key_of, meaning_of, quantity, required, value_of
-from .parts import LENGTH, PLACE, SCALAR, Chosen, Direction, Each, Entries, Inner, Many, Named, Names
+from .parts import LENGTH, PLACE, SCALAR, Chosen, Curve, Direction, Each, Entries, Inner, Many, Named, Names
 from .reading import Reading, partial
 from .refused import Refused
 from .values import Choice, Json, Measure, Switch, Text, Value, Whole
@@ -18,6 +18,7 @@ __all__ = [
     "SCALAR",
     "Choice",
     "Chosen",
+    "Curve",
     "Direction",
     "Each",
     "Entries",

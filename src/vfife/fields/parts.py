@@ -90,6 +90,27 @@ class Many(Value):
 
 
 @dataclass(frozen=True)
+class Curve(Many):
+    """Points of a curve, ``columns`` and their units; in a file also the name of a CSV file beside it, whose numbers take its place."""
+
+    columns: tuple[str, str] = ("", "")
+
+    @property
+    def unit(self) -> str:
+        """Both units."""
+        return ", ".join(self.part.units())
+
+    def suits(self, value: Any) -> bool:
+        """A list, or the name of a file."""
+        return isinstance(value, list | str)
+
+    def json(self) -> Json:
+        """A list of points, or the name of a file."""
+        name = {"type": "string", "description": f"a CSV file beside the model with the columns {', '.join(self.columns)}"}
+        return {"anyOf": [super().json(), name]}
+
+
+@dataclass(frozen=True)
 class Names(Value):
     """Values by names that the user gives."""
 

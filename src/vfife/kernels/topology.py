@@ -24,8 +24,10 @@ class Topology:
 
     Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per entity.
     ``contact_path`` and ``joint_path`` are indices of
-    paths, -1 for none; ``path_pieces`` the number of pieces of each. ``guides`` are the first contact and the one after the last of each block in
-    a guide with play, whose corners are contacts of their own.
+    paths, -1 for none; ``path_pieces`` the number of pieces of each; ``contact_knots`` those of the tables of contact laws, all 0 where it is
+    left out. ``guides`` are the first contact and the one after the last of each block in
+    a guide with play, whose corners are contacts of their own. ``wears`` are the contacts of which wear is kept, ``profiles`` how many harmonics
+    the worn profiles of bearing and journal have in each of them; none unless said.
     """
 
     particles: int
@@ -39,6 +41,8 @@ class Topology:
     contact_kind: tuple[int, ...] = ()
     contact_path: tuple[int, ...] = ()
     guides: tuple[tuple[int, int], ...] = ()
+    wears: tuple[int, ...] = ()
+    profiles: tuple[tuple[int, int], ...] = ()
     contact_form: tuple[int, ...] = ()
     friction_form: tuple[int, ...] = ()
     joint_bearing: tuple[int, ...] = ()
@@ -57,6 +61,7 @@ class Topology:
     load_function: tuple[int, ...] = ()
     load_follow: tuple[bool, ...] = ()
     path_pieces: tuple[int, ...] = ()
+    contact_knots: tuple[int, ...] = ()
     body_nodes: tuple[tuple[int, int], ...] = ()
     function_start: tuple[int, ...] = ()
     function_argument: tuple[tuple[int, int, int], ...] = ()
@@ -96,6 +101,12 @@ class Topology:
         """First piece and number of pieces of the path of each of ``count`` joints or contacts; (0, 0) for those without one."""
         return [(sum(self.path_pieces[:path]), self.path_pieces[path]) if path >= 0 else (0, 0) for path in paths or (-1,) * count]
 
+    @property
+    def knots(self) -> list[tuple[int, int]]:
+        """First piece and number of pieces of the table of each contact's law; none for laws without one."""
+        counts = self.contact_knots or (0,) * len(self.contact_bearing)
+        return [(sum(counts[:k]), count) for k, count in enumerate(counts)]
+
     @cached_property
     def bound(self) -> tuple[int, ...]:
         """Particles that a joint, spring, load, driver or function touches, or that turn an arm; the ground."""
@@ -130,5 +141,8 @@ class Topology:
             "body": len(self.body_nodes),
             "function": len(self.function_start),
             "piece": sum(self.path_pieces),
+            "knot": sum(self.contact_knots),
+            "wear": len(self.wears),
+            "harmonic": sum(map(sum, self.profiles)),
             "system": 1,
         }

@@ -200,10 +200,12 @@ def built_in(kind: type) -> bool:
 class ContactLaw(Law):
     """Normal contact law.
 
-    One with ``film`` also acts while the surfaces are apart, through a second static function ``film_force``; see ``Hydrodynamic``.
+    One with ``film`` also acts while the surfaces are apart, through a second static function ``film_force``; see ``Hydrodynamic``. One that is
+    ``tabled`` has more numbers than slots, which ``knots`` gives in pieces for the kernels' ``tabled_law``; see ``Tabulated``.
     """
 
     film: ClassVar[bool] = False
+    tabled: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     @staticmethod
@@ -213,6 +215,14 @@ class ContactLaw(Law):
         The penetration (m) is never negative; ``slowness`` is 1/impact_speed (s/m), held from the onset of a contact to its end.
         """
         raise NotImplementedError
+
+    def knots(self) -> tuple[tuple[float, ...], ...]:
+        """The pieces of a law that is a table, each as the record of the block ``knot`` has it; none of others."""
+        return ()
+
+    def slowness(self, speed: float, rate: float) -> float:
+        """The slowness (s/m) that ``force`` takes in an impact that began at a speed (m/s), at a rate of penetration (m/s)."""
+        return 1.0 / speed
 
     def exponent_at(self, depth: float, pair: Pair) -> float:
         """n = d ln F/d ln delta of the elastic force at a penetration (m): constant where F = K delta^n."""

@@ -1,4 +1,4 @@
-"""Tables of loads and drivers that stand in CSV files beside a model: their numbers become lists of the model, as if they stood in it.
+"""Tables of loads, drivers and contact laws in CSV files beside a model: their numbers become lists of the model, as if they stood in it.
 
 So a mechanism, and a run's copy of its model, holds the numbers themselves and needs the file no more.
 """
@@ -25,6 +25,8 @@ COLUMNS: dict[str, dict[str, str]] = {  # keys of a section, with their units
     "load": {**AXES, **VALUES, **{f"{key}_back": unit for key, unit in VALUES.items()}},
     "driver": {**AXES, "torque": "N m", "force": "N"},
 }
+TABULATED, CURVES = "table", ("loading", "unloading")  # the law, and its keys that may name a file
+CURVE = {"penetrations": "m", "force": "N"}
 HEAD = re.compile(r"([A-Za-z_ ]{1,40})(?:[(\[]([^()\[\]]{1,40})[)\]])?\s*")
 Broken = tuple[Path, Refused]
 
@@ -51,6 +53,30 @@ def expand(raw: Raw, file: str | None) -> list[Broken]:
                 broken.append((path, refused))
             else:
                 holder.update(found)
+    for name, holder in entries(raw, "joint"):
+        law = holder.get("contact")
+        if isinstance(law, dict):
+            broken += [(("joint", name, "contact", key), one) for key, one in expand_curves(law, file)]
+    return broken
+
+
+def expand_curves(holder: Raw, file: str | None) -> list[tuple[str, Refused]]:
+    """Puts the points of CSV files in the place of their names in the table of a law that is a table."""
+    broken = []
+    for key in CURVES if holder.get("law") == TABULATED else ():
+        if not isinstance(told := holder.get(key), str):
+            continue
+        try:
+            found = read(told, file, CURVE)
+        except Refused as refused:
+            if refused.value and refused.value != shown(told):
+                refused.what = f"{told}, {refused.what}"
+            refused.value = refused.value or shown(told)
+            broken.append((key, refused))
+            holder[key] = []
+        else:
+            points = [list(point) for point in zip(found["penetrations"], found["force"], strict=True)]
+            holder[key] = points if points[0][0] <= points[-1][0] else points[::-1]
     return broken
 
 

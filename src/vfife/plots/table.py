@@ -16,6 +16,8 @@ from .phase import phase, portraits
 from .polar import polar
 from .quantities import accelerations, joint_forces, moments
 from .spectra import FEW, LEAST, pieces, spectrum, waterfall
+from .spectrograms import LEAST as SAMPLES
+from .spectrograms import envelope, forces, spectrogram
 from .traces import points, traces
 
 if TYPE_CHECKING:
@@ -53,6 +55,7 @@ def _few_turns(result: View) -> str:
 
 
 NO_FORCE = "no joint carries a force"
+FEW_OUTPUTS = f"{NO_FORCE}, or there are fewer than {SAMPLES} outputs"
 FIGURES: dict[str, Kind] = {
     "mechanism": Kind("bodies and joints at the start, faint over the last turn", lambda one, _: drawing(one), usual=True),
     "orbits": Kind(
@@ -85,6 +88,8 @@ FIGURES: dict[str, Kind] = {
         _moving(lambda one: pieces(one) and joint_forces(one), f"{NO_FORCE}, or there are too few outputs"),
     ),
     "waterfall": Kind("spectra of joint forces turn by turn", lambda one, _: waterfall(one), _few_turns),
+    "spectrogram": Kind("joint forces in time and frequency, in short windows", lambda one, _: spectrogram(one), _moving(forces, FEW_OUTPUTS)),
+    "envelope": Kind("envelopes of joint forces, and their spectra", lambda one, _: envelope(one), _moving(forces, FEW_OUTPUTS)),
     "energy": Kind("what is stored, supplied and lost, and what the ledger leaves", lambda one, _: energy(one),
                    _moving(lambda one: len(one.record.steps) > 1, "there is one output")),
     "stress": Kind(

@@ -23,6 +23,7 @@ from .lee_wang import LeeWang
 from .liu import Liu
 from .pereira import Pereira
 from .radzimovsky import Radzimovsky
+from .tabulated import Tabulated
 from .zhiying_qishao import ZhiyingQishao
 
 __all__ = [
@@ -45,5 +46,6 @@ __all__ = [
     "Liu",
     "Pereira",
     "Radzimovsky",
+    "Tabulated",
     "ZhiyingQishao",
 ]
