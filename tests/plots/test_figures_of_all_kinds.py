@@ -9,6 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 from rich.console import Console
 
+import gallery_runs
 import vfife
 from drawn_texts import faults
 from mechanisms import everything
@@ -25,8 +26,7 @@ def run(name: str) -> Result:
     """A short run of it."""
     if name == "everything":
         return vfife.simulate(everything(), duration=0.02, step=2e-6, outputs=50)
-    fewer = {"turns": 1.0} if name == "compressor" else {}
-    return vfife.simulate(getattr(gallery, name)(**fewer), reference=False)
+    return gallery_runs.run(name)
 
 
 @cache
@@ -82,7 +82,7 @@ def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
     for k in range(20):
         chain.link(f"l{k}", length=0.1, mass=0.1)
         chain.revolute(f"j{k}", "ground.O" if k == 0 else f"l{k - 1}.end", f"l{k}.start")
-    found = figures(vfife.simulate(chain, duration=0.01))
+    found = figures(vfife.simulate(chain, duration=0.01, loop="data-driven"))
     legend = [text.get_text() for text in found["mechanism"].legends[0].get_texts()]
     assert "… and 9 more bodies" in legend and len(legend) < 15
     assert len(found["forces"].axes) == 16 > len(found["accelerations"].axes) > 8  # the far end is still at rest
