@@ -9,7 +9,8 @@ import typer
 from typer.core import TyperGroup
 
 from .basins import basins
-from .mapped import Csv, Drop, Figured, Kept, Of, Phase, Target, carried_out, drawn_and_told, places, quantity_at, start_numbers
+from .mapcost import Work, told_of
+from .mapped import Csv, Drop, Figured, Kept, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_numbers
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .plainly import Command, Plainly
 from .run import Quiet
@@ -66,6 +67,7 @@ def sweep(
     csv: Csv = None,
     set_: SetOption = None,
     laws: LawsOption = None,
+    yes: Yes = False,
     quiet: Quiet = False,
 ) -> None:
     """Bifurcation diagram: a number swept up and down while the motion goes on, looked at once a turn, with the largest Lyapunov exponent.
@@ -81,9 +83,15 @@ def sweep(
         from ..study.maps import bifurcation
 
         (slide,) = asked_slides(mechanism, [over], "--over")
+        starts, size = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step)
+        lanes, chains = (4, 1) if starts else (2, 2)
+        kept = (len(of or (1, 1)) + 1) * chains
+        members = count * max(len(starts), 1)
+    told_of(Work(members, "value", turns, drop, lanes, kept, companions), mechanism, size, place, yes, quiet)
+    with sentences(str(model)):
         given: dict[str, Any] = {
             "count": count, "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "companions": companions,
-            "step": quantity_at("--step", step), "starts": [start_numbers(mechanism, text) for text in start or ()],
+            "step": size, "starts": starts,
         }  # fmt: skip
         ask = slide.paths[0], slide.values[0], slide.values[-1]
         found = carried_out(place, quiet, "values", lambda progress: bifurcation(mechanism, *ask, **given, file=place, progress=progress))

@@ -30,6 +30,7 @@ Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.map
 Figured = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE.png")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All points as a table.", show_default=False)]
 Kept = Annotated[Path, typer.Argument(metavar="FILE.map", help="What a map was kept in.", show_default=False)]
+Yes = Annotated[bool, typer.Option("--yes", help="Make it whatever it takes: hours, or half the disk.")]
 GO_ON = "the same command goes on"
 
 
