@@ -8,8 +8,8 @@ import pytest
 
 import vfife
 from vfife.errors import ModelError, VfifeError
-from vfife.study.maps import bifurcation
-from vfife.study.waterfall import read_waterfall, waterfall
+from vfife.study.kept import load_map
+from vfife.study.waterfall import waterfall
 from vfife.verification.chaotic import turning
 
 SPEED = "driver.crank.speed"
@@ -53,7 +53,7 @@ def test_a_member_is_a_run_of_its_own():
 
 
 def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
-    """To the bit; a file that asks something else, or is another map, is not touched."""
+    """To the bit; a file that asks something else is not touched."""
     whole = waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN)
 
     def stop(done: int, count: int) -> None:
@@ -65,15 +65,12 @@ def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
     calls = []
     rest = waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN, file=tmp_path / "a.waterfall", progress=lambda *at: calls.append(at))
     assert calls == [(3, 5), (4, 5), (5, 5)]
-    for found in (rest, read_waterfall(tmp_path / "a.waterfall")):
+    for found in (rest, load_map(tmp_path / "a.waterfall")):
         assert np.array_equal(found.amplitudes["block.x"], whole.amplitudes["block.x"]) and found.asked == whole.asked
     before = (tmp_path / "a.waterfall").read_bytes()
     with pytest.raises(VfifeError, match="asks something else"):
         waterfall(shaken(), SPEED, 6.0, 15.0, **GIVEN, file=tmp_path / "a.waterfall")
     assert (tmp_path / "a.waterfall").read_bytes() == before
-    bifurcation(shaken(), "spring.spring.damping", 11.0, 12.0, count=2, turns=2, dropped=0, series=["block.x"], step=1e-3, file=tmp_path / "b.map")
-    with pytest.raises(VfifeError, match="no waterfall"):
-        read_waterfall(tmp_path / "b.map")
 
 
 def test_a_table_and_a_picture_have_every_amplitude(tmp_path):

@@ -104,7 +104,7 @@ map_.command(cls=Command)(basins)
 
 @map_.command(cls=Command)
 def show(file: Kept, figure: Figured = None, csv: Csv = None) -> None:
-    """What a map, a section or basins came to so far, from their file; a figure and a table of it."""
+    """What a map, a section, basins or a waterfall came to so far, from their file; a figure and a table of it."""
     with sentences(str(file)):
         from ..study.kept import load_map
 
