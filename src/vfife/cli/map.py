@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 
 from .basins import basins
 from .mapcost import Work, told_of
-from .mapped import Csv, Drop, Figured, Kept, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_numbers
+from .mapped import Csv, Drop, Figured, Kept, Of, Phase, Step, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_numbers
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .plainly import Command, Plainly
 from .run import Quiet
@@ -23,8 +23,6 @@ OVER = "The number, from and to, as in joint.pin.clearance=0.1..1mm."
 Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
 Count = Annotated[int, typer.Option("--count", metavar="N", min=2, max=MOST_VALUES, help="Values of it, up and down again.")]
 Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns at each value.")]
-STEP = "Time step; a turn has a whole number of them."
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="the finer automatic one of both ends")]
 FROM = 'Begin every value anew: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm"; may be repeated.'
 From = Annotated[list[str] | None, typer.Option("--start", metavar="own|PATH=VALUE,...", help=FROM, show_default="the state is carried on")]
 Companions = Annotated[int, typer.Option("--companions", metavar="N", min=0, help="So many values again with a coarser and a finer step.")]
