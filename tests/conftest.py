@@ -17,7 +17,8 @@ from vfife.laws import ContactLaw, FrictionLaw
 # The first compiles the data-driven loop, for some seconds where it is not in the cache yet. Then what takes long, so that no process is left alone
 # with it at the end.
 FIRST = (
-    "codegen/test_loops.py", "live/test_browser.py", "codegen/test_cache.py", "laws/test_own_laws.py", "laws/test_friction_solutions.py", "paper/test_paper.py",
+    "codegen/test_loops.py", "live/test_browser.py", "codegen/test_cache.py", "laws/test_own_laws.py", "laws/test_friction_solutions.py",
+    "paper/test_paper.py",
     "architecture/test_public_names.py", "cli/test_run.py", "laws/test_contact_laws.py", "kernels/test_as_python.py", "codegen/test_threads.py",
     "paper/test_paper_independent.py", "modelfile/test_modelfile_roundtrip.py", "verification/test_verification.py", "physics/test_ideal_joints.py",
     "kinematics/test_kinematics.py", "kinematics/test_ideal_motion.py", "laws/test_friction_laws.py", "cli/test_check_and_laws.py",

@@ -133,7 +133,7 @@ def waterfall(
     """
     asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
     places = round(asked.highest * asked.last) + 1
-    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
+    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
         found = {} if kept is None else {number: points for number, (points, _) in kept.members().items()}
         missing = [k for k in range(count) if k not in found]
         try:
