@@ -15,8 +15,10 @@ from ..model.mechanism import Mechanism
 from ..modelfile import loads
 from ..modelfile.numbered import with_number
 from ..solvers.tangents import Neighbours
+from .abreast import Change, abreast
 
 NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
+NONE: Mapping[Change, Assembly | None] = {}
 
 
 @dataclass(frozen=True)
@@ -30,28 +32,32 @@ class Way:
 
 def neighbours(text: str, chosen: Mapping[str, float], assembly: Assembly) -> tuple[list[Way], dict[str, str]]:
     """The models to both sides of each number; and of those that cannot be assembled, why."""
-    ways, refused = [], {}
+    ways, refused = [], {path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0}
+    changes = [(path, value + sign * NEAR * abs(value)) for path, value in chosen.items() if path not in refused for sign in (1.0, -1.0)]
+    made = dict(zip(changes, abreast(text, chosen, changes, assembly), strict=True))
     for path, value in chosen.items():
-        if value == 0.0:
-            refused[path] = "zero, of which there is no small part"
+        if path in refused:
             continue
         try:
-            ways.append(Way(path, value, beside(text, path, value, assembly)))
+            ways.append(Way(path, value, beside(text, path, value, assembly, made)))
         except VfifeError as error:
             refused[path] = str(error).strip().splitlines()[-1].strip()
     return ways, refused
 
 
-def beside(text: str, path: str, value: float, assembly: Assembly, *, ideal: bool = False) -> Neighbours:
+def beside(
+    text: str, path: str, value: float, assembly: Assembly, made: Mapping[Change, Assembly | None] = NONE, *, ideal: bool = False
+) -> Neighbours:
     """A number a little larger and a little smaller; where only one of them is a mechanism, that and the model itself.
 
-    ``ideal``: of the mechanism without its play, which ``assembly`` is then of, while ``text`` has it.
+    ``made`` are known already. ``ideal``: of the mechanism without its play, which ``assembly`` is then of, while ``text`` has it.
     """
     models: list[tuple[float, Assembly]] = []
     trouble: VfifeError | None = None
     for sign in (1.0, -1.0):
         try:
-            models.append((sign, placed(text, path, value, value + sign * NEAR * abs(value), assembly, ideal=ideal)))
+            change = path, value + sign * NEAR * abs(value)
+            models.append((sign, made.get(change) or placed(text, path, value, change[1], assembly, ideal=ideal)))
         except VfifeError as error:
             trouble = error
     if trouble is not None and not models:
