@@ -33,6 +33,8 @@ from .spectrum import spectrum
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
+from .waterfall import waterfall
+from .wear import wear
 
 
 class Group(Plainly, TyperGroup):
@@ -86,6 +88,7 @@ for command in (
     info,
     impacts,
     optimise,
+    waterfall,
     plot,
     spectrum,
     animate,
@@ -97,7 +100,8 @@ for command in (
     schema,
     paper,
     verify,
+    wear,
 ):
     app.command(cls=Command)(command)
-app.command("map", cls=Command)(map_)
+app.add_typer(map_, name="map")
 app.add_typer(study, name="study")

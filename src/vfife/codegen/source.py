@@ -19,7 +19,6 @@ from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
 from .functiontext import function_text, function_tree
 from .lock import WRITING
 
-
 _DEFINITIONS: dict[tuple[object, ...], str] = {}  # known ones: to write them takes most of the time of a text
 
 

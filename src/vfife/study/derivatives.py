@@ -70,8 +70,7 @@ def sensitivity(
     refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
-    length = {"turns": turns, "duration": duration, "step": step}
-    result = simulate(mechanism, **length, force_step=force_step, companions=companions, progress=progress)
+    result = simulate(mechanism, turns=turns, duration=duration, step=step, force_step=force_step, companions=companions, progress=progress)
     record, reference = result.record, None if result.reference is None else result.reference.measures
     window = last_turn(record)
     known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
