@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import vfife
-from oracles import duffing
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.codegen.runner import Runner
 from vfife.solvers.sweeping import weights
 from vfife.solvers.tangents import Neighbours, changes, rates
+from vfife.verification.chaotic import duffing
 
 BEGINNING = 3  # turns before a difference is put in
 

@@ -19,7 +19,8 @@ from vfife.modelfile.numbers import numbers
 from vfife.solvers.tangents import changes, displaced, jacobian
 from vfife.solvers.transient import run
 from vfife.study.derivatives import sensitivity
-from vfife.study.nearby import beside, placed
+from vfife.study.nearby import nearby
+from vfife.study.neighbours import NEAR, beside, placed
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
@@ -226,3 +227,18 @@ def test_a_table_has_every_measure_and_number(case_b, tmp_path):
     assert len(lines) == 1 + len(case_b.measures) * len(case_b.derivatives)
     first = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
     assert float(first["elasticity"]) == case_b.ranked(first["measure"])[0][1]
+
+
+def test_neighbours_are_what_they_are_alone():
+    """Those of a four-bar with play, assembled side by side, against each read and assembled by itself: start, tables, steps, to the bit."""
+    mechanism = vfife.load_model(f"{EXAMPLES}/four_bar_case_c.toml")
+    text, assembly = dump(mechanism), assemble(mechanism, turns=1)
+    known = {path: value for path, value in numbers(text) if value}
+    asked = [(path, value * (1.0 + NEAR)) for path, value in known.items() if not path.startswith("material")]
+    found = nearby(text, known, asked, assembly)
+    assert len(found) > 30 and None not in found
+    for change, one in list(zip(asked, found, strict=True))[::4]:
+        alone = placed(text, change[0], known[change[0]], change[1], assembly)
+        assert one.state.tobytes() == alone.state.tobytes() and one.tables.tobytes() == alone.tables.tobytes(), change
+        assert (one.topology, one.choice.steps, one.choice.outputs_every) == (alone.topology, alone.choice.steps, alone.choice.outputs_every)
+        assert one.choice.step == alone.choice.step
