@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from .solvers.status import Status
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.identification import fit
     from .study.maps import bifurcation
     from .study.stepped import Simulation
     from .study.studies import study
@@ -58,6 +59,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
     "errors": "",
+    "fit": "study.identification",
     "gallery": "",
     "load": "modelfile.files",
     "load_laws": "laws.user",
@@ -105,6 +107,7 @@ _above.ANSWERS |= {
     "live_result": _later("live.cell", "live_result"),
     "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
+    "fit_figure": _later("plots.fit", "fit_figure"),
 }
 
 
@@ -176,6 +179,7 @@ __all__ = [
     "compare",
     "ensemble",
     "errors",
+    "fit",
     "gallery",
     "load",
     "load_laws",
