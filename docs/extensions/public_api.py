@@ -24,7 +24,7 @@ GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at it
     "friction": ("Friction laws", "Tangential forces."),
     "own": ("Laws of one's own, materials, errors", "What a law of one's own is made of, and what is raised."),
 }
-RUNNING = ("simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "Status")
+RUNNING = ("simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "fit", "Status")
 MECHANISM = (
     "Mechanism", "Settings", "StartSettings", "Link", "RigidBody", "PointMass", "Frame", "Member", "Section", "load", "load_model", "save_model",
 )  # fmt: skip

@@ -40,6 +40,7 @@ Derivatives = Literal["auto", "tangents", "differences"]
 APART = 0.05  # of the diagonal of the bounds: how far apart starts lie
 CLOSE = 1e-6  # relative change of cost and of the parameters at which a search ends
 PATIENT, HOPELESS = 8, 30.0  # evaluations after which a search is left whose cost is so many times the best
+UNSETTLED = 0.25  # of what is left, from which on turns that differ are told
 ROUNDS = 40  # evaluations of one local search, at the most
 GUESS = 8  # of them, as a search usually takes: for the progress line alone
 
@@ -126,6 +127,7 @@ class Search:
         self.curves = Curves(self.mechanism, [one.channel for one in self.seen.curves], self.timing, self.workers)
         self.began, self.evaluations, self.expected = time.monotonic(), 0, 1
         self.best: tuple[float, Array, Fitted] | None = None
+        self.trace: Trace | None = None
         self.reasons: list[str] = []
         self.ended: list[tuple[float, tuple[float, ...]]] = []
         self.tangents = False
@@ -158,9 +160,9 @@ class Search:
     def tell(self) -> None:
         """Says where it stands."""
         if self.progress is not None:
-            total = max(self.expected, int(1.05 * self.evaluations) + 1)
             best = f", residual {100.0 * self.misfit_share(self.best[2]):.3g} %" if self.best is not None else ""
-            self.progress(Progress(self.evaluations, total, time.monotonic() - self.began, f"{self.evaluations} runs{best}"))
+            done = min(self.evaluations, self.expected)
+            self.progress(Progress(done, self.expected, time.monotonic() - self.began, f"{self.evaluations} runs{best}"))
 
     def misfit_share(self, one: Fitted) -> float:
         """Root mean square of residuals."""
@@ -173,7 +175,7 @@ class Search:
             return None
         found = self.misfit(trace, near)
         if math.isfinite(found.cost) and (self.best is None or found.cost < self.best[0]):
-            self.best = found.cost, np.array(shares), found
+            self.best, self.trace = (found.cost, np.array(shares), found), trace
         return found
 
     def screen(self, count: int, starts: int, seed: int) -> list[tuple[Array, Fitted]]:
@@ -258,7 +260,11 @@ class Search:
             Value(s.name, s.paths, s.unit, s.value(float(x)), float(e), float(low), float(high), (s.low, s.high), s.here, s.logarithmic)
             for s, x, e, (low, high) in zip(self.sought, shares, told.errors, told.limits, strict=True)
         ]
-        units = units_of(self.mechanism)
+        units, apart = units_of(self.mechanism), 0.0 if self.trace is None else self.misfit.unsettled(self.trace)
+        if apart > UNSETTLED * max(self.misfit_share(one), 1e-3):
+            said = f"the model's turns do not repeat after those that are skipped (they differ by {100.0 * apart:.2g} % of the curves' deviations)"
+            remedy = "skip more, measure a motion that repeats, or give the offset from the start"
+            self.notes.append(f"{said}: numbers that rule how it settles may be wrong; {remedy}")
         by = "derivatives of the steps" if self.tangents else "differences of runs"
         return Fit(
             self.mechanism.name, self.seen.name, status, values, told.correlation, told.directions, self.where(one),

@@ -8,7 +8,6 @@ Numerical Analysis 10 (1973) 413-432).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -153,10 +152,15 @@ class Misfit:
         places = (self.measured.places - self.measured.places[0])[::every]
         data, origin = self.data[::every], self.origin(trace)
         offsets = low + (high - low) * (np.arange(count) + 0.5) / count
-        costs = np.empty(count)
-        for k, offset in enumerate(offsets):
-            values = np.stack([np.interp(origin + offset + places, trace.places, one) for one in trace.values.T], axis=1)
-            costs[k] = (((self.levelled(values, data)[0] - data) / self.scale_of_data) ** 2).sum()
+        at, costs = origin + offsets[:, None] + places, np.zeros(count)
+        for k, (one, wanted) in enumerate(zip(trace.values.T, data.T, strict=True)):
+            values = np.interp(at, trace.places, one)
+            if self.proportional[k]:  # what is left beside the best factor and level
+                apart, left = values - values.mean(axis=1, keepdims=True), wanted - wanted.mean()
+                share = (apart @ left) ** 2 / np.maximum((apart * apart).sum(axis=1), 1e-300)
+                costs += (float(left @ left) - share) / self.scale_of_data[k] ** 2
+            else:
+                costs += ((values - wanted) ** 2).sum(axis=1) / self.scale_of_data[k] ** 2
         return float(offsets[int(np.argmin(costs))]), 1.5 * (high - low) / count
 
     @property
@@ -182,6 +186,25 @@ class Misfit:
         values, gains = self.levelled(raw, self.wanted)
         return Fitted(offset, gains, values, ((values - self.wanted) * self.weights).T.reshape(-1))
 
+    def unsettled(self, trace: Trace) -> float:
+        """By how much the turn after those that are skipped differs from the next, over the deviations of the measured curves; 0 where no turns are
+        skipped.
+        """
+        if not self.offset.free:
+            return 0.0
+        turn = 2.0 * math.pi if self.measured.over == "angle" else (trace.turn or 0.0)
+        first = self.origin(trace)
+        places = first + turn * np.linspace(0.0, 1.0, 200)
+        if places[-1] + turn > trace.places[-1] + 1e-9 * turn:
+            return 0.0
+        apart = (between(places + turn, trace) - between(places, trace)) * self.levelled_by / self.scale_of_data
+        return float(np.sqrt((apart**2).mean()))
+
+    @property
+    def levelled_by(self) -> Array:
+        """1 for each curve; of one that is only proportional nothing is known beforehand."""
+        return np.where(self.proportional, 0.0, 1.0)
+
     def columns(self, residuals: Array) -> Array:
         """Residuals by curve, shape (samples, curves)."""
         return residuals.reshape(len(self.measured.curves), -1).T
@@ -199,6 +222,3 @@ def between(places: Array, trace: Trace) -> Array:
     a, b = slopes[at] * width - rise, rise - slopes[at + 1] * width
     found: Array = first + u * rise + u * (1.0 - u) * (a * (1.0 - u) + b * u)
     return found
-
-
-Laid = Callable[[Trace], Fitted]
