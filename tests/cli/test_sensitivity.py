@@ -23,6 +23,12 @@ def test_measures_that_companions_part_in_are_marked(command):
     done = command("sensitivity", CRANK, "--of", "block.angular_acceleration.max", "--turns", 1)
     assert done.exit_code == 0
     assert "mean nothing" in done.stderr
+    assert "forecast: a run of " in done.stderr and "numbers by which it has derivatives" in done.stderr
+
+
+def test_what_takes_hours_is_refused_without_yes(command):
+    done = command("sensitivity", CRANK, "--turns", 1_000_000)
+    assert done.exit_code == 2 and "add --yes" in done.stderr and "Nothing was begun" in done.stderr
 
 
 def test_faults_are_sentences(command, tmp_path):
