@@ -20,8 +20,8 @@ m.joints["pin"] = dataclasses.replace(m.joints["pin"], wear=vfife.Wear(bearing=1
 worn = vfife.wear(m, 1e7, block=2, settle=2, step=4e-6)
 
 # %%
-# The bearing, in the rod, wears in two places, where the inertia of the block presses at both ends of its way. The journal turns against it and wears
-# over a wider part. Zero is the circle of the new surface; depths are drawn thousands of times too large.
+# The bearing, in the rod, wears in two places, where the inertia of the block presses at both ends of its way. The journal turns against it and
+# wears over a wider part. Zero is the circle of the new surface; depths are drawn thousands of times too large.
 
 figure = worn.plot()
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 from matplotlib.figure import Figure
 from rich.console import Console
 
@@ -19,6 +20,7 @@ from vfife.plots import figures
 from vfife.plots.outlines import outline
 from vfife.report.summary import show
 from vfife.result import Result
+from vfife.results.netcdf import write_netcdf
 
 
 @cache
@@ -40,6 +42,15 @@ def words(found: dict[str, Figure]) -> set[str]:
     return {text.get_text() for text in found["mechanism"].legends[0].get_texts()}
 
 
+WHOLE = ("everything", "four_bar_case_c", "elastica_circle", "gear_train")  # a file has a hundredth of a second for each of its variables
+
+
+def slim(data: xarray.Dataset) -> xarray.Dataset:
+    """All names, and of the variables over the same of them the first."""
+    first = {data[name].dims: name for name in reversed(list(data.data_vars))}
+    return data[list(first.values())]
+
+
 @pytest.mark.parametrize("name", [*gallery.__all__, "everything"])
 def test_every_mechanism_is_drawn_told_and_exported(name: str, tmp_path: Path):
     result, found = run(name), drawn(name)
@@ -50,7 +61,10 @@ def test_every_mechanism_is_drawn_told_and_exported(name: str, tmp_path: Path):
     console = Console(file=StringIO(), width=140)
     show(console, result)
     assert result.name in console.file.getvalue()
-    result.to_netcdf(tmp_path / "out.nc")
+    if name in WHOLE:
+        result.to_netcdf(tmp_path / "out.nc")
+    else:
+        write_netcdf(slim(result.data), tmp_path / "out.nc")
     assert (tmp_path / "out.nc").stat().st_size > 1000
 
 
