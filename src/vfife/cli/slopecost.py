@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from fnmatch import fnmatchcase
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .options import positive
@@ -25,21 +26,23 @@ def told_of(
     from ..errors import VfifeError
     from ..modelfile import dump
     from ..modelfile.numbers import numbers
-    from .cost import LONG, estimate
+    from .cost import estimate, too_much
 
     asked: dict[str, Any] = {"turns": turns, "duration": None if duration is None else positive("--duration", duration, "s")}
+    size = step if step in (None, "auto") else positive("--step", str(step), "s")
     try:
-        assembly = assemble(mechanism, step, force_step=force_step, **asked)
+        assembly = assemble(mechanism, size, force_step=force_step, **asked)
     except VfifeError:  # told when it is run
         return
     count = sum(any(fnmatchcase(path, pattern) for pattern in to) for path, value in numbers(dump(mechanism)) if value)
     cores, lanes = os.cpu_count() or 1, widest()
-    one, displaced = estimate(assembly)["seconds"], runs or 2 if assembly.contacts else 1
-    seconds = one * (1.0 + EACH * count * displaced / (lanes * cores))
+    alone, displaced = estimate(assembly), runs or 2 if assembly.contacts else 1
+    seconds = alone["seconds"] * (1.0 + EACH * count * displaced / (lanes * cores))
     said = f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has derivatives"
-    if seconds > LONG and not yes:
+    much = too_much({"seconds": seconds, "memory": alone["memory"], "disk": 0.0}, Path())
+    if much and not yes:
         remedy = "add --yes if that is meant, or ask for fewer numbers (--to) or turns"
-        fail(f"some {span(seconds)} for {said}; {remedy}. Nothing was begun.")
+        fail(f"{much}, for {said}; {remedy}. Nothing was begun.")
     if not quiet:
         automatic = ", more where an automatic step is halved" if assembly.choice.automatic else ""
         tell("forecast", f"{said}: {span(seconds)} with {counted(cores, 'thread')} of {lanes} lanes{automatic}.", "bold")
