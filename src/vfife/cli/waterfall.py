@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import typer
 
-from .map import places
-from .options import LawsOption, ModelArgument, SetOption, positive, read_model
+from .mapped import carried_out, drawn_and_told, places, quantity_at
+from .options import LawsOption, ModelArgument, SetOption, read_model
 from .run import Quiet
-from .signals import NOW
-from .terminal import output, sentences, tell, writing
-
-if TYPE_CHECKING:
-    from ..study.waterfall import Waterfall
+from .terminal import sentences, writing
 
 OVER = "The number, from and to, as in driver.crank.speed=500..3000rpm."
 Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
@@ -59,48 +55,28 @@ def waterfall(
     """
     place = target if target is not None else Path("runs") / f"{model.stem}.waterfall"
     with sentences(str(model)):
-        drawn = places(place, figure, csv, target is None)
+        drawn = places(place, figure, csv, target is None, "waterfall")
         mechanism = read_model(model, set_, laws)
         from ..live.sliders import asked_slides
         from ..study.waterfall import waterfall as computed
 
         (slide,) = asked_slides(mechanism, [over], "--over")
-        size = None if step is None else positive("--step", step, "s")
-        place.parent.mkdir(parents=True, exist_ok=True) if target is None else None
-        NOW.saved = f"What is complete is kept in {place}; the same command goes on after it."
+        given: dict[str, Any] = {
+            "count": count,
+            "turns": turns,
+            "last": last,
+            "series": of or (),
+            "outputs": outputs,
+            "highest": highest,
+            "window": window,
+        }
+        size, ends = quantity_at("--step", step), (slide.values[0], slide.values[-1])
+        found = carried_out(
+            place, quiet, "runs", lambda told: computed(mechanism, slide.paths[0], *ends, step=size, file=place, progress=told, **given)
+        )
+    if hertz:
+        with writing(str(drawn)):
+            from ..plots.files import saved_in_style
 
-        def progress(done: int, of_all: int) -> None:
-            if not quiet and (done == of_all or done % max(1, of_all // 20) == 0):
-                tell("waterfall", f"{done} of {of_all} runs", "bold")
-
-        with writing(str(place)):
-            found = computed(
-                mechanism, slide.paths[0], slide.values[0], slide.values[-1], count=count, turns=turns, last=last, series=of or (),
-                outputs=outputs, highest=highest, window=window, step=size, file=place, progress=progress,
-            )  # fmt: skip
-    with writing(str(drawn)):
-        from ..plots.files import saved_in_style
-        from ..plots.waterfall import drawn as picture
-
-        saved_in_style(lambda: picture(found, hertz), drawn)
-    if csv is not None:
-        with writing(str(csv)):
-            found.write_csv(csv)
-    if not quiet:
-        show(found, place, drawn)
-    if found.done < count:
-        tell("interrupted", f"{NOW.by}: {found.done} of {count} runs are complete and kept in {place}; the same command goes on.")
-        raise typer.Exit(NOW.code)
-
-
-def show(found: Waterfall, place: Path, drawn: Path) -> None:
-    """What was found, in words."""
-    from rich.text import Text
-
-    console, asked = output(), found.asked
-    low, high = asked.values[0], asked.values[-1]
-    console.print(Text(f"{found.name}: {', '.join(asked.series)} over {asked.path} from {low:g} to {high:g} {asked.unit}, {found.done} runs."))
-    console.print(Text(f"{found.words}. Without companions; each run begins at the model's own start."))
-    if found.diverged:
-        console.print(Text(f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged."))
-    console.print(Text(f"{place}, {drawn}"))
+            saved_in_style(lambda: found.plot(hertz=True), drawn)
+    drawn_and_told(found, place, None if hertz else drawn, csv, quiet)

@@ -11,6 +11,7 @@ from typing import Any
 class Taylor:
     """value + rate t + second t^2/2; comparisons are those of the values."""
 
+    __array_ufunc__ = None  # so that arrays leave what they do with it to it
     __slots__ = ("rate", "second", "value")
 
     def __init__(self, value: float, rate: float = 0.0, second: float = 0.0) -> None:

@@ -28,7 +28,7 @@ from ..solvers.progress import Progress
 from ..solvers.record import Record
 from ..solvers.tangents import Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
-from .nearby import Way, beside, neighbours
+from .neighbours import Way, beside, neighbours
 from .wanted import known_measures
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
@@ -70,8 +70,7 @@ def sensitivity(
     refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
-    length = {"turns": turns, "duration": duration, "step": step}
-    result = simulate(mechanism, **length, force_step=force_step, companions=companions, progress=progress)
+    result = simulate(mechanism, turns=turns, duration=duration, step=step, force_step=force_step, companions=companions, progress=progress)
     record, reference = result.record, None if result.reference is None else result.reference.measures
     window = last_turn(record)
     known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}

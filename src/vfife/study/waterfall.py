@@ -5,24 +5,21 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.spectral import resolution_of, window_of
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, VfifeError, suggestion
-from ..live.sliders import value_at
+from ..errors import Fault, ModelError, suggestion
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..results.folder import written
-from ..results.lock import Lock
 from ..results.mapfile import MapFile
 from ..results.spectra import spectrum
 from ..results.view import standing
@@ -30,7 +27,11 @@ from ..simulation import prepare
 from ..solvers.arguments import Asked
 from ..solvers.ensemble import placed
 from ..solvers.streaming import stepped
+from .looks import kept_in, tupled, unit_at, unit_of
 from .spectral import Spectral
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 WHAT = "waterfall"
@@ -86,6 +87,12 @@ class Waterfall:
         dropped = f", {asked.turns - asked.last} dropped" if asked.turns > asked.last else ""
         return f"{name} window over {asked.last} turns{dropped}; resolution {wide:.3g} orders; {asked.outputs} outputs a turn"
 
+    def plot(self, hertz: bool = False) -> Figure:
+        """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
+        from ..plots.waterfall import drawn
+
+        return drawn(self, hertz)
+
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for each value and order: the value, order, frequency (Hz) and the amplitude of each series. Raises OSError."""
         stream = io.StringIO(newline="")
@@ -126,7 +133,7 @@ def waterfall(
     """
     asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
     places = round(asked.highest * asked.last) + 1
-    with opened(file, asked, mechanism.name) as kept:
+    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
         found = {} if kept is None else {number: points for number, (points, _) in kept.members().items()}
         missing = [k for k in range(count) if k not in found]
         try:
@@ -144,14 +151,10 @@ def waterfall(
     return laid_out(mechanism.name, asked, found)
 
 
-def read_waterfall(path: str | Path) -> Waterfall:
-    """The waterfall in a file, as far as it is known. Raises RunFileError for another file, VfifeError for one that holds another map."""
-    with MapFile.open(Path(path)) as file:
-        said = file.asked
-        if said.get("what") != WHAT:
-            raise VfifeError(f"{path}: this is a map of another kind, no waterfall")
-        tuples: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in said["asked"].items()}
-        return laid_out(said["name"], Fallen(**tuples), {number: points for number, (points, _) in file.members().items()})
+def read_waterfall(file: MapFile) -> Waterfall:
+    """The waterfall in a file, as far as it is known."""
+    said = file.asked
+    return laid_out(said["name"], Fallen(**tupled(said["asked"])), {number: points for number, (points, _) in file.members().items()})
 
 
 def transformed(one: Spectral, asked: Fallen, places: int) -> Array:
@@ -199,31 +202,13 @@ def planned(
     if wrong := [name for name in series if name not in start.series]:
         told = [Fault("series", "the mechanism has none of this name", name, "", suggestion(name, start.series, "name one")) for name in wrong]
         raise ModelError(told, mechanism.name)
-    units = tuple(start.channels[start.series.place(name)[0]].unit for name in series)
-    unit = "SI"
-    with suppress(ValueError):
-        unit = value_at(mechanism, path)[1]
-    return Fallen(text, path, unit, tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step), assemblies
+    units = tuple(unit_of(start, name) for name in series)
+    return Fallen(
+        text, path, unit_at(mechanism, path), tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step
+    ), assemblies
 
 
 def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:
     """Forces of the joints with play, or of all joints."""
     names = [f"{name}.force" for name in (dict.fromkeys(assembly.contact_joints) or assembly.mechanism.joints)]
     return tuple(name for name in names if name in known)
-
-
-@contextmanager
-def opened(file: str | Path | None, asked: Fallen, name: str) -> Iterator[MapFile | None]:
-    """The file, locked: a new one, or one that asks the same. Raises VfifeError for one that asks something else, HeldError."""
-    if file is None:
-        yield None
-        return
-    path = Path(file)
-    said = {"what": WHAT, "name": name, "asked": {key: list(value) if isinstance(value, tuple) else value for key, value in vars(asked).items()}}
-    with Lock(path.absolute().parent, f"{path.name}.lock", "this waterfall"):
-        if path.exists():
-            with MapFile.open(path) as before:
-                if before.asked != said:
-                    raise VfifeError(f"{path}: there is a map here that asks something else; name another file, or remove this one")
-        with MapFile.write(path) if path.exists() else MapFile.create(path, said) as found:
-            yield found
