@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from .study.sections import poincare_section
     from .study.stepped import Simulation
     from .study.studies import study
+    from .study.waterfall import waterfall
     from .study.wearing import read_wear, wear
     from .study.worn import Worn
 
@@ -83,6 +84,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "read_wear": "study.wearing",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
+    "waterfall": "study.waterfall",
     "study": "",  # the room, which can be called
     "wear": "study.wearing",
     "Worn": "study.worn",
@@ -215,6 +217,7 @@ __all__ = [
     "spectrogram",
     "spectrum",
     "study",
+    "waterfall",
     "wear",
 ]
 if TYPE_CHECKING:

@@ -70,7 +70,7 @@ def test_basins_go_on_where_they_were_broken_off(wells) -> None:
     """To the bit, as they are in the file."""
     found, calls, path = wells
     again = load_map(path)
-    assert calls[-1] == (30, 30) and len(calls) <= 30 - 17 + 2
+    assert calls[-1] == (30, 30) and len(calls) <= 30 - 17
     assert all(np.array_equal(again.points[k], found.points[k]) and np.array_equal(again.growth[k], found.growth[k]) for k in range(30))
     assert again.companions == found.companions and len(found.companions) == 6
     x, y = (found.asked.paths[0], -0.6, 0.6), (found.asked.paths[1], -4.0, 4.0)
@@ -123,7 +123,7 @@ def test_a_value_begun_anew_is_a_run_of_its_own(tmp_path) -> None:
     for name in up.points:
         assert np.array_equal(whole.points[name][0, 0], up.points[name][0, 0]) and not np.isnan(whole.points[name]).any()
         assert not np.array_equal(whole.points[name][0, 1:], up.points[name][0, 1:])
-    assert np.array_equal(whole.growth[0, 0], up.growth[0, 0])
+    assert whole.growth[0, 0] == pytest.approx(up.growth[0, 0], rel=1e-9)  # whose last bits know what is in the lanes beside
     assert len(whole.companions) == 2 and "1 member again" in whole.told
 
     def stop(done: int, of_all: int) -> None:

@@ -77,15 +77,7 @@ def assemble(
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
     stressed = prestress(mechanism, seats) if wanted(mechanism) and given is None else None
-    filler = Filler(mechanism, numbering, Layout(topology), motion, stressed, given=given is not None)
-    filler.bodies()
-    filler.ideals(parts.ideals, tables)
-    filler.touches(parts.touches)
-    filler.profiles(parts.touches)
-    filler.paths(parts.paths)
-    refuse_deep(filler, parts.touches)
-    filler.springs(parts.springs)
-    filler.drivers_and_loads(parts.loads)
+    filler = filled(Filler(mechanism, numbering, Layout(topology), motion, stressed, given=given is not None), parts, tables)
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     if redundant(filler.layout, filler.state, topology):
@@ -106,6 +98,19 @@ def assemble(
         tuple(t.touching.path for t in parts.touches), motion.mobility, notes,
         shared(filler.layout, filler.state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
+
+
+def filled(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
+    """All that nouns and motion decide, of one mechanism or of many side by side. ValueError for contacts that start deep."""
+    filler.bodies()
+    filler.ideals(parts.ideals, tables)
+    filler.touches(parts.touches)
+    filler.profiles(parts.touches)
+    filler.paths(parts.paths)
+    refuse_deep(filler, parts.touches)
+    filler.springs(parts.springs)
+    filler.drivers_and_loads(parts.loads)
+    return filler
 
 
 def topology_of(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
+from ..fields.members import number
 from ..kernels.topology import (
     ACROSS,
     ALONG,
@@ -149,7 +150,7 @@ def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list
     found = []
     for name, joint in mechanism.contacts.items():
         bearing, journal = (numbering.place(side) for side in joint.sides)
-        angles = [0.0 if side[0] == "ground" else float(motion.of(side[0])[0][2]) for side in joint.sides]
+        angles = [0.0 if side[0] == "ground" else number(motion.of(side[0])[0][..., 2]) for side in joint.sides]
         found += touches_of(name, joint, bearing, journal, angles[0] - angles[1])
     return found
 
@@ -158,9 +159,9 @@ def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned
     """The contacts of a joint at two places; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
     all_of_them = joint.touchings(turned)
     found = []
-    for number, one in enumerate(all_of_them, start=1):
+    for k, one in enumerate(all_of_them, start=1):
         at = (journal[0], (journal[1][0] + one.offset[0], journal[1][1] + one.offset[1]))
-        found.append(Touch(f"{name}.{number}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
+        found.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
     return found
 
 

@@ -33,6 +33,7 @@ from .spectrum import spectrum
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
+from .waterfall import waterfall
 from .wear import wear
 
 
@@ -87,6 +88,7 @@ for command in (
     info,
     impacts,
     optimise,
+    waterfall,
     plot,
     spectrum,
     animate,

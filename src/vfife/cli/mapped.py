@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..study.basins import Basins
     from ..study.diagram import Bifurcation
     from ..study.sections import PoincareSection
+    from ..study.waterfall import Waterfall
 
 Found = TypeVar("Found")
 Drop = Annotated[int, typer.Option("--drop", metavar="N", min=0, help="So many of them are not looked at.")]
@@ -26,10 +27,13 @@ Of = Annotated[
     list[str] | None, typer.Option("--of", metavar="SERIES", help="What is looked at once a turn.", show_default="penetration, force_max")
 ]
 Phase = Annotated[float, typer.Option("--phase", metavar="DEG", min=0.0, max=360.0, help="How far beyond its start the crank is looked at.")]
+STEP = "Time step; a turn has a whole number of them."
+Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="the finer automatic one of both ends")]
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.map", help="Where to keep it.", show_default="runs/MODEL.map")]
 Figured = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE.png")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All points as a table.", show_default=False)]
 Kept = Annotated[Path, typer.Argument(metavar="FILE.map", help="What a map was kept in.", show_default=False)]
+Yes = Annotated[bool, typer.Option("--yes", help="Make it whatever it takes: hours, or half the disk.")]
 GO_ON = "the same command goes on"
 
 
@@ -137,8 +141,10 @@ def teller_of(found: Any) -> Callable[[Any], None]:
     """What tells of it."""
     from ..study.basins import Basins
     from ..study.sections import PoincareSection
+    from ..study.waterfall import Waterfall
 
-    return tell_section if isinstance(found, PoincareSection) else tell_basins if isinstance(found, Basins) else tell_diagram
+    tellers: dict[type, Callable[[Any], None]] = {PoincareSection: tell_section, Basins: tell_basins, Waterfall: tell_waterfall}
+    return next((tell for kind, tell in tellers.items() if isinstance(found, kind)), tell_diagram)
 
 
 def print_line(text: str) -> None:
@@ -185,3 +191,12 @@ def tell_section(found: PoincareSection) -> None:
         fastest = f", the fastest at {one['speed'].max():.4g} m/s" if len(one["speed"]) else ""
         print_line(f"{name}: {len(one['speed']):,} contacts began{fastest}.")
     print_line(f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn; {found.laws}.")
+
+
+def tell_waterfall(found: Waterfall) -> None:
+    """What was swept, and how it was transformed."""
+    asked = found.asked
+    print_line(f"{found.name}: {', '.join(asked.series)} over {asked.path} from {asked.values[0]:g} to {asked.values[-1]:g} {asked.unit}")
+    print_line(f"{found.done:,} runs. {found.words}. Without companions; each run begins at the model's own start.")
+    if found.diverged:
+        print_line(f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged.")

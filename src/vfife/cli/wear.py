@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..results.header import WEAR_APPLICATION, head_with
-from .map import Step
-from .mapped import places
+from .mapped import Step, places
 from .options import LawsOption, SetOption, positive, read_model
 from .run import Quiet
 from .signals import NOW

@@ -82,7 +82,8 @@ class Nearby:
                 self.fresh, other[self.given] = False, 0.0
                 self._tables(assemblies)
             with np.errstate(over="ignore", invalid="ignore"):
-                size = np.maximum(np.sqrt(((self.weights * other) ** 2).sum(axis=0)), 1e-300)
+                own = np.ascontiguousarray((self.weights * other).T)  # summed in one order, however many lanes there are
+                size = np.maximum(np.sqrt((own * own).sum(axis=1)), 1e-300)
                 other /= size
                 growth[turn] = np.log(size)
         return rows, growth

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..codegen.native import widest
 from ..errors import VfifeError
 from .halt import Halt
 from .nearby import ALIGNED, Nearby, plain_runner
@@ -21,6 +20,7 @@ from .tangents import Neighbours
 
 Array = NDArray[np.float64]
 PATIENCE = 0.1  # s between two looks at signals
+LANES = 4  # side by side, on every machine
 
 
 @dataclass(frozen=True)
@@ -46,22 +46,27 @@ class Orbit:
 
 class Orbits:
     """Members of one topology and so many ``steps`` in a turn, each through ``turns``, the first of them ``dropped``, after a turn and the way to
-    the phase. ``near``: neighbours whose difference is watched in all of them; None: none is."""
+    the phase. ``near``: neighbours whose difference is watched in all of them; None: none is.
 
-    def __init__(self, steps: int, turns: int, dropped: int, near: Neighbours | None = None, lanes: int | None = None) -> None:
+    A motion knows nothing of those beside it. The last bits of a difference do, for where a lane takes a step in parts, its terms are summed in
+    another order in all of them: so members go side by side with the same ones always.
+    """
+
+    def __init__(self, steps: int, turns: int, dropped: int, near: Neighbours | None = None) -> None:
         self.steps, self.turns, self.dropped, self.near = steps, turns, dropped, near
-        self.lanes, self.stop = lanes or widest(), threading.Event()
+        self.stop = threading.Event()
 
-    def each(self, starts: Sequence[Start], workers: int | None = None) -> Iterator[Orbit]:
-        """The members as they end. Ctrl-C ends it within a second."""
+    def each(self, starts: Sequence[Start], known: Collection[int] = (), workers: int | None = None) -> Iterator[Orbit]:
+        """The members that are not ``known``, as they end; ``starts`` are those of all. Ctrl-C ends it within a second."""
+        blocks = [block for block in self.blocks(starts) if not all(one.number in known for one in block)]
         with Halt() as halt, ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
             try:
-                waiting: set[Future[list[Orbit]]] = {pool.submit(self.block, block) for block in self.blocks(starts)}
+                waiting: set[Future[list[Orbit]]] = {pool.submit(self.block, block) for block in blocks}
                 while waiting:
                     ended, waiting = wait(waiting, PATIENCE, FIRST_COMPLETED)
                     halt.look()
                     for one in ended:
-                        yield from one.result()
+                        yield from (orbit for orbit in one.result() if orbit.number not in known)
             finally:
                 self.stop.set()
                 pool.shutdown(wait=True, cancel_futures=True)
@@ -71,7 +76,7 @@ class Orbits:
         by: dict[int, list[Start]] = {}
         for one in starts:
             by.setdefault(self.begins(one), []).append(one)
-        return [some[k : k + self.lanes] for some in by.values() for k in range(0, len(some), self.lanes)]
+        return [some[k : k + LANES] for some in by.values() for k in range(0, len(some), LANES)]
 
     def begins(self, one: Start) -> int:
         """Steps that a member makes before its turns."""
@@ -91,7 +96,7 @@ class Orbits:
             alike = [(number, one) for number, one in made if one.topology == made[0][1].topology and len(one.tables) == len(made[0][1].tables)]
             made = [(number, one) for number, one in made if number not in dict(alike)]
             every = [one for _, one in alike]
-            rows, growth = self._through(every + every[-1:] * (self.lanes - len(every)), self.begins(starts[0]))
+            rows, growth = self._through(every + every[-1:] * (LANES - len(every)), self.begins(starts[0]))
             found += [Orbit(number, one, rows[:, :, k], growth[:, k]) for k, (number, one) in enumerate(alike)]
         return found
 
@@ -101,9 +106,9 @@ class Orbits:
         plain.advance(1, 1)
         if self.near is None:
             pace.advance(plain, begins - 1 + self.dropped * self.steps, 1)
-            return pace.advance(plain, self.steps, self.turns - self.dropped), np.zeros((0, self.lanes))
+            return pace.advance(plain, self.steps, self.turns - self.dropped), np.zeros((0, LANES))
         pace.advance(plain, begins - 1 + before * self.steps, 1)
-        nearby = Nearby(every, [self.near] * self.lanes, self._end_if)
+        nearby = Nearby(every, [self.near] * LANES, self._end_if)
         nearby.begin(every, plain.states, plain.done)
         rows, growth = nearby.turns(every, self.turns - before)
         return rows[self.dropped - before :], growth[self.dropped - before :]

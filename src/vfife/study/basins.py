@@ -169,7 +169,7 @@ def basins(
 
         length = asked.steps, turns, dropped, near
         try:
-            for one in Orbits(*length).each([made(member, asked.steps) for member in range(asked.count) if member not in known]):
+            for one in Orbits(*length).each([made(member, asked.steps) for member in range(asked.count)], tuple(known)):
                 rows = one.rows if one.assembly is not None else np.zeros((0, len(asked.series)))
                 points = rows if one.assembly is None else looked(one.assembly, recorded_rows(one.assembly), rows, asked.series, asked.steps)
                 known[one.number] = points, one.growth

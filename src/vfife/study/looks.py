@@ -150,13 +150,13 @@ def law_words(mechanism: Mechanism) -> str:
 
 
 @contextmanager
-def kept_in(file: str | Path | None, said: Mapping[str, Any]) -> Iterator[MapFile | None]:
+def kept_in(file: str | Path | None, said: Mapping[str, Any], what: str = "this map") -> Iterator[MapFile | None]:
     """The file of a map, locked: a new one, or one that asks the same. Raises VfifeError for one that asks something else, HeldError."""
     if file is None:
         yield None
         return
     path = Path(file)
-    with Lock(path.absolute().parent, f"{path.name}.lock", "this map"):
+    with Lock(path.absolute().parent, f"{path.name}.lock", what):
         said = {key: value if isinstance(value, str) else _listed(value) for key, value in said.items()}
         with MapFile.going_on(path, said) as found:
             yield found

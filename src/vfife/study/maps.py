@@ -144,7 +144,7 @@ def anew(asked: Swept, every: list[Assembly], known: Legs, kept: MapFile | None)
     beside: dict[int, list[Companion]] = {number: [] for number in sampled(known.count, asked.companions) if number not in known.legs}
     for own in started_companions(tuple(beside), made, asked.steps, *length, near, asked.series):
         beside[own.number].append(Companion(own.number % count, own.number // count, own.ratio, own.kind))
-    for one in Orbits(asked.steps, *length, near).each([made(number, asked.steps) for number in range(known.count) if number not in known.legs]):
+    for one in Orbits(asked.steps, *length, near).each([made(number, asked.steps) for number in range(known.count)], tuple(known.legs)):
         if one.assembly is None:
             raise ModelError([Fault("starts", one.why)], every[0].mechanism.name)
         points = looked(one.assembly, recorded_rows(one.assembly), one.rows, asked.series, asked.steps)
