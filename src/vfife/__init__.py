@@ -41,12 +41,17 @@ if TYPE_CHECKING:
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
+    from .study.basins import basins
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.identification import fit
+    from .study.kept import load_map
     from .study.maps import bifurcation
+    from .study.sections import poincare_section
     from .study.stepped import Simulation
     from .study.studies import study
-    from .study.wearing import read_wear, wear
+    from .study.waterfall import waterfall
+    from .study.wearing import load_wear, wear
     from .study.worn import Worn
 
 __version__ = "0.2.0"
@@ -58,25 +63,30 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
+    "basins": "study.basins",
     "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
     "envelope": "results.spectra",
     "errors": "",
+    "fit": "study.identification",
     "gallery": "",
     "load": "modelfile.files",
     "load_laws": "laws.user",
+    "load_map": "study.kept",
     "load_model": "modelfile.files",
     "load_result": "result",
     "load_study": "results.studied",
     "modes": "analysis.modes",
+    "poincare_section": "study.sections",
     "resume": "simulation",
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
-    "read_wear": "study.wearing",
+    "load_wear": "study.wearing",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
+    "waterfall": "study.waterfall",
     "study": "",  # the room, which can be called
     "wear": "study.wearing",
     "Worn": "study.worn",
@@ -116,6 +126,7 @@ _above.ANSWERS |= {
     "live_result": _later("live.cell", "live_result"),
     "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
+    "fit_figure": _later("plots.fit", "fit_figure"),
 }
 
 
@@ -185,20 +196,24 @@ __all__ = [
     "VfifeError",
     "Wear",
     "Worn",
+    "basins",
     "bifurcation",
     "compare",
     "ensemble",
     "envelope",
     "errors",
+    "fit",
     "gallery",
     "load",
     "load_laws",
+    "load_map",
     "load_model",
     "load_result",
     "load_study",
+    "load_wear",
     "modes",
+    "poincare_section",
     "quantity",
-    "read_wear",
     "resume",
     "save_model",
     "sensitivity",
@@ -206,6 +221,7 @@ __all__ = [
     "spectrogram",
     "spectrum",
     "study",
+    "waterfall",
     "wear",
 ]
 if TYPE_CHECKING:

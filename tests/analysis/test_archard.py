@@ -40,13 +40,13 @@ def test_a_shaft_under_a_weight_wears_its_bearing_in_one_place_and_itself_all_ar
     """V = k m g 2 pi R_J a turn; the bearing's top has all of its own, the journal's depth is k m g/L a turn everywhere."""
     found = turning()
     journal, distance = RADIUS - 1e-4, 2.0 * math.pi * (RADIUS - 1e-4)
-    assert found.measures["bore.bearing_wear.total"] == pytest.approx(SOFT * WEIGHT * distance, rel=1e-3)
-    assert found.measures["bore.journal_wear.total"] == pytest.approx(HARD * WEIGHT * distance, rel=1e-3)
+    assert found.measures["bore.bearing_wear.total"] == pytest.approx(SOFT * WEIGHT * distance, rel=1e-3, abs=0.0)
+    assert found.measures["bore.journal_wear.total"] == pytest.approx(HARD * WEIGHT * distance, rel=1e-3, abs=0.0)
     record = found.record
     half = dataclasses.replace(record, steps=record.steps[360:], source=record.rows[360:])
     bearing, around_journal = depths(half, 0)
-    assert around_journal == pytest.approx(np.full(PLACES, HARD * WEIGHT / LENGTH), rel=0.02)
-    assert around_journal.sum() * areas(half, 0)[1] == pytest.approx(HARD * WEIGHT * 2.0 * math.pi * journal, rel=2e-3)
+    assert around_journal == pytest.approx(np.full(PLACES, HARD * WEIGHT / LENGTH), rel=0.02, abs=0.0)
+    assert around_journal.sum() * areas(half, 0)[1] == pytest.approx(HARD * WEIGHT * 2.0 * math.pi * journal, rel=2e-3, abs=0.0)
     angle = np.linspace(-180.0, 180.0, PLACES, endpoint=False) + 180.0 / PLACES
     assert abs(angle[bearing > 0.01 * bearing.max()] - 90.0).max() < 2.0  # the ring hangs on the shaft
 
@@ -60,8 +60,8 @@ def test_a_pin_on_a_plate_loses_k_times_force_times_way():
     found = vfife.simulate(m, duration=end, step=1e-5, companions=0)
     rates = 9.81 * math.cos(slope), 9.81 * (math.sin(slope) - friction * math.cos(slope))
     lost = found.channels["journal_wear"].values[-1].sum()
-    assert lost == pytest.approx(SOFT * mass * rates[0] * 0.5 * rates[1] * end**2, rel=2e-3)
-    assert found.channels["bearing_wear"].values[-1].sum() == pytest.approx(HARD / SOFT * lost, rel=1e-12)
+    assert lost == pytest.approx(SOFT * mass * rates[0] * 0.5 * rates[1] * end**2, rel=2e-3, abs=0.0)
+    assert found.channels["bearing_wear"].values[-1].sum() == pytest.approx(HARD / SOFT * lost, rel=1e-12, abs=0.0)
     assert "lower.journal_wear.total" in found.measures and "lower.journal_wear_depth.max" not in found.measures
 
 
@@ -71,10 +71,10 @@ def test_volumes_of_both_surfaces_are_as_their_coefficients():
     m.joints["pin"] = dataclasses.replace(m.joints["pin"], wear=Wear(bearing=SOFT, journal=HARD))
     found = vfife.simulate(m, turns=1, step=2e-6, companions=0)
     both = [depth.sum() * area for depth, area in zip(depths(found.record, 0), areas(found.record, 0), strict=True)]
-    assert both[0] / both[1] == pytest.approx(SOFT / HARD, rel=1e-12)
-    assert both[0] == pytest.approx(found.measures["pin.bearing_wear.total"], rel=1e-12)
+    assert both[0] / both[1] == pytest.approx(SOFT / HARD, rel=1e-12, abs=0.0)
+    assert both[0] == pytest.approx(found.measures["pin.bearing_wear.total"], rel=1e-12, abs=0.0)
     lost = found.channels["friction_energy"].values[-1, 0]
-    assert both[0] == pytest.approx(SOFT * lost / 0.05, rel=0.02)  # friction works with 0.05 of the force, but where it sticks
+    assert both[0] == pytest.approx(SOFT * lost / 0.05, rel=0.02, abs=0.0)  # friction works with 0.05 of the force, but where it sticks
 
 
 def test_parts_of_an_interval_lie_on_an_arc():
@@ -82,14 +82,14 @@ def test_parts_of_an_interval_lie_on_an_arc():
     arcs = np.array([0.0, 0.1, 1.0, 2.5])
     assert half_arc(np.sinc(arcs / np.pi)) == pytest.approx(arcs, abs=2e-3)
     found = around(Rubbed(np.array([3.0, 1.0]), np.array([np.pi - 0.1, 0.5]), np.array([0.3, 0.0])))
-    assert found.sum() == pytest.approx(4.0, rel=1e-12)
-    assert found[: PLACES // 4].sum() == pytest.approx(3.0 * 0.2 / 0.6, rel=1e-9)  # what lies beyond the seam
+    assert found.sum() == pytest.approx(4.0, rel=1e-12, abs=0.0)
+    assert found[: PLACES // 4].sum() == pytest.approx(3.0 * 0.2 / 0.6, rel=1e-9, abs=0.0)  # what lies beyond the seam
     assert np.flatnonzero(found[PLACES // 2 : -60]).tolist() in ([28, 29], [27, 28])  # 0.5 rad, half a place to both sides
 
 
 def test_a_pair_of_materials_has_its_coefficient_over_the_hardness():
     """K/H: mild steel of 163 HB has 4.4e-12 1/Pa, a severe dry one."""
-    assert coefficient("mild steel on mild steel", vfife.MATERIALS["steel"]) == pytest.approx(7e-3 / (163 * 9.80665e6))
+    assert coefficient("mild steel on mild steel", vfife.MATERIALS["steel"]) == pytest.approx(7e-3 / (163 * 9.80665e6), abs=0.0)
     assert coefficient("ptfe on tool steel", vfife.MATERIALS["ptfe"]) is None and coefficient(3e-15, vfife.MATERIALS["ptfe"]) == 3e-15
     assert all(0.0 < k < 1e-2 and source for k, source in PAIRS.values())
 

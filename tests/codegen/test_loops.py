@@ -22,15 +22,15 @@ EIGHT = tuple(k % LANES for k in range(8))
 
 # model, step, steps between outputs, outputs, outputs to interpret
 RUNS = {
-    rigid_bars: (2e-6, 100, 120, 20),
-    worn_bars: (2e-6, 100, 120, 12),
-    two_particle_bars: (1e-6, 100, 120, 20),
-    one_clearance: (2e-6, 100, 120, 12),
-    elastic_bars: (1e-6, 50, 60, 12),
-    swing: (4e-6, 50, 60, 20),
-    journals: (1e-6, 100, 60, 10),
-    machinery: (4e-6, 50, 60, 20),
-    cylinder: (4e-6, 50, 80, 12),
+    rigid_bars: (2e-6, 100, 120, 10),
+    worn_bars: (2e-6, 100, 120, 8),
+    two_particle_bars: (1e-6, 100, 120, 10),
+    one_clearance: (2e-6, 100, 120, 8),
+    elastic_bars: (1e-6, 50, 60, 8),
+    swing: (4e-6, 50, 60, 12),
+    journals: (1e-6, 100, 60, 8),
+    machinery: (4e-6, 50, 60, 10),
+    cylinder: (4e-6, 50, 80, 8),
 }
 
 

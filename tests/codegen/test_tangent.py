@@ -102,6 +102,18 @@ def test_what_directions_share_is_done_once(name):
         assert found[these] == pytest.approx(expected[these], rel=1e-9, abs=1e-9 * np.abs(expected[these]).max())
 
 
+@pytest.mark.parametrize("name", ["four_bar", "four_bar_case_c"])
+def test_slopes_at_the_start_are_numbers(name):
+    """Journals stand in the middle of their bearings, where the direction of the eccentricity is divided by next to nothing."""
+    assembly = assemble(vfife.load(f"examples/{name}.toml"), force_step=True)
+    step, rows = trace(assembly.topology), assembly.layout.rows
+    state = [*assembly.state, *np.random.default_rng(5).normal(size=rows)]
+    plain, shared = (carried_out(derive(step, rows, 1), state) for derive in (tangent, shared_tangent))
+    assert np.isfinite(shared).all()
+    free = assembly.layout["particle_u"]
+    assert np.array(shared)[free + rows] == pytest.approx(np.array(plain)[free + rows], rel=1e-9)
+
+
 def test_numbers_keep_their_bits_beside_their_derivatives():
     """Contacts, events in smaller steps, functions of time: whatever stands behind the state."""
     assembly = assemble(mechanisms.every_drive(), 4e-6, duration=2e-3, force_step=True)

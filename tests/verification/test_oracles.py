@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import vfife
-from oracles import (
+from vfife.verification.chaos import doubled
+from vfife.verification.chaotic import (
     DRIVE,
     FREQUENCY,
     OMEGA,
     RADIUS,
     G,
     ball_on_a_table,
-    doubled,
     doubling,
     duffing,
     duffing_flow,

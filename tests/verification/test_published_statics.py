@@ -109,7 +109,7 @@ def follower(load: float) -> tuple[float, float, float]:
             theta, curvature = y[2:]
             return [-math.cos(theta), -math.sin(theta), -curvature, -(fx * math.sin(theta) - fy * math.cos(theta))]
 
-        return solve_ivp(back, (0.0, 1.0), [0.0, 0.0, angle, 0.0], rtol=1e-11, atol=1e-12)
+        return solve_ivp(back, (0.0, 1.0), [0.0, 0.0, angle, 0.0], method="DOP853", rtol=1e-10, atol=1e-11)
 
     angle = brentq(lambda a: tip(a).y[2, -1], 1e-6, 2.6)
     end = tip(angle).y[:, -1]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+ALIKE = 1e-6  # of their size, within which two points are one whatever the range of all is
 LONGEST = 16  # points of a period that is looked for
 ANGLES = 100  # of the 0-1 test
 SHARE = 10  # the 0-1 test looks at displacements over up to a tenth of the series
@@ -44,8 +45,8 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
 def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> int | None:
     """The least number of points after which they repeat, None where they do not within ``longest``.
 
-    ``points``: shape (points,) or (points, coordinates); two are the same that lie within ``tolerance`` of the range of all of them, or of 1e-9 of
-    their size. A period has to be seen three times.
+    ``points``: shape (points,) or (points, coordinates); two are the same that lie within ``tolerance`` of the range of all of them, or a millionth
+    of their size: what comes to rest has no range. A period has to be seen three times.
     """
     points = np.asarray(points, dtype=float).reshape(len(points), -1)
     size = np.maximum(tolerance * np.ptp(points, axis=0), least(points))
@@ -56,8 +57,8 @@ def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> in
 
 
 def least(points: Array) -> Array:
-    """By how much coordinates differ by rounding, shape (coordinates,)."""
-    found: Array = 1e-9 * np.abs(points).max(axis=0) + 1e-300
+    """By how much coordinates may differ that are the same, shape (coordinates,)."""
+    found: Array = ALIKE * np.abs(points).max(axis=0) + 1e-300
     return found
 
 

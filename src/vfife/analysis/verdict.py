@@ -52,8 +52,9 @@ class Verdict:
     @property
     def evidence(self) -> str:
         """What says so, in words."""
-        said = [f"points {self.period} turns apart" if self.period else "points of the best period up to 16"]
-        said[0] += f" lie within {100.0 * self.distance:.2g} % of the range"
+        within = f"within {100.0 * self.distance:.2g} % of the range"
+        turns = "a turn" if self.period == 1 else f"{self.period} turns"
+        said = [f"points {turns} apart lie {within}" if self.period else f"points come back {within} at best, up to 16 turns on"]
         if self.exponent is not None:
             said.append(f"exponent {self.exponent.value:+.3g} per turn ({self.exponent.low:+.3g} and {self.exponent.high:+.3g} in its halves)")
         if self.zero_one is not None:

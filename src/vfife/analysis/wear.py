@@ -19,8 +19,7 @@ from .losses import of_window
 Array = NDArray[np.float64]
 SIDES = ("bearing", "journal")
 PLACES = 360  # around a joint, at which depths are known
-EDGES = np.linspace(-np.pi, np.pi, PLACES + 1)
-AT_ONCE = 512  # outputs whose parts are laid around at once
+WIDTH = 2.0 * np.pi / PLACES  # of one of them
 
 
 class Rubbed(NamedTuple):
@@ -74,14 +73,16 @@ def half_arc(length: Array) -> Array:
 
 def around(part: Rubbed) -> Array:
     """Work (N m) at each of ``PLACES`` around the joint, from -pi on; their sum is that of the intervals, to rounding."""
-    found, wide = np.zeros(PLACES), np.maximum(part.spread, np.pi / PLACES)
-    edges = np.concatenate([EDGES[:-1] - 2.0 * np.pi, EDGES[:-1], EDGES + 2.0 * np.pi])
+    found, wide = np.zeros(PLACES), np.maximum(part.spread, 0.5 * WIDTH)
     rubs = np.flatnonzero(part.work > 0.0)
-    for first in range(0, len(rubs), AT_ONCE):
-        few = rubs[first : first + AT_ONCE]
-        low, width = (part.angle - wide)[few, None], 2.0 * wide[few, None]
-        below = np.clip((edges - low) / width, 0.0, 1.0)
-        found += (part.work[few] @ np.diff(below, axis=1)).reshape(3, PLACES).sum(axis=0)
+    reach = np.ceil(wide[rubs] / WIDTH).astype(int) + 1
+    for most in np.unique(2 ** np.ceil(np.log2(np.maximum(reach, 1)))).astype(int):  # intervals of like spreads together
+        few = rubs[(reach <= most) & (reach > most // 2)]
+        middle = np.floor((part.angle[few] + np.pi) / WIDTH).astype(int)[:, None]
+        edges = (middle + np.arange(-most, most + 2)) * WIDTH - np.pi
+        below = np.clip((edges - (part.angle - wide)[few, None]) / (2.0 * wide[few, None]), 0.0, 1.0)
+        places = (middle + np.arange(-most, most + 1)) % PLACES
+        found += np.bincount(places.reshape(-1), (part.work[few, None] * (below[:, 1:] - below[:, :-1])).reshape(-1), PLACES)
     return found
 
 

@@ -12,6 +12,7 @@ from .animate import animate
 from .check import check
 from .compare import compare
 from .ended import export, info
+from .fitted import fit
 from .impacts import impacts
 from .laws import laws
 from .live import live
@@ -33,6 +34,7 @@ from .spectrum import spectrum
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
+from .waterfall import waterfall
 from .wear import wear
 
 
@@ -84,9 +86,11 @@ for command in (
     modes,
     compare,
     sensitivity,
+    fit,
     info,
     impacts,
     optimise,
+    waterfall,
     plot,
     spectrum,
     animate,
@@ -101,5 +105,5 @@ for command in (
     wear,
 ):
     app.command(cls=Command)(command)
-app.command("map", cls=Command)(map_)
+app.add_typer(map_, name="map")
 app.add_typer(study, name="study")

@@ -166,6 +166,7 @@ class Elimination:
 
 
 SHARED_BY = 4  # directions, for which operations are counted: not their number, so that slopes do not depend on what is beside them
+HUGE = 1e150  # a factor beyond which its square is no number
 OTHER = None  # a weight that is neither 1 nor -1
 
 
@@ -187,8 +188,14 @@ def _cost(total: Sum) -> int:
 
 
 def _of_quotient(quotient: Any, values: list[Any]) -> tuple[Any, ...]:
+    """Nothing where the divisor is all but zero, as where it was kept from being zero: products of such factors would be beyond all numbers."""
     each = 1.0 / values[1]
+    each = choose(abs(each) < HUGE, each, 0.0)
     return each, -(quotient * each)
+
+
+def _of_root(root: Any, values: list[Any]) -> tuple[Any, ...]:
+    return (choose(root > 1.0 / HUGE, 0.5 / root, 0.0),)
 
 
 PARTIALS: dict[str, Callable[[Any, list[Any]], tuple[Any, ...]]] = {
@@ -196,7 +203,7 @@ PARTIALS: dict[str, Callable[[Any, list[Any]], tuple[Any, ...]]] = {
     "-": lambda result, values: (1.0, -1.0),
     "*": lambda result, values: (values[1], values[0]),
     "/": _of_quotient,
-    "sqrt": lambda result, values: (choose(result > 0.0, 0.5 / result, 0.0),),
+    "sqrt": _of_root,
     "neg": lambda result, values: (-1.0,),
     "abs": lambda result, values: (choose(values[0] < 0.0, -1.0, 1.0),),
 }

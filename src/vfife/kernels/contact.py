@@ -26,10 +26,10 @@ def velocities(S, I, p, h):
     """Velocities at t_n of the particles in clearance joints under the forces so far."""
     for q in range(I[HEADER.jointed_count]):
         i = I[I[HEADER.jointed] + q]
-        im = S[i + PARTICLE.inverse_mass]
-        S[i + PARTICLE.vu] = p * (S[i + PARTICLE.u] + h * (im * S[i + PARTICLE.fx]))
-        S[i + PARTICLE.vv] = p * (S[i + PARTICLE.v] + h * (im * S[i + PARTICLE.fy]))
-        S[i + PARTICLE.vw] = p * (S[i + PARTICLE.w] + h * (S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]))
+        im = h * S[i + PARTICLE.inverse_mass]
+        S[i + PARTICLE.vu] = p * (S[i + PARTICLE.u] + im * S[i + PARTICLE.fx])
+        S[i + PARTICLE.vv] = p * (S[i + PARTICLE.v] + im * S[i + PARTICLE.fy])
+        S[i + PARTICLE.vw] = p * (S[i + PARTICLE.w] + (h * S[i + PARTICLE.inverse_inertia]) * S[i + PARTICLE.mz])
 
 
 def expected(S, i, p, h):

@@ -1,4 +1,4 @@
-"""One SQLite file a map: what is asked, and what each value of the number that is swept left; whole up to the last transaction."""
+"""One SQLite file a map, a section or basins: what is asked, and what each value, piece or start left; whole up to the last transaction."""
 
 from __future__ import annotations
 
@@ -29,6 +29,23 @@ class MapFile(AskedFile):
     def keep(self, number: int, points: Array, growth: Array, state: Array) -> None:
         """What the chains left at a value: points, shape (turns, series x chains), growth (turns, chains) and the state to go on from."""
         tables.insert(self._connection, "legs", number, packed(points), packed(growth), packed(state))
+
+    @told
+    def array(self, key: str, values: Array) -> None:
+        """Keeps an array beside a leg that is kept after it: without the leg it means nothing."""
+        tables.insert(self._connection, "arrays", key, packed(values))
+
+    @told
+    def stored(self, key: str) -> Array | None:
+        """An array; None where it is missing or damaged."""
+        row = tables.sound(self._connection, "arrays", key)
+        return None if row is None else unpacked(row[1])
+
+    @told
+    def members(self) -> dict[int, tuple[Array, Array]]:
+        """Points and growth of all that are there, whatever is missing or damaged between them."""
+        found = tables.rows(self._connection, "legs")
+        return {number: (unpacked(row[1]), unpacked(row[2])) for number, row in found if row is not None}
 
     @told
     def legs(self) -> list[tuple[Array, Array]]:

@@ -40,8 +40,12 @@ STUDY = {
         "settled INTEGER NOT NULL", "steps INTEGER NOT NULL", "step REAL NOT NULL", "measures TEXT NOT NULL",
     ),
 }  # fmt: skip
-# The same of a map file: at each value of a number the points of all chains, and the state to go on from.
-MAP = {"meta": COLUMNS["meta"], "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL")}
+# The same of a map file: at each value of a number the points of all chains, and the state to go on from; what is told beside it in arrays.
+MAP = {
+    "meta": COLUMNS["meta"],
+    "arrays": COLUMNS["arrays"],
+    "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL"),
+}
 # The same of a wear file: after each number of turns what is told of it, depths around all surfaces and their rates, and the state to go on from.
 WEAR = {
     "meta": COLUMNS["meta"],

@@ -25,7 +25,7 @@ from ..solvers.halt import Halt
 from ..solvers.record import Record
 from ..solvers.transient import choose_loop
 from .jumps import Standing, between, jumps
-from .maps import step_count
+from .looks import step_count
 from .worn import Asked, Surface, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
 
 Array = NDArray[np.float64]
@@ -78,7 +78,7 @@ def wear(
     return worn_of(mechanism.name, asked, points)
 
 
-def read_wear(path: str | Path) -> Worn:
+def load_wear(path: str | Path) -> Worn:
     """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
     with WearFile.open(Path(path)) as file:
         said = file.asked

@@ -1,6 +1,6 @@
 """Models whose chaos others have computed: Duffing's oscillator, a ball on a shaking table, a mass that meets a stop; and what is known of them.
 
-What is known here shares nothing with the package: closed forms, exact maps, and integrations by scipy.
+What is known shares nothing with the package: closed forms, an exact map, and the integration of Duffing's equation with its derivatives.
 """
 
 from __future__ import annotations
@@ -8,10 +8,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from numpy.typing import NDArray
 
-import vfife
+from ..laws import Frictionless, Gonthier
+from ..model.drivers import Harmonic
+from ..model.mechanism import Mechanism
+from .lagrange import solved
 
+Array = NDArray[np.float64]
 G = 9.81
 BALL, FREQUENCY = 0.01, 25.0  # kg, Hz
 OMEGA = 2.0 * math.pi * FREQUENCY
@@ -19,9 +23,9 @@ DRIVE = "load.shaker.force.0"
 RADIUS = 5e-3  # m
 
 
-def turning(name: str, speed: float, gravity: float = 0.0) -> vfife.Mechanism:
+def turning(name: str, speed: float, gravity: float = 0.0) -> Mechanism:
     """A crank that turns by itself far away, so that there are turns, and forces go by its angle."""
-    m = vfife.Mechanism(name, gravity=(0.0, -gravity))
+    m = Mechanism(name, gravity=(0.0, -gravity))
     m.point("O", 0.0, 0.0)
     m.point("C", 0.0, -3.0)
     m.link("crank", length=0.1, mass=0.1, position=(0.0, -3.0))
@@ -33,9 +37,7 @@ def turning(name: str, speed: float, gravity: float = 0.0) -> vfife.Mechanism:
 # ------------------------------------------------------------------------------------------------------------- Duffing
 
 
-def duffing(
-    drive: float, damping: float, linear: float, speed: float, cubic: float = 1.0, start: tuple[float, float] = (1.0, 0.0)
-) -> vfife.Mechanism:
+def duffing(drive: float, damping: float, linear: float, speed: float, cubic: float = 1.0, start: tuple[float, float] = (1.0, 0.0)) -> Mechanism:
     """x'' + damping x' + linear x + cubic x^3 = drive cos(speed t): 1 kg in a guide, all forces as expressions."""
     m = turning("Duffing's oscillator", speed)
     m.rigid_body("block", mass=1.0, inertia=0.01, position=(start[0], 0.0), velocity=(start[1], 0.0, 0.0))
@@ -46,19 +48,20 @@ def duffing(
     return m
 
 
-def duffing_flow(drive: float, damping: float, linear: float, speed: float, start: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places and velocities at ``times``, and the derivatives of the last by the start, by Dormand and Prince's method of order 8."""
+def duffing_flow(drive: float, damping: float, linear: float, speed: float, start: Array, times: Array) -> tuple[Array, Array]:
+    """Places and velocities at ``times``, shape (times, 2), and the derivatives of the last by the start, by a Runge-Kutta of order 8."""
 
-    def rates(t: float, y: np.ndarray) -> list[float]:
+    def rates(t: float, y: Array) -> Array:
         x, v, a, b, c, d = y
         slope = -linear - 3.0 * x * x
-        return [v, drive * math.cos(speed * t) - damping * v - linear * x - x**3, c, d, slope * a - damping * c, slope * b - damping * d]
+        push = drive * math.cos(speed * t) - damping * v - linear * x - x**3
+        return np.array([v, push, c, d, slope * a - damping * c, slope * b - damping * d])
 
-    found = solve_ivp(rates, (0.0, times[-1]), [*start, 1.0, 0.0, 0.0, 1.0], "DOP853", times, rtol=1e-11, atol=1e-12).y
-    return found[:2].T, found[2:, -1].reshape(2, 2)
+    found = solved(rates, [float(start[0]), float(start[1]), 1.0, 0.0, 0.0, 1.0], times)
+    return found[:, :2], found[-1, 2:].reshape(2, 2)
 
 
-def duffing_multiplier(drive: float, damping: float, linear: float, speed: float, start: np.ndarray) -> tuple[np.ndarray, complex]:
+def duffing_multiplier(drive: float, damping: float, linear: float, speed: float, start: Array) -> tuple[Array, complex]:
     """The motion of one turn near ``start``, by Newton's method, and its multiplier of the largest size."""
     turn = np.array([2.0 * math.pi / speed])
     for _ in range(20):
@@ -84,9 +87,10 @@ def damping_factor(restitution: float) -> float:
     return low
 
 
-def striking(restitution: float, stiffness: float) -> vfife.HuntCrossley:
-    """A contact law that gives back ``restitution`` of every speed, which it calls by another number."""
-    return vfife.HuntCrossley(stiffness=stiffness, restitution=1.0 - damping_factor(restitution) / 1.5)
+def striking(restitution: float, stiffness: float) -> Gonthier:
+    """A contact law that gives back ``restitution`` of every speed, which it calls by another number: chi = (1 - c^2)/c."""
+    chi = damping_factor(restitution)
+    return Gonthier(stiffness=stiffness, restitution=0.5 * (math.sqrt(chi * chi + 4.0) - chi))
 
 
 # ------------------------------------------------------------------------------------- ball on a shaking table
@@ -102,7 +106,7 @@ def doubling(restitution: float) -> float:
     return math.hypot(steady_part(restitution), 2.0 * (1.0 + restitution**2) / (1.0 + restitution) ** 2)
 
 
-def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -> vfife.Mechanism:
+def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -> Mechanism:
     """A ball that hops once a turn on a table that moves as A sin(omega t), seen first where the table goes up through the middle."""
     turn = 1.0 / FREQUENCY
     size = acceleration * G / OMEGA**2
@@ -112,14 +116,14 @@ def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -
     m = turning("ball on a shaking table", OMEGA, G)
     m.rigid_body("table", mass=1.0, inertia=1.0)
     m.slider("guide", "ground.O", "table.center", direction=(0.0, 1.0))
-    m.drivers["shaker"] = vfife.Harmonic(slider="guide", amplitude=size, frequency=FREQUENCY)
+    m.drivers["shaker"] = Harmonic(slider="guide", amplitude=size, frequency=FREQUENCY)
     m.point_mass("ball", mass=BALL, position=(0.0, RADIUS + height), velocity=(0.0, speed - G * flown, 0.0))
     law = striking(restitution, stiffness)
-    m.external_contact("J", "table.center", "ball.center", journal_radius=RADIUS, contact=law, friction=vfife.Frictionless())
+    m.external_contact("J", "table.center", "ball.center", journal_radius=RADIUS, contact=law, friction=Frictionless())
     return m
 
 
-def exact_hops(acceleration: float, restitution: float, hops: int, phase: float, speed: float) -> np.ndarray:
+def exact_hops(acceleration: float, restitution: float, hops: int, phase: float, speed: float) -> Array:
     """A hard ball on the same table, its next impact looked for on a fine grid and by bisection: (phase, speed after it), shape (hops, 2).
 
     In turns of the table: times in 1/omega, speeds in g/omega, heights in g/omega^2.
@@ -139,34 +143,12 @@ def exact_hops(acceleration: float, restitution: float, hops: int, phase: float,
     return np.array(found)
 
 
-def at_zero(places, values) -> float:
-    """Where a straight line through two points has its zero."""
-    return float(places[0] - values[0] * (places[1] - places[0]) / (values[1] - values[0]))
-
-
-def doubled(stiffness: float, steps: int, restitution: float = 0.5, nudge: float = 1.0) -> float:
-    """Acceleration at which the model's ball doubles its period, as a share of the closed form of a hard one.
-
-    The product of both multipliers is e^2, so exponents of two motions below give their sums, which go down in proportion to the table's
-    acceleration at the impact to -(1 + e^2), where one of them is -1.
-    """
-    shares, hard = np.array([0.95, 0.965]), doubling(restitution)
-    m = ball_on_a_table(shares[0] * hard, restitution * nudge, stiffness)
-    low, high = (G / OMEGA**2) * hard * shares
-    found = vfife.bifurcation(
-        m, "driver.shaker.amplitude", low, high, count=2, turns=50, dropped=35, series=["ball.y"], step=1.0 / FREQUENCY / steps,
-    )  # fmt: skip
-    sums = -np.exp(found.exponents[0, :, 0]) - restitution**2 * np.exp(-found.exponents[0, :, 0])
-    across = np.sqrt((shares * hard) ** 2 - steady_part(restitution) ** 2)
-    return math.hypot(at_zero(across, sums + 1.0 + restitution**2), steady_part(restitution)) / hard
-
-
 # --------------------------------------------------------------------------------------- a mass and a stop
 
 
 def with_a_stop(
     force: float, speed: float, gap: float, restitution: float, stiffness: float, damping: float, start: tuple[float, float]
-) -> vfife.Mechanism:
+) -> Mechanism:
     """x'' + damping x' + x = force cos(speed t), 1 kg that meets a stop at x = gap."""
     m = turning("oscillator with a stop", speed)
     m.point("S", -10.0, 0.0)
@@ -174,7 +156,7 @@ def with_a_stop(
     m.point_mass("mass", mass=1.0, position=(start[0], 0.0), velocity=(start[1], 0.0, 0.0))
     m.spring("spring", "ground.S", "mass.center", stiffness=1.0, damping=damping, free_length=10.0)
     law = striking(restitution, stiffness)
-    m.external_contact("stop", "ground.W", "mass.center", journal_radius=0.5, direction=(0.0, 1.0), contact=law, friction=vfife.Frictionless())
+    m.external_contact("stop", "ground.W", "mass.center", journal_radius=0.5, direction=(0.0, 1.0), contact=law, friction=Frictionless())
     m.force("shaker", "mass.center", force=(force, 0.0), expression="cos(angle)")
     return m
 
