@@ -29,6 +29,7 @@ TOPOLOGY = Topology(
     friction_form=(0, 0, 0),
     driven=(1,),
     driven_function=(-1,),
+    weightless=True,  # as assembly says of a mechanism without gravity
     body_nodes=((1, 1), (2, 3), (5, 4)),
     contact_laws=(LankaraniNikravesh, Pereira),
     friction_laws=(Ambrosio, Frictionless),

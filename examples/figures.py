@@ -14,6 +14,8 @@ Two short runs have nearly all of them: a slider-crank whose block has play in i
 # **mechanism**: bodies and joints where the run starts, other positions faint. ``vfife plot RUN --at 90deg`` (or ``--at 12ms``) draws it as
 # it is then.
 
+import dataclasses
+
 import vfife
 from vfife import gallery
 
@@ -59,6 +61,13 @@ orbits = four_bar.plot("orbits")["orbits"]
 polar = four_bar.plot("polar")["polar"]
 
 # %%
+# **wear**: how deep each surface of a joint with a table ``wear`` wears, where, by Archard's law, in a million turns like the last one.
+
+worn = gallery.four_bar_case_c()
+worn.joints["C"] = dataclasses.replace(worn.contacts["C"], wear=vfife.Wear(bearing=1e-17, journal=2e-18))
+wear = vfife.simulate(worn, companions=0).plot("wear")["wear"]
+
+# %%
 # **traces**: paths of points. **phase**: velocity over position.
 
 traces, phase = four_bar.plot("traces", "phase").values()
@@ -69,6 +78,14 @@ traces, phase = four_bar.plot("traces", "phase").values()
 
 spectrum = four_bar.plot("spectrum")["spectrum"]
 waterfall = slider.plot("waterfall")["waterfall"]
+
+# %%
+# **spectrogram**: the same from moment to moment, in windows that overlap; title and axes tell window, overlap and resolution. **envelope**: the
+# size of what vibrates, by Hilbert's transform, and how often it is struck. ``result.spectrogram("C.force", turns=0.1)`` and ``vfife spectrum``
+# take any series, window and band.
+
+spectrogram = slider.plot("spectrogram")["spectrogram"]
+envelope = slider.plot("envelope")["envelope"]
 
 # %%
 # **energy**: what is stored, supplied and lost over the whole run, and what the ledger leaves open.

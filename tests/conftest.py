@@ -4,6 +4,7 @@ import functools
 import gc
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer.testing
@@ -16,16 +17,20 @@ from vfife.laws import ContactLaw, FrictionLaw
 # The first compiles the data-driven loop, for some seconds where it is not in the cache yet. Then what takes long, so that no process is left alone
 # with it at the end.
 FIRST = (
-    "codegen/test_loops.py", "codegen/test_cache.py", "laws/test_own_laws.py", "laws/test_friction_solutions.py", "paper/test_paper.py",
-    "architecture/test_public_names.py", "cli/test_run.py", "laws/test_contact_laws.py", "kernels/test_as_python.py", "codegen/test_threads.py",
-    "paper/test_paper_independent.py", "modelfile/test_modelfile_roundtrip.py", "verification/test_verification.py", "physics/test_ideal_joints.py",
-    "kinematics/test_kinematics.py", "kinematics/test_ideal_motion.py", "laws/test_friction_laws.py", "cli/test_check_and_laws.py",
-    "cli/test_start_up.py", "cli/test_ended.py", "results/test_result.py", "report/test_reach.py", "cli/test_compare.py", "cli/test_paper.py",
-    "architecture/test_imports.py", "physics/test_together.py", "physics/test_sticking.py", "physics/test_epicyclic.py", "cli/test_hostile.py",
-    "plots/test_figures_of_all_kinds.py", "differential/test_against_equations.py", "physics/test_random_mechanisms.py",
-    "verification/test_published_statics.py", "examples/test_examples.py", "examples/test_gallery.py", "cli/test_new_and_schema.py",
-    "physics/test_machinery.py", "model/test_kinds.py", "physics/test_symmetry.py",
+    "codegen/test_loops.py", "live/test_browser.py", "plots/test_figures_of_all_kinds.py", "cli/test_nothing_is_lost.py", "cli/test_run.py",
+    "cli/test_names.py", "architecture/test_public_names.py", "examples/test_examples.py", "cli/test_new_and_schema.py",
+    "differential/test_against_equations.py", "kinematics/test_passage.py", "laws/test_own_laws.py", "results/test_resume.py",
+    "verification/test_published_statics.py", "paper/test_paper.py", "study/test_study_store.py", "verification/test_verification.py",
+    "physics/test_machinery.py", "laws/test_friction_solutions.py", "codegen/test_cache.py", "physics/test_random_mechanisms.py",
+    "study/test_derivatives.py", "laws/test_contact_laws.py", "modelfile/test_modelfile_roundtrip.py", "cli/test_compare.py",
+    "kernels/test_as_python.py", "report/test_reach.py", "paper/test_paper_independent.py", "cli/test_ended.py",
+    "kinematics/test_ideal_motion.py", "kinematics/test_kinematics.py", "results/test_result.py", "cli/test_check_and_laws.py",
+    "plots/test_figures.py", "model/test_kinds.py", "physics/test_symmetry.py", "codegen/test_threads.py", "golden/test_golden.py",
 )  # fmt: skip
+
+# Files that go to one process: those of a browser, which takes four seconds to start and to end, those that parse all texts,
+# and those that look at the same runs.
+TOGETHER = (("live/",), ("architecture/",), ("examples/test_gallery.py", "plots/test_figures_of_all_kinds.py"))
 
 settings.register_profile("calm", deadline=None)
 settings.load_profile("calm")
@@ -38,6 +43,21 @@ def pytest_configure(config: pytest.Config) -> None:
     typer.testing._get_command = functools.cache(typer.testing._get_command)  # the command line, which a thousand tests ask, is put together once
     if "not verify" in config.option.markexpr:
         runner.DataDriven = ForAllLaws
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """In the place of ``--dist loadfile``: files are handed out whole, and those of ``TOGETHER`` go to one process."""
+    if config.getvalue("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.split("::", 1)[0]
+            return next((group[0] for group in TOGETHER if any(part in file for part in group)), file)
+
+    return Scheduling(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -9,6 +9,7 @@ from vfife.laws import Ambrosio, Frictionless, Hydrodynamic, LankaraniNikravesh,
 from vfife.model.drivers import Harmonic, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
+from vfife.model.wear import Wear
 
 LANES = 4
 
@@ -16,6 +17,16 @@ LANES = 4
 def rigid_bars(lane: int) -> Mechanism:
     """Case c: three clearance joints that share bodies, friction with its moments."""
     return four_bar("BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]})
+
+
+def worn_bars(lane: int) -> Mechanism:
+    """The same of worn bearings and journals, of which more wears off; one joint of the three is round still."""
+    m = rigid_bars(0)
+    for name, worn in (("B", ((2e-5, 1e-5, 3e-6, 0.0, 4e-6), ())), ("C", ((1e-5, 0.0, 8e-6), (1.5e-5, 1e-6 * lane, 0.0, 3e-6, 2e-6, 0.0, 1e-6)))):
+        wear = Wear(bearing=1e-14, journal=1e-15, bearing_profile=worn[0], journal_profile=worn[1])
+        m.joints[name] = dataclasses.replace(m.joints[name], wear=wear)
+    m.joints["D"] = dataclasses.replace(m.joints["D"], wear=Wear(bearing=1e-14))
+    return m
 
 
 def two_particle_bars(lane: int) -> Mechanism:

@@ -11,6 +11,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 
+from vfife.codegen import runner
 from vfife.codegen.runner import DataDriven
 from vfife.kernels.topology import Topology
 from vfife.laws import ContactLaw, FrictionLaw, Law
@@ -37,6 +38,12 @@ def widened(topology: Topology) -> Topology:
         contact_form=tuple(contact.index(topology.contact_laws[k]) for k in topology.contact_form),
         friction_form=tuple(friction.index(topology.friction_laws[k]) for k in topology.friction_form),
     )
+
+
+def compiled_already(topology: Topology) -> bool:
+    """Whether the one data-driven loop of a test run can do a topology."""
+    contact, friction = ALL
+    return runner.DataDriven is ForAllLaws and {*topology.contact_laws, *topology.friction_laws} <= {*contact, *friction}
 
 
 @contextlib.contextmanager

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from one_loop import compiled_already
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.codegen.runner import Runner
@@ -23,7 +24,8 @@ CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 TURN = 0.04  # s, one turn of that crank
 SQUARE = Section.square(1e-3)  # the links of the paper: A = 1e-3 m^2
 EPS = 2.0**-52
-SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.3  # of the examples of a property in one run; they differ from run to run
+FEW = 100_000  # steps of a run for which no straight line is compiled
+SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.2  # of the examples of a property in one run; they differ from run to run
 
 
 def often(examples: int) -> int:
@@ -110,8 +112,15 @@ def with_settings(mechanism: Mechanism, **settings: Any) -> Mechanism:
 
 
 def go(mechanism: Mechanism, step: float, *, loop: str = "auto", **options: Any) -> Record:
-    """Assembles and runs; every run of a test must come to its end."""
-    record = run(assemble(mechanism, step, force_step=True, **options), loop=loop)  # type: ignore[arg-type]
+    """Assembles and runs; every run of a test must come to its end.
+
+    A short one is taken by the data-driven loop, which is compiled once for all tests and gives the bits of the straight line; that would take
+    longer to compile than it saves. Loops are compared in ``tests/codegen``, and `make verify` leaves the choice to the package.
+    """
+    assembly = assemble(mechanism, step, force_step=True, **options)
+    if loop == "auto" and assembly.choice.steps < FEW and compiled_already(assembly.topology):
+        loop = "data-driven"
+    record = run(assembly, loop=loop)  # type: ignore[arg-type]
     assert record.status == "complete"
     return record
 

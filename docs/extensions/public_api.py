@@ -13,7 +13,7 @@ from typing import Any
 FOLDER = "api"
 GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at its head
     "running": ("Simulate", "A mechanism goes in, a result comes out; or it is stepped from outside."),
-    "studies": ("Studies", "Many runs of one question, kept in one file; derivatives; bifurcations."),
+    "studies": ("Studies", "Many runs of one question, kept in one file; derivatives; bifurcations, sections and basins; wear."),
     "mechanism": ("Mechanism and bodies", "What a mechanism is built of. Its builders take numbers in SI units, or texts with their unit."),
     "joints": ("Joints", "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance`` and so on make them."),
     "loads": ("Springs, drivers and loads", "What holds, drives and loads the bodies."),
@@ -24,7 +24,10 @@ GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at it
     "friction": ("Friction laws", "Tangential forces."),
     "own": ("Laws of one's own, materials, errors", "What a law of one's own is made of, and what is raised."),
 }
-RUNNING = ("simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "fit", "Status")
+RUNNING = (
+    "simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "fit", "Status",
+    "spectrum", "spectrogram", "envelope",
+)  # fmt: skip
 MECHANISM = (
     "Mechanism", "Settings", "StartSettings", "Link", "RigidBody", "PointMass", "Frame", "Member", "Section", "load", "load_model", "save_model",
 )  # fmt: skip
@@ -34,6 +37,7 @@ ROOMS = {
     "vfife.laws.contact": "contact",
     "vfife.laws.friction": "friction",
     "vfife.model.joints": "joints",
+    "vfife.model.wear": "joints",
 }
 
 

@@ -32,19 +32,27 @@ if TYPE_CHECKING:
     from .model.loads import *  # noqa: F403
     from .model.mechanism import Mechanism, Settings, StartSettings
     from .model.springs import *  # noqa: F403
+    from .model.wear import Wear
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
+    from .results.spectra import envelope, spectrogram, spectrum
     from .results.studied import Study, load_study
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
+    from .study.basins import basins
     from .study.compare import compare
     from .study.derivatives import sensitivity
     from .study.identification import fit
+    from .study.kept import load_map
     from .study.maps import bifurcation
+    from .study.sections import poincare_section
     from .study.stepped import Simulation
     from .study.studies import study
+    from .study.waterfall import waterfall
+    from .study.wearing import read_wear, wear
+    from .study.worn import Worn
 
 __version__ = "0.2.0"
 
@@ -55,23 +63,33 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
+    "basins": "study.basins",
     "bifurcation": "study.maps",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
+    "envelope": "results.spectra",
     "errors": "",
     "fit": "study.identification",
     "gallery": "",
     "load": "modelfile.files",
     "load_laws": "laws.user",
+    "load_map": "study.kept",
     "load_model": "modelfile.files",
     "load_result": "result",
     "load_study": "results.studied",
     "modes": "analysis.modes",
+    "poincare_section": "study.sections",
     "resume": "simulation",
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
+    "read_wear": "study.wearing",
+    "spectrogram": "results.spectra",
+    "spectrum": "results.spectra",
+    "waterfall": "study.waterfall",
     "study": "",  # the room, which can be called
+    "wear": "study.wearing",
+    "Worn": "study.worn",
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
     "laws": ("MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"),
@@ -83,6 +101,7 @@ _ROOMS = {  # of nouns and laws: the public names in each, or None for all that 
     "model.drivers": None,
     "model.loads": None,
     "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
+    "model.wear": ("Wear",),
 }
 _FORMER = {"Start": "StartSettings"}  # what a name of version 0.1 is called now
 
@@ -175,24 +194,35 @@ __all__ = [
     "Status",
     "Study",
     "VfifeError",
+    "Wear",
+    "Worn",
+    "basins",
     "bifurcation",
     "compare",
     "ensemble",
+    "envelope",
     "errors",
     "fit",
     "gallery",
     "load",
     "load_laws",
+    "load_map",
     "load_model",
     "load_result",
     "load_study",
     "modes",
+    "poincare_section",
     "quantity",
+    "read_wear",
     "resume",
     "save_model",
     "sensitivity",
     "simulate",
+    "spectrogram",
+    "spectrum",
     "study",
+    "waterfall",
+    "wear",
 ]
 if TYPE_CHECKING:
     __all__ += _contact.__all__  # room by room: a type checker follows one such list, and not a list of lists

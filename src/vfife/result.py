@@ -145,8 +145,9 @@ class Result(View):
         """Figures by name: without ``names`` the usual ones, as the mechanism, journal paths, forces and accelerations over the ideal ones.
 
         ``names``: of "mechanism", "orbits", "guides", "forces", "moments", "accelerations", "strip", "traces", "polar", "phase", "spectrum",
-        "waterfall", "energy", "stress", "deflection"; "all" that the result has something for. ``at``: the mechanism alone, at a moment as "90deg"
-        of the last turn, or "12 ms". Raises VfifeError for another name, a figure that there is nothing for, and what is no moment of the run.
+        "waterfall", "spectrogram", "envelope", "energy", "stress", "deflection"; "all" that the result has something for. ``at``: the mechanism
+        alone, at a moment as "90deg" of the last turn, or "12 ms". Raises VfifeError for another name, a figure that there is nothing for, and what
+        is no moment of the run.
         """
         from .plots import figure, figures, refuse_beside
 

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from vfife.analysis.chaos import exponent, kind, period, zero_one
+from vfife.analysis.chaos import exponent, period, zero_one
+from vfife.analysis.verdict import kind
 
 
 def logistic(r: float, count: int, dropped: int = 2000) -> tuple[np.ndarray, np.ndarray]:
@@ -73,4 +74,4 @@ def test_motions_are_told_with_their_evidence():
         points, logs = logistic(r, 400, dropped=20_000)
         assert kind(points, exponent(logs)) == said
     turning = np.cos(2.0 * math.pi * 0.5 * (math.sqrt(5.0) - 1.0) * np.arange(400))
-    assert kind(turning, exponent(np.zeros(400))) == "not periodic"
+    assert kind(turning, exponent(np.zeros(400))) == "quasi-periodic"

@@ -18,10 +18,9 @@ NOT_IMPORTED = {
     "nvidia-cuda-nvcc-cu12": "ptxas, a program",
     "nvidia-cuda-nvdisasm": "a program",
     "pytest-cov": "a plugin of pytest: make coverage",
-    "pytest-xdist": "a plugin of pytest: make test",
 }
 # Modules that are not called by the name that they are installed by.
-IMPORTED_AS = {"PIL": "pillow", "cuda": "cuda-bindings"}
+IMPORTED_AS = {"PIL": "pillow", "cuda": "cuda-bindings", "xdist": "pytest-xdist"}
 
 
 def test_kernels_import_only_numpy_and_each_other() -> None:

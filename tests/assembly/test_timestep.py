@@ -287,7 +287,7 @@ def test_ideal_mechanisms_hold_at_coarse_steps(name, least, steps):
     turn, size = fine.choice.turn, float(fine.state[fine.layout["size"]][0])
     assert turn / fine.choice.stable == pytest.approx(least, rel=1e-2)
     for count in steps:
-        record = run(assemble(m, turn / count, turns=3, outputs=count, force_step=True), loop="generated")
+        record = run(assemble(m, turn / count, turns=3, outputs=count, force_step=True), loop="data-driven")
         assert record.status == "complete"
         assert max(joint_gap(record, joint) for joint in m.joints) < 2e-9 * size, count
 
@@ -299,7 +299,7 @@ def test_forces_at_coarse_steps_are_of_second_order(name, steps):
     turn = assemble(m).choice.turn
 
     def forces(count: int) -> np.ndarray:
-        record = run(assemble(m, turn / count, turns=3, outputs=50), loop="generated")
+        record = run(assemble(m, turn / count, turns=3, outputs=50), loop="data-driven")
         return np.stack([record.block(f"joint_f{axis}")[101:] for axis in "xy"])
 
     exact = forces(16000)

@@ -49,12 +49,13 @@ def case_c_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def hear() -> None:
-    """Ctrl-C as a terminal gives it."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """Signals as a terminal gives them: what the tests' own process was started to ignore, by nohup or in the background, a child would too."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        signal.signal(getattr(signal, name), signal.SIG_DFL)
 
 
 def start(*words: Any, cwd: Path) -> subprocess.Popen[str]:
-    """``python -m vfife`` in a process of its own, which hears Ctrl-C even where this one, started in the background, does not."""
+    """``python -m vfife`` in a process of its own, which hears signals even where this one does not."""
     line = [sys.executable, "-m", "vfife", *map(str, words)]
     return subprocess.Popen(line, cwd=cwd, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=hear)
 

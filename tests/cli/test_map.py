@@ -57,3 +57,51 @@ def test_a_damaged_map_says_that_it_is_a_map(command, tmp_path):
     (tmp_path / "a.map").write_bytes((tmp_path / "a.map").read_bytes()[:3000])
     done = command(*words)
     assert done.exit_code == 2 and "this map file is damaged" in done.stderr and "make the map again" in done.stderr
+
+
+def test_a_section_is_drawn_told_and_shown(command, tmp_path):
+    words = ("map", "section", PIN, "--turns", 6, "--drop", 2, *BRIEF[6:], "--step", "10 us", "-o", "s.map", "--csv", "s.csv")
+    done = command(*words)
+    assert done.exit_code == 0, done.stderr
+    assert "contacts began, the fastest at" in done.stdout and "4 turns after 2 that were dropped" in done.stdout
+    assert "exponent" in done.stdout and "contact lankarani-nikravesh, friction none" in done.stdout
+    assert (tmp_path / "s.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "s.impacts.csv").exists()
+    shown = command("map", "show", "s.map", "--figure", "again.png")
+    assert shown.exit_code == 0 and "contacts began" in shown.stdout and (tmp_path / "again.png").exists()
+
+
+def test_basins_are_drawn_told_and_shown(command, tmp_path):
+    words = ("map", "basins", PIN, "--over", "start.pin.x=-0.6..0.6mm", "--over", "start.crank=0..90deg", "--count", "3x2", "--turns", 3)
+    done = command(*words, "--drop", 1, *BRIEF[6:], "--step", "10 us", "-o", "b.map", "--csv", "b.csv", "--companions", 1)
+    assert done.exit_code == 0, done.stderr
+    assert "4 of the grid are no start" in " ".join(done.stdout.split()) and "1 member again" in done.stdout
+    assert (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG") and len((tmp_path / "b.csv").read_text().splitlines()) == 3
+    shown = command("map", "show", "b.map")
+    assert shown.exit_code == 0 and "4 of the grid are no start" in " ".join(shown.stdout.split())
+
+
+def test_values_are_begun_anew(command):
+    done = command("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--start", "own", "--start", "start.crank=90deg")
+    assert done.exit_code == 0, done.stderr
+    assert "own start" in done.stdout and "start.crank = 1.571 rad" in done.stdout and "Companions: " in done.stdout
+
+
+def test_faults_of_starts_are_sentences(command):
+    over = "--over", "joint.pin.clearance=0.2..0.3mm"
+    for words, said in (
+        ((PIN, *over, "--start", "start.pen.x=1mm"), "start.pin.x"),
+        ((PIN, *over, "--start", "start.crank"), "neither own nor PATH=VALUE"),
+        ((PIN, *over, "--start", "start.pin.x=1kg"), "--start start.pin.x=1kg"),
+        ((PIN, *over, *BRIEF, "--start", "start.pin.x=1mm"), "outside its bearing"),
+        (("section", PIN, "--impacts", "guide"), "joint with play"),
+        (("section", PIN, "--turns", 5, "--drop", 5), "no turn is left"),
+        (("basins", PIN, *over), "name two numbers"),
+        (("basins", PIN, *over, "--over", "start.crank=1deg"), "PATH=LOW..HIGH"),
+        (("basins", PIN, *over, "--over", "start.crank=2..1deg"), "the range is empty"),
+        (("basins", PIN, *over, "--over", "start.crank=0..90deg", "--count", "3xx"), "40x30"),
+        (("basins", PIN, *over, "--over", "start.crank=0..90deg", "--count", "1"), "2 to"),
+        (("show", "none.map"), "none.map"),
+    ):
+        done = command("map", *words)
+        assert done.exit_code == 2 and said in " ".join(done.stderr.split()), (words, done.stderr)
+        assert "Traceback" not in done.stderr

@@ -78,7 +78,7 @@ def test_launches_are_short_and_change_nothing(driver, monkeypatch):
 def test_who_settles_or_breaks_makes_room(driver):
     """Members that settle, one that goes on to the last turn, one that breaks: as on the processor."""
     made = [four_bar("BCD", clearance=c, speed=500.0) for c in (1e-4, 3e-4)]
-    made.append(four_bar("BCD", speed=500.0, contact=LankaraniNikravesh(restitution=0.9, stiffness=6.6e14)))
+    made.append(four_bar("BCD", speed=500.0, contact=LankaraniNikravesh(restitution=0.9, stiffness=6.6e17)))
     options = {"step": 5e-6, "turns": 2, "outputs": 20, "tolerance": 0.3}
     here = ensemble(made, **options)
     driver(here[0].assembly.topology)

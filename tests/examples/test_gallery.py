@@ -3,7 +3,6 @@
 import dataclasses
 import math
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,20 +11,13 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 import vfife
+from gallery_runs import run
 from independent import chain_of_springs, circles, contact, double_pendulum, integrate_impacts, jansen_foot
 from vfife import gallery
 from vfife.cli.new import templates
 from vfife.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-
-
-@cache
-def run(name: str) -> Result:
-    """The mechanism with its default values, run as it says itself."""
-    result = vfife.simulate(getattr(gallery, name)(), reference=False)
-    assert result.record.status == "complete"
-    return result
 
 
 def pin(result: Result, body: str, at: str) -> np.ndarray:

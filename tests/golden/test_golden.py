@@ -39,7 +39,7 @@ KINDS = {"every kind": (0.004, "everything"), "every drive": (0.006, "every_driv
 # Models that loops are compared by: seconds, and the step (s).
 MODELS = {
     "rigid_bars": (0.01, 2e-6), "two_particle_bars": (0.008, 1e-6), "one_clearance": (0.01, 2e-6), "swing": (0.02, 4e-6), "journals": (0.004, 1e-6),
-    "machinery": (0.02, 4e-6),
+    "machinery": (0.02, 4e-6), "worn_bars": (0.01, 2e-6),
 }  # fmt: skip
 RICH = ("four_bar", "four_bar_case_b", "four_bar_case_c", "slider_crank_loose_guide", "block_on_incline", "every law", *MODELS)
 ON_CARD = ("four_bar_case_c", "two_particle_bars", "machinery")

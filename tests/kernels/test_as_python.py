@@ -74,4 +74,5 @@ def test_functions_give_the_bits_of_the_gathered_text(name, laws):
         assert broken == 0.0
         assert (bits(runner.advance(1, COMPARED)) == bits(out)).all(), n0
         assert (bits(runner.states) == bits(ours)).all(), n0
-        runner.advance(AHEAD, 1)
+        if not n0:
+            runner.advance(AHEAD, 1)

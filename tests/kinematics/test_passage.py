@@ -1,5 +1,6 @@
 """Whether a mechanism gets through what its drivers ask for: against Grashof's condition and closed forms of dead positions."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,18 +8,22 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from support import often
 from vfife import gallery, simulate
 from vfife.assembly.possible import outlook
 from vfife.errors import AssemblyError
+from vfife.fields.members import members
+from vfife.kinematics.clear import clear
 from vfife.kinematics.gathered import Gathered
 from vfife.kinematics.grashof import classified
-from vfife.kinematics.initial import ideal_motion
+from vfife.kinematics.initial import driven_start, ideal_motion
 from vfife.kinematics.passage import passage
 from vfife.kinematics.sweep import Follower
 from vfife.kinematics.system import equations
 from vfife.model.bodies import Section
 from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism, Settings
+from vfife.study.columns import put
 
 SPEED = 10.0  # rad/s
 TURN = 2.0 * math.pi / SPEED
@@ -68,7 +73,7 @@ def slider_crank(crank, rod, offset, angle=0.3):
 sizes = st.floats(0.1, 1.0)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=often(24), deadline=None)
 @given(ground=sizes, crank=sizes, coupler=sizes, rocker=sizes, angle=st.floats(0.2, 3.0), hand=st.sampled_from([-1.0, 1.0]))
 def test_a_crank_turns_fully_where_grashof_says_so(ground, crank, coupler, rocker, angle, hand):
     reach = math.sqrt(ground**2 + crank**2 - 2.0 * ground * crank * math.cos(angle))
@@ -100,7 +105,7 @@ def test_the_nearest_length_is_grashofs(coupler, rocker):
     assert math.cos(jam.widest[0]) == pytest.approx(-1.0 if short else 1.0, abs=1e-6)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=often(16), deadline=None)
 @given(crank=st.floats(0.03, 0.1), rod=st.floats(0.05, 0.3), offset=st.floats(-0.05, 0.05))
 def test_a_slider_crank_turns_where_the_rod_is_longer_than_crank_and_offset(crank, rod, offset):
     assume(abs(crank * math.sin(0.3) - offset) < 0.9 * rod and abs(rod - crank - abs(offset)) > 2e-3)
@@ -250,3 +255,19 @@ def test_a_hair_beside_a_change_point_is_no_jam(excess):
     """Less than a micron in a metre is no length of a workshop's, and round-off decides which side it lies on."""
     for m in (four_bar(0.3, 0.1, 0.18 + excess, 0.22, 0.4), slider_crank(0.05, 0.07 + excess, 0.02)):
         assert passage(m, TURN)[0] is None
+
+
+def test_members_that_surely_get_through_are_those_of_grashof():
+    """What a look at all members calls clear turns its crank by Grashof's condition, and what is far from its limit is called so."""
+    rng = np.random.default_rng(5)
+    sides = np.array([0.15, 0.4, 0.26, 0.46]) * (1.0 + 0.14 * rng.uniform(-1.0, 1.0, (60, 4)))
+    base = four_bar(0.15, 0.4, 0.26, 0.46, angle=1.5)
+    ground, *lengths = (members(column) for column in sides.T)
+    links = {name: put(base.bodies[name], ("length",), length) for name, length in zip(base.bodies, lengths, strict=True)}
+    motion = driven_start(dataclasses.replace(base, points={**base.points, "D": (ground, 0.0)}, bodies=links))
+    spare = sides.sum(axis=1) - 2.0 * (sides.max(axis=1) + sides.min(axis=1))
+    turns = (spare > 0.0) & (sides[:, 0] == sides.min(axis=1))
+    for speed in (SPEED, -SPEED):
+        sure = clear(motion, np.full(60, speed))
+        assert not sure[~turns].any() and (~turns).sum() > 5
+        assert sure[turns & (spare > 0.04)].all() and sure.sum() > 20

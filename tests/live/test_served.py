@@ -13,6 +13,7 @@ import threading
 import pytest
 from typer.testing import CliRunner
 
+from cli.conftest import hear
 from live.pages import scripts_of
 from vfife import gallery
 from vfife.cli.app import app
@@ -234,7 +235,7 @@ def test_sliders_come_when_the_mechanism_already_runs(folder):
 
 def test_ctrl_c_ends_it_with_browsers_connected(folder):
     command = [sys.executable, "-m", "vfife", "live", str(folder / "bar.toml"), "--no-browser"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder, env=os.environ)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder, env=os.environ, preexec_fn=hear)
     address = process.stdout.readline()
     port, where = re.search(r":(\d+)(/.*/)#", address).groups()
     connection = http.client.HTTPConnection("127.0.0.1", int(port), timeout=20)

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rigid import Drive, Gear, Pin, Slide, Slot, Travel, Weld
+from support import often
 from vfife.errors import AssemblyError
 from vfife.kinematics.mobility import mobility
 from vfife.kinematics.solve import RigidSystem, accelerations, close, velocities
@@ -211,7 +212,7 @@ def mechanisms(draw):
     return RigidSystem(s.names, s.mass, s.inertia, s.joints, tuple(drives)), position, draw(st.integers(0, 10**6))
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=often(150), deadline=None)
 @given(mechanisms())
 def test_random_mechanisms_balance_and_stay_closed_to_third_order(case):
     """D'Alembert for every body; and q + h v + h^2 a / 2 leaves every constraint open by O(h^3) only, which needs G and gamma to be right."""
@@ -238,7 +239,7 @@ def test_random_mechanisms_balance_and_stay_closed_to_third_order(case):
             assert there[one.body_b, 2] - there[one.body_a, 2] == pytest.approx(value, abs=1e-10)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=often(80), deadline=None)
 @given(mechanisms())
 def test_the_mirror_image_moves_as_a_mirror_image(case):
     s, position, _ = case

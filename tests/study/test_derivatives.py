@@ -15,7 +15,8 @@ from vfife.modelfile import dump
 from vfife.modelfile.numbers import numbers
 from vfife.solvers.tangents import changes
 from vfife.solvers.transient import run
-from vfife.study.derivatives import beside, placed, sensitivity
+from vfife.study.derivatives import sensitivity
+from vfife.study.nearby import beside, placed
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
@@ -60,7 +61,7 @@ def test_derivatives_are_differences_of_whole_runs(case_b):
     text, base = dump(mechanism), vfife.simulate(mechanism, turns=0.4, step=4e-6, reference=False, companions=0).record.assembly
     for path in ("joint.C.clearance", "joint.C.contact.stiffness", "joint.C.friction.coefficient", "body.coupler.mass"):
         value = dict(numbers(text))[path]
-        up, down = (run(placed(text, path, (1.0 + sign * 1e-5) * value, base)) for sign in (1.0, -1.0))
+        up, down = (run(placed(text, path, value, (1.0 + sign * 1e-5) * value, base)) for sign in (1.0, -1.0))
         for measure in ("C.force.max", "follower.angular_acceleration.max"):
             both = [over_turn(record, last_turn(record))[measure] for record in (up, down)]
             difference = (both[0] - both[1]) / 2e-5 / case_b.measures[measure]
@@ -100,7 +101,7 @@ def test_drives_of_every_kind_carry_their_derivatives():
     base = vfife.simulate(mechanism, duration=4e-3, step=4e-6, reference=False, companions=0).record.assembly
     seen = 0
     for one in found.derivatives:
-        up, down = (run(placed(text, one.path, one.value + sign * 1e-5 * abs(one.value), base)) for sign in (1.0, -1.0))
+        up, down = (run(placed(text, one.path, one.value, one.value + sign * 1e-5 * abs(one.value), base)) for sign in (1.0, -1.0))
         for measure, size in found.measures.items():
             both = [over_turn(record, last_turn(record)).get(measure, 0.0) for record in (up, down)]
             difference = (both[0] - both[1]) / (2e-5 * abs(one.value))

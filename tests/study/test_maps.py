@@ -8,7 +8,8 @@ import pytest
 import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
-from vfife.study.maps import bifurcation, read_map
+from vfife.study.kept import load_map
+from vfife.study.maps import bifurcation
 
 EXAMPLES = "examples"
 SPEED = 20.0
@@ -82,7 +83,7 @@ def test_a_map_goes_on_where_it_was_broken_off(tmp_path) -> None:
     calls = []
     rest = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN, file=tmp_path / "a.map", progress=lambda *at: calls.append(at))
     assert calls == [(2, 3), (3, 3)]
-    again = read_map(tmp_path / "a.map")
+    again = load_map(tmp_path / "a.map")
     for found in (rest, again):
         assert all(np.array_equal(found.points[name], whole.points[name]) for name in whole.points)
         assert np.array_equal(found.exponents, whole.exponents) and found.kinds == whole.kinds

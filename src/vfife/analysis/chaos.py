@@ -1,4 +1,4 @@
-"""Whether a motion repeats, and how fast two that were alike part: periods of points, exponents, and the 0-1 test.
+"""Whether points repeat, and how fast two motions that were alike part: periods, exponents, and the 0-1 test.
 
 All of it takes numbers of any map or section; the oracles of the tests are maps whose answers are known.
 """
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+ALIKE = 1e-6  # of their size, within which two points are one whatever the range of all is
 LONGEST = 16  # points of a period that is looked for
 ANGLES = 100  # of the 0-1 test
 SHARE = 10  # the 0-1 test looks at displacements over up to a tenth of the series
@@ -44,18 +45,36 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
 def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> int | None:
     """The least number of points after which they repeat, None where they do not within ``longest``.
 
-    ``points``: shape (points,) or (points, coordinates); two are the same that lie within ``tolerance`` of the range of all of them, or of 1e-9 of
-    their size. A period has to be seen three times.
+    ``points``: shape (points,) or (points, coordinates); two are the same that lie within ``tolerance`` of the range of all of them, or a millionth
+    of their size: what comes to rest has no range. A period has to be seen three times.
     """
     points = np.asarray(points, dtype=float).reshape(len(points), -1)
-    size = np.maximum(np.ptp(points, axis=0), 0.0)
-    least = 1e-9 * np.abs(points).max(axis=0) + 1e-300
+    size = np.maximum(tolerance * np.ptp(points, axis=0), least(points))
     for one in range(1, min(longest, len(points) // 3) + 1):
-        last = points[-3 * one :]
-        apart = np.abs(last[one:] - last[:-one]).max(axis=0)
-        if (apart <= np.maximum(tolerance * size, least)).all():
+        if (between(points, one) <= size).all():
             return one
     return None
+
+
+def least(points: Array) -> Array:
+    """By how much coordinates may differ that are the same, shape (coordinates,)."""
+    found: Array = ALIKE * np.abs(points).max(axis=0) + 1e-300
+    return found
+
+
+def between(points: Array, shift: int) -> Array:
+    """Largest difference of points so many apart among the last three times as many, shape (coordinates,)."""
+    last = points[-3 * shift :]
+    found: Array = np.abs(last[shift:] - last[:-shift]).max(axis=0)
+    return found
+
+
+def apart(points: Array, shift: int | None = None, longest: int = LONGEST) -> float:
+    """How far points so many apart lie from each other, as a share of the range of all; without ``shift`` the least of all up to ``longest``."""
+    points = np.asarray(points, dtype=float).reshape(len(points), -1)
+    size = np.maximum(np.ptp(points, axis=0), least(points))
+    shifts = range(1, min(longest, len(points) // 3) + 1) if shift is None else (shift,)
+    return min((float((between(points, one) / size).max()) for one in shifts), default=float("nan"))
 
 
 def zero_one(series: Array, seed: int = 0) -> float:
@@ -77,11 +96,3 @@ def zero_one(series: Array, seed: int = 0) -> float:
         square -= phi.mean() ** 2 * (1.0 - np.cos(shifts * c)) / (1.0 - math.cos(c))
         found.append(np.corrcoef(shifts, square)[0, 1])
     return float(np.median(found))
-
-
-def kind(points: Array, found: Exponent | None, tolerance: float = 1e-3) -> str:
-    """A motion in words with its evidence: "period 2", "chaotic" where all of a positive exponent says so, else "not periodic"."""
-    repeats = period(points, tolerance)
-    if repeats is not None:
-        return f"period {repeats}"
-    return "chaotic" if found is not None and found.low > 0.0 else "not periodic"

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.path import Path
+from ..model.wear import depth_at
 from ..solvers.record import Record
 from .motion import seen
 
@@ -39,7 +40,7 @@ def normals(record: Record) -> Array:
     """Unit vector of each contact against which its normal force acts on the journal, shape (outputs, contacts, 2): Eq. 24.
 
     From the bearing's centre to the journal's; outside, from the journal's to the bearing's; on a line, into its material;
-    in a slot, from its middle to the journal's.
+    in a slot, from its middle to the journal's; on worn surfaces leaning by their slope.
     """
     topology = record.assembly.topology
     away = eccentricity(record)
@@ -54,7 +55,20 @@ def normals(record: Record) -> Array:
     for k in np.flatnonzero(kind == KINDS.index("slot")):
         angle = record.block("particle_theta")[:, topology.contact_bearing[k]]
         n[:, k] = _off_the_path(away[:, k], angle, record.assembly.contact_paths[k])
+    for contact, counts in enumerate(topology.profiles):
+        if any(counts):
+            n[:, contact] = _leaning(record, contact, away[:, contact], n[:, contact])
     return np.asarray(n, dtype=float)
+
+
+def _leaning(record: Record, k: int, away: Array, n: Array) -> Array:
+    """Unit vectors (outputs, 2) along which the penetration of worn surfaces grows fastest; see ``kernels/wear.py``."""
+    wear, slope = record.assembly.mechanism.contacts[record.assembly.contact_joints[k]].wear, 0.0
+    for side in ("bearing", "journal"):
+        angle = record.block("particle_theta")[:, getattr(record.assembly.topology, f"contact_{side}")[k]]
+        slope = slope + depth_at(getattr(wear, f"{side}_profile"), np.arctan2(n[:, 1], n[:, 0]) - angle)[1]
+    lean = (slope / np.maximum(np.hypot(*away.T), 0.5 * record.parameter("contact_size")[k]))[:, None]
+    return np.asarray((n - lean * np.stack([-n[:, 1], n[:, 0]], axis=1)) / np.sqrt(1.0 + lean**2), dtype=float)
 
 
 def _off_the_path(away: Array, angle: Array, path: Path | None) -> Array:

@@ -14,7 +14,7 @@ from ..laws import ContactLaw, FrictionLaw, Pair
 
 Array = NDArray[np.float64]
 
-STEPS = 1500  # of the time that the journal needs to pass its deepest point at its first speed
+STEPS = 500  # of the time that the journal needs to pass its deepest point at its first speed
 LONGEST = 60  # such times after which an impact that has not parted is given up
 
 

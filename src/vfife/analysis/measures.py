@@ -26,6 +26,7 @@ from .machine import driving, efficiency
 from .pressure import largest_pressures
 from .sliding import largest_sliding
 from .stress import largest_stresses
+from .wear import worn_depths, worn_volumes
 
 Window: TypeAlias = NDArray[np.bool_]
 Measure: TypeAlias = Callable[[Record, Window], dict[str, float]]
@@ -142,6 +143,6 @@ def contact_counts(record: Record, window: Window) -> dict[str, float]:
 PEAKS: tuple[Measure, ...] = (largest_loads, deepest_penetrations, largest_accelerations)  # of extremes; a step is judged by them
 OVER_TURN: tuple[Measure, ...] = (
     *PEAKS, driving, losses, largest_sliding, largest_pressures, largest_strokes,
-    largest_shaking, largest_stresses, largest_deflections, efficiency,
+    largest_shaking, largest_stresses, largest_deflections, efficiency, worn_volumes, worn_depths,
 )  # fmt: skip
 OVER_RUN: tuple[Measure, ...] = (contact_counts,)

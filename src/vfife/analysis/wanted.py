@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from ..solvers.record import Record
 from .losses import losses
 from .measures import OVER_TURN, PEAKS, Measure, compared, last_turn, over_run, taken
+from .wear import worn_volumes
 
 Beside = Callable[[Sequence[Record]], dict[str, float]]
 ENDINGS: dict[str, tuple[str, ...]] = {
@@ -23,13 +24,15 @@ ENDINGS: dict[str, tuple[str, ...]] = {
     "largest_stresses": (".tension.max", ".compression.max", ".stress.place"),
     "largest_deflections": (".deflection.max",),
     "efficiency": ("mechanism.efficiency",),
+    "worn_volumes": (".bearing_wear.total", ".journal_wear.total"),
+    "worn_depths": (".bearing_wear_depth.max", ".journal_wear_depth.max"),
 }  # of names, by the measure that gives them
 INFLUENCE = (".force.lip", ".angular_acceleration.lip")
 COUNTED = (
     ".impacts", ".grazing", ".deep_landings", ".landing_depth.max", ".approach_speed.max",
     ".share.free_flight", ".share.impact", ".share.continuous_contact",
 )  # fmt: skip
-BY_TURN: tuple[Measure, ...] = (*PEAKS, losses)  # what the largest of extremes and the last of all else in a turn tell
+BY_TURN: tuple[Measure, ...] = (*PEAKS, losses, worn_volumes)  # what the largest of extremes and the last of all else in a turn tell
 
 
 class WantedMeasures:

@@ -77,14 +77,7 @@ def assemble(
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
     stressed = prestress(mechanism, seats) if wanted(mechanism) and given is None else None
-    filler = Filler(mechanism, numbering, Layout(topology), motion, stressed, given=given is not None)
-    filler.bodies()
-    filler.ideals(parts.ideals, tables)
-    filler.touches(parts.touches)
-    filler.paths(parts.paths)
-    refuse_deep(filler, parts.touches)
-    filler.springs(parts.springs)
-    filler.drivers_and_loads(parts.loads)
+    filler = filled(Filler(mechanism, numbering, Layout(topology), motion, stressed, given=given is not None), parts, tables)
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     if redundant(filler.layout, filler.state, topology):
@@ -107,6 +100,19 @@ def assemble(
     )  # fmt: skip
 
 
+def filled(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
+    """All that nouns and motion decide, of one mechanism or of many side by side. ValueError for contacts that start deep."""
+    filler.bodies()
+    filler.ideals(parts.ideals, tables)
+    filler.touches(parts.touches)
+    filler.profiles(parts.touches)
+    filler.paths(parts.paths)
+    refuse_deep(filler, parts.touches)
+    filler.springs(parts.springs)
+    filler.drivers_and_loads(parts.loads)
+    return filler
+
+
 def topology_of(
     mechanism: Mechanism, numbering: Numbering, parts: Parts, laws: list[tuple[type[Law], ...]], functions: tuple[int, ...]
 ) -> Topology:
@@ -125,6 +131,8 @@ def topology_of(
         contact_path=paths[len(parts.ideals) :],
         guides=guides_of(parts),
         contact_knots=knots if any(knots) else (),
+        wears=tuple(k for k, t in enumerate(parts.touches) if t.joint.wear is not None),
+        profiles=profiles_of(parts),
         contact_form=tuple(laws[0].index(t.joint.contact.form()) for t in parts.touches),
         friction_form=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
         joint_bearing=tuple(j.bearing[0] for j in parts.ideals),
@@ -158,6 +166,12 @@ def guides_of(parts: Parts) -> tuple[tuple[int, int], ...]:
     """First contact, and the one after the last, of each joint that has several: the corners of a block in its guide."""
     joints = [touch.joint.name for touch in parts.touches]
     return tuple((joints.index(name), joints.index(name) + joints.count(name)) for name in dict.fromkeys(joints) if joints.count(name) > 1)
+
+
+def profiles_of(parts: Parts) -> tuple[tuple[int, int], ...]:
+    """How many harmonics the worn profiles of each contact have; nothing where all surfaces are round."""
+    counts = tuple(touch.harmonics for touch in parts.touches)
+    return counts if any(map(any, counts)) else ()
 
 
 def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np.float64]]:

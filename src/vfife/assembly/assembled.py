@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields.members import columns
 from ..kernels.arrays import KNOT, Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
@@ -95,8 +96,8 @@ class Assembly:
         return slots_of(self.layout, self.state, self.topology, index, len(law.slots))
 
 
-def slots_of(layout: Layout, state: NDArray[np.float64], topology: Topology, index: int, count: int) -> tuple[float, ...]:
+def slots_of(layout: Layout, state: NDArray[np.float64], topology: Topology, index: int, count: int) -> tuple[Any, ...]:
     """So many parameters of the law of a contact, from its record; after them the pieces of one that is a table."""
     row, (first, pieces) = layout.row("contact_slots", index), topology.knots[index]
     ranges = [(row, count), *((layout.record("knot", first + k), KNOT.SIZE) for k in range(pieces))]
-    return tuple(float(value) for start, size in ranges for value in state[start : start + size])
+    return tuple(value for start, size in ranges for value in columns(state[..., start : start + size]))

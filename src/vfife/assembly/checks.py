@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..fields.members import cos, sin
 from ..kinematics.drives import constraint_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..model.bodies import Link, PointMass
@@ -71,7 +71,7 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
 def refuse_infinite(motion: Motion) -> None:
     """ValueError where the start has numbers beyond all bounds."""
     for what, values in (("position", motion.position), ("velocity", motion.velocity), ("acceleration", motion.acceleration)):
-        bad = [name for name, numbers in zip(motion.names, values, strict=True) if not np.isfinite(numbers).all()]
+        bad = [name for k, name in enumerate(motion.names) if not np.isfinite(values[..., k, :]).all()]
         if bad:
             raise ValueError(
                 f"the {what} of {', '.join(bad)} at the start is beyond all numbers: check the units of speeds, forces, lengths and masses"
@@ -93,12 +93,12 @@ def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
         raise ValueError("; ".join(dict.fromkeys(faults)))
 
 
-def start_depth(filler: Filler, touch: Touch) -> float:
+def start_depth(filler: Filler, touch: Touch) -> Any:
     """Penetration (m) at the start, negative where the surfaces are apart."""
     (bx, by), (kx, ky) = filler.seen(touch.bearing), filler.seen(touch.journal)
     ex, ey = kx - bx, ky - by
-    angle = float(filler.state[filler.layout.row("particle_theta", touch.bearing[0])])
-    c, s = math.cos(angle), math.sin(angle)
+    angle = filler.angle(touch.bearing)
+    c, s = cos(angle), sin(angle)
     return touch.touching.depth(c * ex + s * ey, c * ey - s * ex)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
+from ..fields.members import number
 from ..kernels.topology import (
     ACROSS,
     ALONG,
@@ -97,6 +98,11 @@ class Touch:
     touching: Touching
 
     @property
+    def harmonics(self) -> tuple[int, int]:
+        """How many harmonics the worn profiles of its bearing and its journal have."""
+        return (0, 0) if self.joint.wear is None else self.joint.wear.harmonics
+
+    @property
     def kind(self) -> int:
         """Its geometry, as the kernels call it."""
         return GEOMETRIES[self.touching.geometry]
@@ -144,7 +150,7 @@ def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list
     found = []
     for name, joint in mechanism.contacts.items():
         bearing, journal = (numbering.place(side) for side in joint.sides)
-        angles = [0.0 if side[0] == "ground" else float(motion.of(side[0])[0][2]) for side in joint.sides]
+        angles = [0.0 if side[0] == "ground" else number(motion.of(side[0])[0][..., 2]) for side in joint.sides]
         found += touches_of(name, joint, bearing, journal, angles[0] - angles[1])
     return found
 
@@ -153,9 +159,9 @@ def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned
     """The contacts of a joint at two places; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
     all_of_them = joint.touchings(turned)
     found = []
-    for number, one in enumerate(all_of_them, start=1):
+    for k, one in enumerate(all_of_them, start=1):
         at = (journal[0], (journal[1][0] + one.offset[0], journal[1][1] + one.offset[1]))
-        found.append(Touch(f"{name}.{number}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
+        found.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
     return found
 
 
@@ -209,6 +215,7 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     places += [place for spring in springs for place in spring[2:4]] + [load.place for load in applied]
     armed = {p for p, at in places if p and at != (0.0, 0.0)}
     armed |= {j.bearing[0] for j in ideals if j.place in (ACROSS, ALONG, ON_PATH)} | {t.bearing[0] for t in touches if t.kind in (LINE, SLOT)}
+    armed |= {place[0] for t in touches for place, count in zip((t.bearing, t.journal), t.harmonics, strict=True) if count}
     armed |= {s[2][0] for s in springs if s[1] == BUSHING} | {load.place[0] for load in applied if load.follow}
     armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {numbering.held(name) for name in numbering.driven}
     return tuple(sorted(armed - {0}))

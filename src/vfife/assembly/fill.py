@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields.members import Members, cos, hypot, largest, number, point, sin, spread
 from ..kernels.arrays import Layout
 from ..kernels.constraint import relative_turn
 from ..kernels.polynomial import polynomial
@@ -35,17 +35,25 @@ class Filler:
     """Writes parameters and start values into S."""
 
     def __init__(
-        self, mechanism: Mechanism, numbering: Numbering, layout: Layout, motion: Motion, stressed: PrestressedState | None, *, given: bool = False
+        self,
+        mechanism: Mechanism,
+        numbering: Numbering,
+        layout: Layout,
+        motion: Motion,
+        stressed: PrestressedState | None,
+        *,
+        given: bool = False,
+        count: tuple[int, ...] = (),
     ) -> None:
         self.lengths = motion.datum.spring if given else {}
         self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
-        self.state = np.zeros(layout.rows)
+        self.state = spread(np.zeros(layout.rows), count)
         self.free = frozenset(numbering.free)
 
     def put(self, name: str, value: Any, index: int | slice | None = None) -> None:
         """Sets a block, or some entries of it."""
         rows = self.layout[name]
-        self.state[rows if index is None else rows[index]] = value
+        self.state[..., rows if index is None else rows[index]] = value
 
     def bodies(self) -> None:
         """Masses, loads, positions and velocities of particles; stiffness and reference of elements."""
@@ -57,14 +65,14 @@ class Filler:
 
     def _particle(self, p: int, mass: float, inertia: float, motion: tuple[Any, Any]) -> None:
         position, velocity = motion
-        for axis, value in zip(("x", "y", "theta"), position, strict=True):
+        for axis, value in zip(("x", "y", "theta"), coordinates(position), strict=True):
             self.put(f"particle_{axis}", value, p)
         self.put("particle_load_x", mass * self.mechanism.gravity[0], p)
         self.put("particle_load_y", mass * self.mechanism.gravity[1], p)
         if p not in self.free:
-            self.put("particle_w", velocity[2], p)
+            self.put("particle_w", coordinates(velocity)[2], p)
             return
-        for axis, value in zip("uvw", velocity, strict=True):
+        for axis, value in zip("uvw", coordinates(velocity), strict=True):
             self.put(f"particle_{axis}", value, p)
         self.put("particle_inverse_mass", 1.0 / mass, p)
         self.put("particle_inverse_inertia", 1.0 / inertia if inertia > 0.0 else 0.0, p)
@@ -73,7 +81,8 @@ class Filler:
         position, velocity, _ = self.motion.of(where.name)
         if self.stressed is not None:
             position, velocity = self.stressed.position[where.name][0], self.stressed.velocity[where.name][0]
-        at, moving = carried(position, velocity, where.reference[0] - where.center[0], where.reference[1] - where.center[1])
+        beyond = (where.reference[k] - where.center[k] for k in (0, 1))
+        at, moving = carried(coordinates(position), coordinates(velocity), *beyond)
         self._particle(where.particles[0], where.mass, where.inertia, (at, moving))
 
     def _elastic(self, name: str, where: BodyMap) -> None:
@@ -116,7 +125,7 @@ class Filler:
                 return self.stressed.position[name], self.stressed.velocity[name]
             position, velocity = self.stressed.position[name][0], self.stressed.velocity[name][0]
         x, y = (self.numbering.meshes[name].position - np.array(where.center)).T
-        there, moving = carried(position, velocity, x, y)
+        there, moving = carried(coordinates(position), coordinates(velocity), x, y)
         ones = np.ones(len(x))
         return np.column_stack([value * ones for value in there]), np.column_stack([value * ones for value in moving])
 
@@ -133,18 +142,18 @@ class Filler:
                 self.put(f"joint_direction_{axis}", value, index)
             self.put("joint_ratio", joint.ratio, index)
             self.put("joint_offset", self._offset(joint, tables), index)
-        arms = [math.hypot(*end[1]) for joint in ideals for end in (joint.bearing, joint.journal) if end[0] > 0]
-        self.put("size", max(arms, default=0.0) or 1.0)
+        arms = [hypot(*end[1]) for joint in ideals for end in (joint.bearing, joint.journal) if end[0] > 0]
+        self.put("size", largest(*arms) or 1.0 if arms else 1.0, 0)
 
-    def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> float:
+    def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> Any:
         if joint.turn == FREE and joint.place != ALONG:
             return joint.length
-        angles = [float(self.state[self.layout.row("particle_theta", end[0])]) for end in (joint.bearing, joint.journal)]
+        angles = [self.angle(end) for end in (joint.bearing, joint.journal)]
         begin = 0.0 if joint.function < 0 else self._function(joint.function, tables)
         if joint.place != ALONG:
-            carrier = float(self.state[self.layout.row("particle_theta", joint.carrier)])
-            return float(relative_turn(angles[0], angles[1], joint.ratio, carrier)) - begin
-        c, s = math.cos(angles[0]), math.sin(angles[0])
+            carrier = self.angle((joint.carrier, (0.0, 0.0)))
+            return relative_turn(angles[0], angles[1], joint.ratio, carrier) - begin
+        c, s = cos(angles[0]), sin(angles[0])
         dx, dy = c * joint.direction[0] - s * joint.direction[1], s * joint.direction[0] + c * joint.direction[1]
         (bx, by), (kx, ky) = self.seen(joint.bearing), self.seen(joint.journal)
         return dx * (kx - bx) + dy * (ky - by) - begin
@@ -153,12 +162,16 @@ class Filler:
         start = 1 + sum(len(function.table()) for function in self.numbering.functions[:index])
         return float(polynomial(tables, start, 0.0)[0])
 
+    def angle(self, place: Place) -> Any:
+        """The angle of a particle at the start (rad)."""
+        return number(self.state[..., self.layout.row("particle_theta", place[0])])
+
     def seen(self, place: Place) -> tuple[float, float]:
         """Where a place of a particle is at the start (m)."""
         p, (x, y) = place
-        at, angle = (float(self.state[self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y")), self.layout.row("particle_theta", p)
-        c, s = math.cos(self.state[angle]), math.sin(self.state[angle])
-        px, py = at
+        px, py = (number(self.state[..., self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y"))
+        angle = self.angle(place)
+        c, s = cos(angle), sin(angle)
         return px + c * x - s * y, py + s * x + c * y
 
     def touches(self, touches: Sequence[Touch]) -> None:
@@ -166,16 +179,24 @@ class Filler:
         for index, touch in enumerate(touches):
             self._pins("contact", index, (touch.bearing, touch.journal))
             for row, values in touch_rows(self.mechanism, self.layout, touch, index):
-                self.state[row : row + len(values)] = values
+                self.state[..., row : row + len(values)] = point(*values)
         for index, piece in enumerate(piece for touch in touches for piece in touch.joint.contact.knots()):
             start = self.layout.record("knot", index)
-            self.state[start : start + len(piece)] = piece
+            self.state[..., start : start + len(piece)] = point(*piece)
+
+    def profiles(self, touches: Sequence[Touch]) -> None:
+        """Depths of worn surfaces, of bearing and journal of one contact after the other."""
+        worn = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
+        depths = [profile for wear in worn for profile in (wear.bearing_profile, wear.journal_profile) if profile]
+        numbers = [number for mean, *more in depths for number in (mean, 0.0, *more)]
+        self.state[..., self.layout.rows_of("harmonic_cosine")] = point(*numbers[::2])
+        self.state[..., self.layout.rows_of("harmonic_sine")] = point(*numbers[1::2])
 
     def paths(self, paths: Sequence[Path]) -> None:
         """Pieces of the paths of joints and contacts, one path after the other."""
         for index, numbers in enumerate(numbers for path in paths for numbers in path.numbers()):
             start = self.layout.record("piece", index)
-            self.state[start : start + len(numbers)] = numbers
+            self.state[..., start : start + len(numbers)] = point(*numbers)
 
     def springs(self, springs: Sequence[tuple[AnySpring, int, Place, Place]]) -> None:
         """Stiffness, damping and free lengths; those that are not given are what the start has, and the model's own where another one was given."""
@@ -184,14 +205,14 @@ class Filler:
             start = self.lengths[spring.name] if spring.name in self.lengths else self._apart(kind, first, second)
             for name, values in spring_fields(spring, start).items():
                 row = self.layout.row(f"spring_{name}", index)
-                self.state[row : row + len(values)] = values
+                self.state[..., row : row + len(values)] = point(*values)
 
-    def _apart(self, kind: int, first: Place, second: Place) -> float:
+    def _apart(self, kind: int, first: Place, second: Place) -> Any:
         """Distance (m) or angle (rad) between two places at the start."""
         if kind == LINEAR:
             (ax, ay), (bx, by) = self.seen(first), self.seen(second)
-            return math.hypot(bx - ax, by - ay)
-        return float(self.state[self.layout.row("particle_theta", second[0])] - self.state[self.layout.row("particle_theta", first[0])])
+            return hypot(bx - ax, by - ay)
+        return self.angle(second) - self.angle(first)
 
     def seat(self, touches: Sequence[Touch], seats: Mapping[str, Seat]) -> None:
         """Contact under way in joints whose journals start where the ideal reaction presses them."""
@@ -224,7 +245,7 @@ class Filler:
                 self.put(block, value, index)
         for function, numbers in self.numbering.travels.items():
             first = self.layout.row("function_first_x", function)
-            self.state[first : first + len(numbers)] = numbers
+            self.state[..., first : first + len(numbers)] = point(*numbers)
 
 
 def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
@@ -249,8 +270,13 @@ def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[
     )  # fmt: skip
 
 
+def coordinates(values: Any) -> tuple[Any, ...]:
+    """x, y and angle of a motion, of members those of all."""
+    return tuple(values[..., k].view(Members) for k in range(3)) if isinstance(values, np.ndarray) and values.ndim > 1 else tuple(values)
+
+
 def carried(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """Position and velocity of points (x, y) (m) of a rigid body, seen from its centre of mass in its frame."""
-    c, s = math.cos(position[2]), math.sin(position[2])
+    c, s = cos(position[2]), sin(position[2])
     rx, ry, w = c * x - s * y, s * x + c * y, velocity[2]
     return (position[0] + rx, position[1] + ry, position[2]), (velocity[0] - w * ry, velocity[1] + w * rx, w)

@@ -50,6 +50,8 @@ def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) ->
         if driver.moves:
             whose = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
             reach = math.inf if driver.revolves and body else 1.0 if body else size  # round and round: that is a turn, which is divided anyway
+            if reach == math.inf and driver.steady_speed is not None:
+                continue  # of an even turning nothing is missed
             yield Prescribed(whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach)
         elif driver.over == "time":
             yield Prescribed(f"the force on {driver.point or body}", timed(driver.effort(), mechanism.clock), (0.0, length), False)

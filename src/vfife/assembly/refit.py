@@ -70,6 +70,7 @@ class Refit:
         for name, joint in joints.items():
             joint, former = cast(Any, joint), cast(Any, old.mechanism.joints[name])
             alike = (joint.sides, type(joint.contact), type(joint.friction)) == (former.sides, type(former.contact), type(former.friction))
+            alike = alike and joint.wear == former.wear
             if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
                 return None
             pair = dataclasses.replace(joint.pair(*self.materials[name]), effective_mass=self.masses[name])

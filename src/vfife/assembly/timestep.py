@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError, StepError
+from ..fields.members import plain
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.functions import turn_of
-from ..model.mechanism import Mechanism
+from ..model.mechanism import Mechanism, Settings
 from .assembled import StepChoice
 from .prescribed import MISSED, RESOLVED, Prescribed, prescribed, prescribed_limits
-from .stability import arm_limits, at_once, contact_limits, contact_periods, contact_stiffness, demands, element_limits, held, spring_limits
+from .stability import Limits, arm_limits, at_once, contact_limits, contact_periods, contact_stiffness, demands, element_limits, held, spring_limits
 
 if TYPE_CHECKING:
     from .entities import Touch
@@ -59,24 +62,68 @@ def choose_step(
     """
     if mechanism.settings.analysis == "static":
         return static_choice(mechanism)
-    contacts = contact_stiffness(touches, layout, state, topology, expected or {})
-    limits = _limits(touches, layout, state, topology, contacts, owners, tuple(mechanism.springs))
-    limits += arm_limits(layout, state, topology, ideals)
-    stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
+    found = bounds(mechanism, layout, state, topology, touches, expected, owners, ideals)
     turn = turn_of(mechanism)
-    settings = mechanism.settings
     length = length_of(mechanism, turns, duration, turn)
+    own = _time_scale(mechanism, layout, state, length) if free or not turn else math.inf
+    told = partial(_prescribed, mechanism, layout, state, length)
+    return chosen(mechanism.settings, found, turn, length, own, told, step, outputs, force_step, contact_steps)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Largest stable steps (s) of parts, of ideal joints on long arms, and half periods (s) of contacts; of members those of all."""
+
+    parts: Limits
+    arms: Limits
+    periods: Limits
+
+    def of(self, k: int) -> Bounds:
+        """Those of a member."""
+        return Bounds(*([(name, plain(value, k)) for name, value in one] for one in (self.parts, self.arms, self.periods)))
+
+
+def bounds(
+    mechanism: Mechanism,
+    layout: Layout,
+    state: Array,
+    topology: Topology,
+    touches: Sequence[Touch],
+    expected: Mapping[str, Any] | None,
+    owners: Sequence[str] = (),
+    ideals: Sequence[str] = (),
+) -> Bounds:
+    """What limits the step of an assembly, or of members side by side."""
+    contacts = contact_stiffness(touches, layout, state, topology, expected or {})
+    parts = _limits(touches, layout, state, topology, contacts, owners, tuple(mechanism.springs))
+    return Bounds(parts, arm_limits(layout, state, topology, ideals), contact_periods(touches, contacts))
+
+
+def chosen(
+    settings: Settings,
+    found: Bounds,
+    turn: float | None,
+    length: float,
+    own: float,
+    told: Callable[[], Iterator[Prescribed]],
+    step: float | str | None,
+    outputs: int | None = None,
+    force_step: bool = False,
+    contact_steps: int = CONTACT_STEPS,
+) -> StepChoice:
+    """The step within these bounds, of a run so long (s), a ``turn`` or an ``own`` period (s) being resolved, and what is ``told`` to bodies."""
+    limits = found.parts + sorted(found.arms, key=lambda entry: entry[1])[:1]
+    stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     wanted: float | Literal["auto"] | str = settings.step if step is None else step
     per = outputs or settings.outputs
     if wanted == "auto":
         largest = SAFETY * stable
-        for name, half in contact_periods(touches, contacts):
+        for name, half in found.periods:
             accurate = half / contact_steps
             largest, culprit = min((largest, culprit), (accurate, f"joint {name}, {contact_steps} steps in half a period of its contact"))
-        own = _time_scale(mechanism, layout, state, length) if free or not turn else math.inf
         default = (min(turn or math.inf, own) / TURN_STEPS, f"{TURN_STEPS} steps a turn" if turn and turn <= own else "the motion itself")
         largest, culprit = min((largest, culprit), default)
-        for name, allowed in prescribed_limits(_prescribed(mechanism, layout, state, length), RESOLVED, TURN_STEPS):
+        for name, allowed in prescribed_limits(told(), RESOLVED, TURN_STEPS):
             largest, culprit = min((largest, culprit), (allowed, name))
         chunk = turn or length / max(1, round(length / (turn or length)))
         every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12)))
@@ -115,10 +162,10 @@ def _limits(
     layout: Layout,
     state: Array,
     topology: Topology,
-    contacts: Sequence[tuple[float, float]],
+    contacts: Sequence[tuple[Any, Any]],
     owners: Sequence[str],
     springs: Sequence[str],
-) -> list[tuple[str, float]]:
+) -> Limits:
     load = demands(layout, state, topology, held(layout, state, topology, at_once(touches, contacts)))
     limits = contact_limits(touches, layout, state, topology, load) + spring_limits(layout, state, topology, springs, load)
     if topology.frame_nodes:
@@ -159,7 +206,7 @@ def _divisor(per_turn: int, outputs: int) -> int:
 
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
     """A period (s) to be resolved where no crank gives one: size over the largest speed, or the root of size over gravity."""
-    size = _size(mechanism)
+    size = size_of(mechanism)
     gravity = math.hypot(*mechanism.gravity)
     speed = float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max())
     spin = float(np.abs(state[layout["particle_w"]]).max())
@@ -169,7 +216,7 @@ def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: floa
     return min([*scales, length])
 
 
-def _size(mechanism: Mechanism) -> float:
+def size_of(mechanism: Mechanism) -> float:
     """Largest distance (m) of a pin from the origin of its body."""
     return max([math.hypot(*pin) for body in mechanism.bodies.values() for pin in body.points.values()] + [1e-3])
 
@@ -181,7 +228,7 @@ def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
 
 
 def _prescribed(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> Iterator[Prescribed]:
-    return prescribed(mechanism, length, _spin(mechanism, layout, state), _size(mechanism))
+    return prescribed(mechanism, length, _spin(mechanism, layout, state), size_of(mechanism))
 
 
 def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:
@@ -202,5 +249,14 @@ def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
     """How many corrections more ideal joints get because a turn has few steps: a turn of the driver, else the fastest that is known."""
     if mechanism.settings.analysis == "static":
         return len(COARSE_STEPS)  # an iteration is a large step: what a flat structure is moved by in one may be more than its rise
-    spin = 2.0 * math.pi / choice.turn if choice.turn else _spin(mechanism, layout, state)
+    return coarseness(choice, spin_of(choice.turn, mechanism, layout, state))
+
+
+def spin_of(turn: float | None, mechanism: Mechanism, layout: Layout, state: Array) -> float:
+    """Turning (rad/s) of what has a ``turn`` (s), else the fastest that is known before a run."""
+    return 2.0 * math.pi / turn if turn else _spin(mechanism, layout, state)
+
+
+def coarseness(choice: StepChoice, spin: float) -> int:
+    """Corrections more at a step, of what turns so fast (rad/s)."""
     return sum(choice.step * spin * steps > 2.0 * math.pi for steps in COARSE_STEPS)

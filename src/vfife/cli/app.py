@@ -30,9 +30,12 @@ from .schema import schema
 from .searched import optimise
 from .sensitivity import sensitivity
 from .signals import NOW, Signals
+from .spectrum import spectrum
 from .study import study
 from .terminal import BAD_INPUT, fail, failed
 from .verify import verify
+from .waterfall import waterfall
+from .wear import wear
 
 
 class Group(Plainly, TyperGroup):
@@ -87,7 +90,9 @@ for command in (
     info,
     impacts,
     optimise,
+    waterfall,
     plot,
+    spectrum,
     animate,
     report,
     live,
@@ -97,7 +102,8 @@ for command in (
     schema,
     paper,
     verify,
+    wear,
 ):
     app.command(cls=Command)(command)
-app.command("map", cls=Command)(map_)
+app.add_typer(map_, name="map")
 app.add_typer(study, name="study")

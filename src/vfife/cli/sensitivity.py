@@ -9,7 +9,7 @@ import typer
 
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model
 from .progress import ProgressLine
-from .run import Companions, Duration, Quiet, Step, Turns
+from .run import Companions, Duration, ForceStep, Quiet, Step, Turns
 from .terminal import grid, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
@@ -23,8 +23,13 @@ Of = Annotated[
 ]
 To = Annotated[list[str] | None, typer.Option("--to", metavar="PATH", help="Numbers of the model, * for any signs.", show_default="all")]
 Top = Annotated[int, typer.Option("-n", "--top", metavar="N", min=1, help="So many numbers of each measure.")]
+Runs = Annotated[
+    int | None,
+    typer.Option("--runs", metavar="N", help="So many runs with displaced steps, 1 to 8, have their mean taken.", show_default="2 with contact"),
+]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False)]
+WIDE = 0.05  # of the largest elasticity of a measure: from which on it is told how far displaced runs lie apart
 ENDINGS = (".png", ".svg", ".pdf")
 
 
@@ -39,6 +44,8 @@ def sensitivity(
     turns: Turns = None,
     duration: Duration = None,
     companions: Companions = None,
+    runs: Runs = None,
+    force_step: ForceStep = False,
     figure: Figure = None,
     csv: Table = None,
     as_json: JsonOption = False,
@@ -59,7 +66,7 @@ def sensitivity(
         length: dict[str, Any] = {"turns": turns, "duration": duration, "step": step}
         beside: int | str | None = int(companions) if companions is not None and companions.isdecimal() else companions
         with ProgressLine(quiet) as line:
-            found = sensitive(mechanism, of or None, to or ("*",), companions=beside, progress=line, **length)
+            found = sensitive(mechanism, of or None, to or ("*",), companions=beside, runs=runs, force_step=force_step, progress=line, **length)
     if csv is not None:
         with writing(str(csv)):
             found.write_csv(csv)
@@ -83,7 +90,10 @@ def show(found: Sensitivity, top: int) -> None:
     title = f"{found.mechanism}: what its measures depend on"
     table = grid("measure", "value", "number", "per cent by 1 %", "from, to", title=title, right=(1, 3, 4))
     for name, value in found.measures.items():
-        ranked = [item for item in found.ranked(name) if item[1]][:top] if name not in found.doubtful else []
+        if name in found.doubtful:
+            row(table, name, f"{value:.5g}", "companions part", "?", "")
+            continue
+        ranked = [item for item in found.ranked(name) if item[1]][:top]
         for k, (path, elastic) in enumerate(ranked):
             low, high = found.span(name, path)
             span = f"{low:.3g}, {high:.3g}" if high > low else ""
@@ -94,6 +104,11 @@ def show(found: Sensitivity, top: int) -> None:
     console.print(Text(f"Measures are of the {found.part}, in SI units{told}."))
     if found.doubtful:
         tell("note", f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean nothing.")
+    wide = {name: spread for name in found.measures if name not in found.doubtful and (spread := found.spread(name)) > WIDE}
+    if wide:
+        most = max(wide, key=wide.__getitem__)
+        what = f"displaced runs lie apart by up to {100.0 * wide[most]:.0f} % of the largest elasticity of {most}"
+        tell("note", f"{what}: a smaller --step, or more --runs, tells it more closely.")
     for path, why in found.refused.items():
         if not why.startswith("zero"):
             tell("note", f"{path}: {why}")

@@ -3,7 +3,8 @@
 ; T holds the tables of all lanes, stride apart. Before each count the rows in extremes start anew, after it the rows in kept are copied to
 ; out, of shape (outputs, keeping, WIDTH). The whole step starts a run and takes every step that the lean one leaves; a lane in which something
 ; began, ended or changed its regime then takes that step again in so many parts. The first step of a lane is a share of one, where that is not
-; zero, beside those that are counted. Q is another copy of the state. Wherever look divides the number of steps made, lanes are watched; when
+; zero, beside those that are counted. Q is room for two more copies of the state. Wherever look divides the number of steps made, lanes are
+; watched; when
 ; the last of those that are looked at has broken, it is over, and rows of out that are left are as they were.
 define void @advance(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %outputs, i64 %parts, ptr noalias %shares, ptr noalias %out, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken) {
 entry:
@@ -285,7 +286,8 @@ noted:
   ret i1 %left
 }
 
-; event(S, Q, T, stride, n, parts): step n as a whole; lanes in which something began, ended or changed its regime take it again in parts.
+; event(S, Q, T, stride, n, parts): step n as a whole; lanes in which something began, ended or changed its regime take it again in parts, lean
+; ones where nothing rare wants another. Behind Q there is room for one more copy of the state.
 define internal void @event(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n, i64 %parts) noinline {
 entry:
   call void @keep(ptr %Q, ptr %S)
@@ -312,14 +314,24 @@ take:
   call void @functions(ptr %Q, ptr %Q, ptr %T, i64 %stride, i64 %behind)
   call void @resize(ptr %Q, NUMBER %size, NUMBER %ahead, NUMBER %once)
   %first = mul i64 %behind, %parts
+  %over = add i64 %first, %parts
+  %R = getelementptr double, ptr %Q, i64 SPARE
   br label %small
 small:
-  %i = phi i64 [ 1, %take ], [ %i.next, %small ]
-  %number = add i64 %first, %i
-  call void @whole(ptr %Q, ptr %T, i64 %stride, i64 %number)
+  %i = phi i64 [ %first, %take ], [ %i.clean, %several.small ], [ %i.whole, %rare.small ]
+  %left = sub i64 %over, %i
+  %more = icmp sgt i64 %left, 0
+  br i1 %more, label %several.small, label %back
+several.small:
   %i.next = add i64 %i, 1
-  %more = icmp sle i64 %i.next, %parts
-  br i1 %more, label %small, label %back
+  %made = call i64 @lean(ptr %Q, ptr %R, ptr %T, i64 %stride, i64 %i.next, i64 %left)
+  %i.clean = add i64 %i, %made
+  %rare = icmp slt i64 %i.clean, %over
+  br i1 %rare, label %rare.small, label %small
+rare.small:
+  %i.whole = add i64 %i.clean, 1
+  call void @whole(ptr %Q, ptr %T, i64 %stride, i64 %i.whole)
+  br label %small
 back:
   call void @resize(ptr %Q, NUMBER %dt, NUMBER %shift, NUMBER zeroinitializer)
   call void @take(ptr %S, ptr %Q, TRUTH %again)
@@ -355,13 +367,13 @@ entry:
   br label %row
 row:
   %r = phi i64 [ 0, %entry ], [ %r.next, %row ]
-  %at = mul i64 %r, WIDTH
+  %at = mul i64 %r, CHUNK_STRIDE
   %here = getelementptr double, ptr %S, i64 %at
   %there = getelementptr double, ptr %Q, i64 %at
-  %value = load NUMBER, ptr %here, align 8
-  store NUMBER %value, ptr %there, align 8
+  %value = load CHUNK, ptr %here, align 8
+  store CHUNK %value, ptr %there, align 8
   %r.next = add i64 %r, 1
-  %more = icmp slt i64 %r.next, ROWS
+  %more = icmp slt i64 %r.next, CHUNKS
   br i1 %more, label %row, label %done
 done:
   ret void
@@ -370,13 +382,18 @@ done:
 ; take(S, Q, which): lanes of S become those of Q where that is asked for.
 define internal void @take(ptr noalias %S, ptr noalias %Q, TRUTH %which) noinline {
 entry:
-  br label %row
+  %others = icmp eq TRUTH %which, zeroinitializer
+  %some = call i1 @any(TRUTH %others)
+  br i1 %some, label %row, label %all
+all:
+  call void @keep(ptr %S, ptr %Q)
+  br label %done
 row:
   %r = phi i64 [ 0, %entry ], [ %r.next, %row ]
   %at = mul i64 %r, WIDTH
   %here = getelementptr double, ptr %S, i64 %at
   %there = getelementptr double, ptr %Q, i64 %at
-  %old = load NUMBER, ptr %here, align 8
+  %old = load volatile NUMBER, ptr %here, align 8
   %new = load NUMBER, ptr %there, align 8
   %value = select TRUTH %which, NUMBER %new, NUMBER %old
   store NUMBER %value, ptr %here, align 8

@@ -187,12 +187,27 @@ class Lists:
         return self.records(
             "contact", self.bodies(t.contact_bearing), self.bodies(t.contact_journal), self.graph.shared, self.graph.constrained,
             t.contact_form, t.friction_form, ahead, kinked, film, self.graph.together, t.contact_kind or [0] * len(t.contact_bearing),
-            *self.paths(t.contact_path, len(t.contact_bearing)), *self.knots(),
+            *self.paths(t.contact_path, len(t.contact_bearing)), *self.knots(), self.wears(), *self.profiles(),
         )  # fmt: skip
 
     def knots(self) -> tuple[list[int], list[int]]:
         """First row and number of the pieces of the table of each contact's law, 0 for none."""
         return [self.layout.record("knot", first) if many else 0 for first, many in self.t.knots], [many for _, many in self.t.knots]
+
+    def wears(self) -> list[int]:
+        """Row of the wear of each contact, 0 where none is kept."""
+        return [self.layout.record("wear", self.t.wears.index(k)) if k in self.t.wears else 0 for k in range(len(self.t.contact_bearing))]
+
+    def profiles(self) -> list[list[int]]:
+        """First row and number of the harmonics of each contact's bearing, and of its journal."""
+        found: list[list[int]] = [[], [], [], []]
+        at = 0
+        for counts in self.t.profiles or ((0, 0),) * len(self.t.contact_bearing):
+            for side, count in enumerate(counts):
+                found[2 * side].append(self.layout.record("harmonic", at) if count else 0)
+                found[2 * side + 1].append(count)
+                at += count
+        return found
 
     def guides(self) -> list[tuple[int, int, int]]:
         """Blocks in guides with play, with the contacts that are their corners."""

@@ -7,11 +7,14 @@ the same text becomes code of other processors, of graphics cards and of the web
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .elimination import shared_tangent
+from .native import LINE, padded
+from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
 from .tangent import Tangents, named, of_size, of_time, tangent
@@ -39,6 +42,7 @@ class Writer:
         self.suffix = "f64" if width == 1 else f"v{width}f64"
         self.constants: dict[str, str] = {}
         self.count = 0
+        self.framed = ' "stackrealign"' if width > 2 else ""  # vectors that are put aside do not straddle two cache lines then
 
     def kind(self, operand: Operand) -> str:
         """Type of an operand."""
@@ -64,10 +68,10 @@ class Writer:
         """Address of a row in a copy of the state."""
         return self.fresh(f"getelementptr double, ptr %{copy}, i64 {row * self.stride}")
 
-    def load(self, row: int) -> None:
-        """The row as it was."""
-        copy = "from" if row in self.moving else "S"
-        self.out.append(f"  {self.value(f'v{row}')} = load {self.number}, ptr {self.row(row, copy)}, align {8 * self.width}")
+    def load(self, row: int, name: str = "", written: bool = False) -> None:
+        """The row as it was, or as it is ``written``."""
+        copy = ("to" if written else "from") if row in self.moving else "S"
+        self.out.append(f"  {self.value(name or f'v{row}')} = load {self.number}, ptr {self.row(row, copy)}, align {8 * self.width}")
 
     def store(self, row: int, value: Operand) -> None:
         """A row is given a value."""
@@ -87,6 +91,9 @@ class Writer:
             text = f"select {self.truth} {values[0]}, {kind} {values[1]}, {kind} {values[2]}"
         elif operator == "round":
             text = f"fsub {self.number} {self.fresh(f'fadd {self.number} {values[0]}, {self.value(ROUNDING)}')}, {self.value(ROUNDING)}"
+        elif operator == "fused":
+            kind = self.number
+            text = f"call {kind} @llvm.fmuladd.{self.suffix}({', '.join(f'{kind} {value}' for value in values)})"
         elif operator == "neg":
             text = f"fneg {self.number} {values[0]}"
         else:
@@ -113,12 +120,12 @@ class Writer:
         bits = self.fresh(f"bitcast {self.truth} {self.value(condition)} to i{self.width}")
         return self.fresh(f"icmp ne i{self.width} {bits}, 0")
 
-    def lines(self, lines: Iterable[Line]) -> str:
+    def lines(self, lines: Iterable[Line | Again], block: str = "body") -> str:
         """Lines in their order; where the rare condition holds, the way goes to ``rare``. The name of the last block is returned.
 
         After ``BLOCK`` lines a block ends with a way out that is never taken: the time of compilation grows with the square of a block.
         """
-        block, size = "body", 0
+        size = 0
         for line in lines:
             size += 1
             if size == BLOCK:
@@ -129,6 +136,8 @@ class Writer:
                 self.operation(line)
             elif isinstance(line, Load):
                 self.load(line.row)
+            elif isinstance(line, Again):
+                self.load(line.row, line.name, line.written)
             elif isinstance(line, Store):
                 self.store(line.row, line.value)
             elif isinstance(line, Test):
@@ -168,32 +177,42 @@ def literal(x: float) -> str:
     return "0x%016X" % struct.unpack("<Q", struct.pack("<d", float(x)))[0]  # noqa: UP031
 
 
-def lean(step: Trace, width: int, searching: bool) -> str:
+def lean(step: Trace, width: int, changing: Collection[int], arranged: bool = False) -> str:
     """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
     or for an old value to be read; in the end all is in S. Where two copies are more than the nearest cache holds, there is one, and what is
-    written waits for the test.
+    written waits for the test. What all steps share comes before the first, rows that are the same number after each of them behind the last;
+    rows that are ``changing`` are made anew before each.
     """
+    truths = step.truths
+    first, step = steady(step, changing)
+    same, step = settled(step, changing)
     twice = 8 * width * len(step.stores) <= COPY
-    w = Writer(width, step.truths, step.stores if twice else ())
-    w.begin(searching)
-    last = w.lines(apart(step, ordered(step, False)) if twice else woven(step, ordered(step)))
-    body = "\n".join(w.out)
-    home = "\n".join(_copied(step.stores if twice else (), width))
+    w = Writer(width, truths, step.stores if twice else ())
+    ready = w.lines(first, "entry")
+    before, w.out = "\n".join(w.out), []
+    w.begin(bool(changing))
+    order = list(step.operations) if arranged else ordered(step, not twice)
+    last = w.lines(reread(apart(step, order) if twice else woven(step, order)))
+    body, w.out = "\n".join(w.out), []
+    for row, value in same.items():
+        w.store(row, value)
+    home, copied = "\n".join(w.out), "\n".join(_copied(step.stores if twice else (), width))
     there, here = ("to", "from") if twice else ("S", "S")
     rare = "rare:\n  br label %home\n" if step.rare else ""
     phis = f"[ %{there}, %{last} ]" + (f", [ %{here}, %rare ]" if step.rare else "")
     counts = f"[ %next, %{last} ]" + (", [ %step, %rare ]" if step.rare else "")
-    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline {{
+    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline{w.framed} {{
 entry:
   %end = add i64 %n0, %count
   %going = icmp sgt i64 %count, 0
+{before}
   br label %body
 body:
-  %step = phi i64 [ %n0, %entry ], [ %next, %{last} ]
-  %from = phi ptr [ %S, %entry ], [ %to, %{last} ]
-  %to = phi ptr [ %Q, %entry ], [ %from, %{last} ]
+  %step = phi i64 [ %n0, %{ready} ], [ %next, %{last} ]
+  %from = phi ptr [ %S, %{ready} ], [ %to, %{last} ]
+  %to = phi ptr [ %Q, %{ready} ], [ %from, %{last} ]
 {body}
   %next = add i64 %step, 1
   %more = icmp slt i64 %next, %end
@@ -202,10 +221,11 @@ body:
   %last = phi ptr {phis}
   %reached = phi i64 {counts}
   %clean = sub i64 %reached, %n0
+{home}
   %there = icmp eq ptr %last, %S
   br i1 %there, label %done, label %copy
 copy:
-{home}
+{copied}
   br label %done
 done:
   ret i64 %clean
@@ -228,10 +248,11 @@ def _copied(rows: Iterable[int], width: int) -> Iterable[str]:
 
 def whole(step: Trace, width: int, searching: bool, wanted: bool, stride: int = 0) -> str:
     """``whole(S, T, stride, n)``: step n, whatever it wants. A long one is taken seldom, so no time is spent on making it fast."""
-    care = "noinline" if wanted and len(step.operations) < SHORT else "noinline optnone"
+    short = wanted and len(step.operations) < SHORT
     w = Writer(width, step.truths, stride=stride)
+    care = f"noinline{w.framed}" if short else "noinline optnone"
     w.begin(searching)
-    w.lines(woven(step, streamed(step)))
+    w.lines(reread(woven(step, ordered(step))) if short else woven(step, streamed(step)))
     body = "\n".join(w.out)
     return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %step) {care} {{
   %going = icmp sge i64 %step, 0
@@ -337,12 +358,16 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     """Text of ``advance`` and ``stream``, and of what they call beside the steps."""
     w, stride = Writer(width), stride or width
     words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
-    words |= {"ROWS": layout.rows * (directions + 1)} | {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
+    rows, solid = layout.rows * (directions + 1), stride == width  # whether rows lie one behind the other, with room behind the last
+    words |= {"CHUNK_STRIDE": LINE if solid else stride, "CHUNKS": padded(rows * width) // LINE if solid else rows}
+    words |= {"CHUNK": f"<{LINE} x double>" if solid else w.number, "SPARE": padded(rows * width) if solid else rows * stride, "ROWS": rows}
+    words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
     text = DRIVER.read_text()
     for word, value in words.items():
         text = text.replace(word, str(value))
     declared = (f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))
-    return "\n".join([*declared, lanes(width), text])
+    three = ", ".join([w.number] * 3)
+    return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({three})", lanes(width), text])
 
 
 def written(topology: Topology, width: int, directions: int = 0) -> str:
@@ -350,12 +375,12 @@ def written(topology: Topology, width: int, directions: int = 0) -> str:
     found, layout, step = functions(topology), Layout(topology), trace(topology)
     steps, change = [step, trace(topology, True)], resizing(topology)
     if directions:
-        steps = [tangent(one, layout.rows, directions) for one in steps]
+        steps = [shared_tangent(step, layout.rows, directions), tangent(steps[1], layout.rows, directions)]
         change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
     return "\n".join(
         [
             searched(found, width, layout, steps[0].stores, directions),
-            lean(steps[0], width, bool(found)),
+            lean(steps[0], width, {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}, arranged=directions > 0),
             whole(steps[1], width, bool(found), bool(step.rare)),
             resize(change, width),
             driver(layout, width, directions),

@@ -27,7 +27,13 @@ ADVANCE = ctypes.CFUNCTYPE(None, *BEFORE, NUMBER, NUMBER, POINTER, NUMBER, POINT
 WATCHING = (NUMBER, POINTER, NUMBER, POINTER, NUMBER, POINTER, POINTER)
 STREAM = ctypes.CFUNCTYPE(NUMBER, *[POINTER] * 3, *[NUMBER] * 4, *[POINTER, NUMBER] * 2, *WATCHING, *[POINTER] * 4, NUMBER, POINTER)
 NEVER = 2**62  # steps between two looks
+LINE = 8  # numbers in a line of a processor's cache, in which copies of a state are taken
 Counts = NDArray[np.int64]
+
+
+def padded(count: int) -> int:
+    """So many numbers in whole lines of the cache."""
+    return -(-count // LINE) * LINE
 
 
 @lru_cache(maxsize=1)
@@ -122,11 +128,11 @@ class Code:
 class Memory(NamedTuple):
     """What a loop works on.
 
-    S and ``spare`` (rows x lanes) are the state and room for another, T the tables of all lanes. Steps with events are taken again in ``parts``;
-    ``shares`` (lanes) are first steps that come beside those that are counted, where they are not zero. The rows ``kept`` are handed out,
-    ``extremes`` are rows that start anew before each time. A number of the rows ``limited`` lies between two of ``limits`` (limited x 2 x lanes),
-    and those that are kept are finite, or the lane breaks: ``broken`` (lanes) then says after how many steps that was seen. It is 0 before,
-    and less in lanes that nobody looks at.
+    S (rows x lanes) is the state, ``spare`` room for two more of it in whole lines of the cache, T the tables of all lanes. Steps with events are
+    taken again in ``parts``; ``shares`` (lanes) are first steps that come beside those that are counted, where they are not zero. The rows ``kept``
+    are handed out, ``extremes`` are rows that start anew before each time. A number of the rows ``limited`` lies between two of ``limits``
+    (limited x 2 x lanes), and those that are kept are finite, or the lane breaks: ``broken`` (lanes) then says after how many steps that was seen.
+    It is 0 before, and less in lanes that nobody looks at.
     """
 
     S: Rows

@@ -45,6 +45,7 @@ def watch(S, kept, limited, limits, broken, n):
 
 def advance(memory, n0, steps, out, anew=True, look=NEVER):
     S, before, T, parts, shares, kept, extremes, limited, limits, broken = memory
+    before = before[: len(S)]
     for m in range(len(out)):
         if broken[0] > 0.0:
             break

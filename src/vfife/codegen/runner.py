@@ -14,7 +14,7 @@ from ..kernels.topology import Topology
 from .compile import compiled, interpreted
 from .graph import tables
 from .lock import WRITING
-from .native import NEVER, Memory, Take, llvmlite_version, straight_line
+from .native import LINE, NEVER, Memory, Take, llvmlite_version, padded, straight_line
 from .source import data_driven
 
 PARTS = 8  # steps that a step with an event is taken again in
@@ -26,9 +26,9 @@ ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1 i u1 f1 f1"  # of the data-dri
 
 
 def aligned(count: int) -> Rows:
-    """Zeros that begin a cache line: vector loads that straddle two lines cost a quarter of the speed."""
-    space = np.zeros(count + 8)
-    skip = (-space.ctypes.data // 8) % 8
+    """Zeros that begin a cache line, with room to its last one's end: vector loads that straddle two lines cost a quarter of the speed."""
+    space = np.zeros(padded(count) + LINE)
+    skip = (-space.ctypes.data // 8) % LINE
     return space[skip : skip + count]
 
 
@@ -116,7 +116,8 @@ class Runner:
         self.extremes = np.concatenate([own + np.uint32(k * rows) for k in range(directions + 1)])
         self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
         self.done = 0
-        self.S, self.spare = (aligned(rows * (directions + 1) * self.lanes) for _ in range(2))
+        size = rows * (directions + 1) * self.lanes
+        self.S, self.spare = aligned(size), aligned(2 * padded(size))
         self.shares = aligned(self.lanes)
         self.shares[:] = 0.0 if shares is None else shares
         self.states[:] = states

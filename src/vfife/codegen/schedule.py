@@ -19,7 +19,7 @@ from .trace import Operand, Operation, Trace, is_row
 FORWARD = 8  # cycles from a store to a load of the same row
 WIDTH = 3  # lines begun in a cycle
 WINDOW = 100  # lines that are looked at in search of the next, in a step of more than SHORT lines; in a shorter one all of them are
-SHORT = 1200
+SHORT = 1600
 CYCLES = {"sqrt": 21, "/": 13}  # rough latency, 3 of all others
 
 

@@ -16,8 +16,10 @@ from ..errors import SourceError
 from ..kernels import advance as loop
 from ..kernels.arrays import Fields
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
-from .functiontext import function_tree
+from .functiontext import function_text, function_tree
 from .lock import WRITING
+
+_DEFINITIONS: dict[tuple[object, ...], str] = {}  # known ones: to write them takes most of the time of a text
 
 
 class Collector(Protocol):
@@ -90,6 +92,20 @@ def global_names(function: Callable[..., Any]) -> list[str]:
 
 def definition(function: Callable[..., Any], name: str) -> str:
     """Source of a function as a jitted definition called ``name``, without decorators, annotations and docstring."""
+    key = function_text(function), name, _said(function)
+    if key not in _DEFINITIONS:
+        _DEFINITIONS[key] = _definition(function, name)
+    return _DEFINITIONS[key]
+
+
+def _said(function: Callable[..., Any]) -> tuple[object, ...]:
+    """What a definition says beside its text: the numbers of the function's module, and whose rows its fields are."""
+    space = function.__globals__
+    found = [(used, space[used]) for used in global_names(function)]
+    return tuple((used, value if isinstance(value, Fields) else repr(value)) for used, value in found if not isinstance(value, FunctionType))
+
+
+def _definition(function: Callable[..., Any], name: str) -> str:
     tree = function_tree(function)
     if not isinstance(tree, ast.FunctionDef):
         raise SourceError(f"{function.__qualname__} is no def")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .native import Memory, straight_line
+from .native import Memory, padded, straight_line
 from .runner import NONE, PARTS, Integers, Rows, Runner, aligned
 
 NEVER = 2**62  # steps after which a lane without a simulation is due
@@ -56,7 +56,8 @@ class Stream:
     ) -> None:  # fmt: skip
         self.layout, self.lanes, self.handed, self.room = Layout(topology), lanes, handed, room
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
-        self.S, self.spare = aligned(self.layout.rows * lanes), aligned(self.layout.rows * lanes)
+        size = self.layout.rows * lanes
+        self.S, self.spare = aligned(size), aligned(2 * padded(size))
         self.T, self.shares, self.limits, self.broken = np.zeros(lanes * tables), aligned(lanes), aligned(2 * len(limited) * lanes), aligned(lanes)
         self.broken[:] = -1.0
         self.every, self.at, self.stop = (np.zeros(lanes, dtype=np.int64) for _ in range(3))

@@ -105,10 +105,15 @@ def tangent(step: Trace, rows: int, count: int, given: Callable[[Tangents], Mapp
     run = Tangents(rows, count)
     run.slopes |= given(run) if given else {}
     run.run(step.operations)
+    return with_slopes(run, step)
+
+
+def with_slopes(run: Tangents, step: Trace) -> Trace:
+    """What a run leaves of a trace: its stores, and behind them their slopes."""
     stores: dict[int, Any] = {}
     for row, operand in step.stores.items():
         stores[row] = run.value(operand)
-        stores |= {row + k * rows: slope for k, slope in enumerate(run.slope(operand), 1)}
+        stores |= {row + k * run.rows: slope for k, slope in enumerate(run.slope(operand), 1)}
     rare = run.value(step.rare)
     operations = run.tape.needed([*stores.values(), rare])
     return Trace(operations, {row: named(value) for row, value in stores.items()}, named(rare))

@@ -35,7 +35,7 @@ class Fields:
 
 ENTITIES = (
     *("system", "particle", "frame", "unit", "contact", "guide", "joint", "constraint"),
-    *("spring", "driven", "load", "body", "function", "piece", "knot"),
+    *("spring", "driven", "load", "body", "function", "piece", "knot", "wear", "harmonic"),
 )
 
 
@@ -45,7 +45,8 @@ def _fields(*entities: str) -> Fields:
 
 # Rows of each entity's record; PARTICLE is that of a bound particle, whose first PLAIN rows are those of a plain one.
 RECORDS = {entity: _fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES}
-SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, GUIDE, JOINT, CONSTRAINT, SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE, KNOT = RECORDS.values()
+SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, GUIDE, JOINT, CONSTRAINT = list(RECORDS.values())[:8]
+SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE, KNOT, WEAR, HARMONIC = list(RECORDS.values())[8:]
 PLAIN = _fields("particle").SIZE
 
 
@@ -55,7 +56,7 @@ CONTACT_INDEX = Fields(
     (name, 1)
     for name in (
         *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "together"),
-        *("kind", "piece", "pieces", "knot", "knots"),
+        *("kind", "piece", "pieces", "knot", "knots", "wear", "bearing_first", "bearing_count", "journal_first", "journal_count"),
     )
 )
 GUIDE_INDEX = Fields((name, 1) for name in ("row", "corners", "corners_end"))

@@ -84,6 +84,10 @@ BLOCKS: tuple[Block, ...] = (
         contact_duration | s | time in contact, but for the first step of each"""),
     *_blocks("memory", "contact", """
         contact_regime | 1 | which smooth part of the friction law's curve held at step n"""),
+    *_blocks("state", "wear", """
+        wear_work | N m | normal force times sliding distance up to step n
+        wear_x | N m | the same, each part along the direction from the bearing's centre to the journal's in which it was done
+        wear_y | N m | the same, each part along the direction from the bearing's centre to the journal's in which it was done"""),
     *_blocks("state", "joint", """
         joint_fx | N | force on the journal at step n
         joint_fy | N | force on the journal at step n
@@ -169,6 +173,9 @@ BLOCKS: tuple[Block, ...] = (
         contact_landing | m | depth at which a first contact may land
         contact_slots | unit of the law | parameters of the contact law | 8
         contact_friction_slots | unit of the law | parameters of the friction law | 8"""),
+    *_blocks("parameter", "harmonic", """
+        harmonic_cosine | m | of a worn profile: depth that goes with the cosine of so many times the angle; the mean depth in the first
+        harmonic_sine | m | of a worn profile: depth that goes with its sine"""),
     *_blocks("parameter", "joint", """
         joint_bearing_x | m | pin in the bearing body's frame
         joint_bearing_y | m | pin in the bearing body's frame
@@ -268,6 +275,11 @@ BLOCKS: tuple[Block, ...] = (
         film_across | N | its force along t on the journal, at rest
         film_damping | N s/m | damping of that by the velocity along t
         film_cross | N s/m | force along t by the rate along n, and the reverse"""),
+    *_blocks("scratch", "wear", """
+        wear_nx | 1 | direction from the bearing's centre to the journal's
+        wear_ny | 1 | direction from the bearing's centre to the journal's
+        wear_stretch | 1 | change of the penetration for one of the distance between worn surfaces
+        wear_journal | m | depth of the journal's surface where the two meet"""),
     *_blocks("scratch", "constraint", """
         constraint_nx | 1 | direction of the constraint, 0 for an angle
         constraint_ny | 1 | direction of the constraint, 0 for an angle

@@ -23,7 +23,7 @@ from .turned import REDUNDANT, fill_turned, halves, solve_turned
 GAIN = 0.0625  # of what is open at t_n, of which all is closed in coarse steps, where rounding over dt^2 is small
 LEFT = 5e-11  # sizes of a mechanism that the corrections along the rows of t_n may leave open in a step
 LEFT_COARSE = 5e-10  # the same in coarse steps, in which it does not add up
-LEFT_BY_CONTACTS = 1e-9  # the same where impacts change the reactions from step to step: next to nothing beside a penetration
+LEFT_BY_CONTACTS = 1e-8  # the same where impacts change the reactions from step to step: next to nothing beside a penetration
 STEEP = 3  # of the kinds of coarse steps, that in which the turned rows are always used
 MUCH = 1e-6  # sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
 
@@ -81,10 +81,11 @@ def predict(S, I, dt, b, k):
     """Displacements from t_n to t_(n+1) of the pinned bodies under the forces so far."""
     for q in range(I[HEADER.pinned_count]):
         i = I[I[HEADER.pinned] + q]
-        im = S[i + PARTICLE.inverse_mass]
-        S[i + PARTICLE.step_x] = dt * (b * S[i + PARTICLE.u] + k * (im * S[i + PARTICLE.fx]))
-        S[i + PARTICLE.step_y] = dt * (b * S[i + PARTICLE.v] + k * (im * S[i + PARTICLE.fy]))
-        angle = dt * (b * S[i + PARTICLE.w] + k * (S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]))
+        im = dt * (k * S[i + PARTICLE.inverse_mass])
+        ii = dt * (k * S[i + PARTICLE.inverse_inertia])
+        S[i + PARTICLE.step_x] = dt * b * S[i + PARTICLE.u] + im * S[i + PARTICLE.fx]
+        S[i + PARTICLE.step_y] = dt * b * S[i + PARTICLE.v] + im * S[i + PARTICLE.fy]
+        angle = dt * b * S[i + PARTICLE.w] + ii * S[i + PARTICLE.mz]
         S[i + PARTICLE.step_turn] = angle
         S[i + PARTICLE.step_sine], S[i + PARTICLE.step_versine] = turned(angle)
 

@@ -7,7 +7,7 @@ Damping and friction are stiff: both act on the velocity at t_n, which a central
 force in closed form. Joints that share a body are visited in turn, from the last step's forces.
 """
 
-from .arrays import CONTACT, CONTACT_INDEX, GUIDE, GUIDE_INDEX, HEADER, PARTICLE, SYSTEM
+from .arrays import CONTACT, CONTACT_INDEX, GUIDE, GUIDE_INDEX, HEADER, PARTICLE, SYSTEM, WEAR
 from .central_difference import larger
 from .constraint import apply_response, joint_compliance
 from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
@@ -15,6 +15,7 @@ from .path import in_slot
 from .tabled import tabled_law, turned_slowness
 from .together import approach_rate, press, press_together, shove
 from .topology import LINE, ROUND, SLOT
+from .wear import rub, worn
 
 STICKS = 1e-9  # share of a free velocity that a set-valued law leaves to rounding
 
@@ -25,10 +26,10 @@ def velocities(S, I, p, h):
     """Velocities at t_n of the particles in clearance joints under the forces so far."""
     for q in range(I[HEADER.jointed_count]):
         i = I[I[HEADER.jointed] + q]
-        im = S[i + PARTICLE.inverse_mass]
-        S[i + PARTICLE.vu] = p * (S[i + PARTICLE.u] + h * (im * S[i + PARTICLE.fx]))
-        S[i + PARTICLE.vv] = p * (S[i + PARTICLE.v] + h * (im * S[i + PARTICLE.fy]))
-        S[i + PARTICLE.vw] = p * (S[i + PARTICLE.w] + h * (S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]))
+        im = h * S[i + PARTICLE.inverse_mass]
+        S[i + PARTICLE.vu] = p * (S[i + PARTICLE.u] + im * S[i + PARTICLE.fx])
+        S[i + PARTICLE.vv] = p * (S[i + PARTICLE.v] + im * S[i + PARTICLE.fy])
+        S[i + PARTICLE.vw] = p * (S[i + PARTICLE.w] + (h * S[i + PARTICLE.inverse_inertia]) * S[i + PARTICLE.mz])
 
 
 def expected(S, i, p, h):
@@ -45,10 +46,10 @@ def expected_rate(S, j, b, k, p, h):
     return S[j + CONTACT.nx] * (ku - bu) + S[j + CONTACT.ny] * (kv - bv) + S[j + CONTACT.jn] * kw - S[j + CONTACT.bn] * bw
 
 
-def onset(S, j, b, k, depth, start, p, h):
+def onset(S, j, b, k, depth, start, p, h, stretch):
     """A contact begins: its speed is located inside the step and held until the two part."""
     dt = S[SYSTEM.step]
-    rate = expected_rate(S, j, b, k, p, h)
+    rate = stretch * expected_rate(S, j, b, k, p, h)
     located = rate if start else onset_speed(depth, S[j + CONTACT.penetration], rate, dt)
     slow = located < S[j + CONTACT.floor]
     S[j + CONTACT.slowness] = 1.0 / (S[j + CONTACT.floor] if slow else located)
@@ -62,16 +63,43 @@ def onset(S, j, b, k, depth, start, p, h):
     S[SYSTEM.event] = 1.0
 
 
-def law_of(S, I, r, depth, slowness, p, h):
+def law_of(S, I, r, depth, slowness, p, h, stretch):
     """Elastic force and damping coefficient of a contact, by its law's function or its table."""
     j = I[r + CONTACT_INDEX.row]
     if I[r + CONTACT_INDEX.knots] != 0:
-        rate = expected_rate(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], p, h)
+        rate = stretch * expected_rate(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], p, h)
         turned = turned_slowness(slowness, S[j + CONTACT.slots], rate)
         elastic, damping = tabled_law(S, I[r + CONTACT_INDEX.knot], I[r + CONTACT_INDEX.knots], depth, turned)
     else:
         elastic, damping = contact_law(I[r + CONTACT_INDEX.contact], depth, slowness, S, j + CONTACT.slots)
     return elastic, damping
+
+
+def met(S, I, r, ex, ey):
+    """Signed penetration (m) and normal of contact r, the journal's centre being (ex, ey) from the bearing's pin, and by how much the levers of
+    the normal and of the friction force on the bearing differ from those of a journal in a round one (m).
+    """
+    j = I[r + CONTACT_INDEX.row]
+    b = I[r + CONTACT_INDEX.bearing]
+    kind = I[r + CONTACT_INDEX.kind]
+    along = 0.0
+    beyond = 0.0
+    if kind == LINE:
+        nx, ny = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[j + CONTACT.line_x], S[j + CONTACT.line_y])
+        depth = (nx * ex + ny * ey) - S[j + CONTACT.size]
+        along = nx * ey - ny * ex
+    elif kind == SLOT:
+        away, nx, ny = in_slot(S, I[r + CONTACT_INDEX.piece], I[r + CONTACT_INDEX.pieces], S[b + PARTICLE.c], S[b + PARTICLE.s], ex, ey)
+        depth = away - S[j + CONTACT.size]
+        along = nx * ey - ny * ex
+        beyond = (nx * ex + ny * ey) - away
+    else:
+        depth, nx, ny = eccentricity(ex, ey, S[j + CONTACT.size])
+        if kind == ROUND:
+            depth = -depth
+            nx = -nx
+            ny = -ny
+    return depth, nx, ny, along, beyond
 
 
 def contact_geometry(S, I, start, p, h):
@@ -85,41 +113,39 @@ def contact_geometry(S, I, start, p, h):
         kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[j + CONTACT.journal_x], S[j + CONTACT.journal_y])
         ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
         ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
-        kind = I[r + CONTACT_INDEX.kind]
-        along = 0.0
-        beyond = 0.0
-        if kind == LINE:
-            nx, ny = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[j + CONTACT.line_x], S[j + CONTACT.line_y])
-            depth = (nx * ex + ny * ey) - S[j + CONTACT.size]
-            along = nx * ey - ny * ex
-        elif kind == SLOT:
-            away, nx, ny = in_slot(S, I[r + CONTACT_INDEX.piece], I[r + CONTACT_INDEX.pieces], S[b + PARTICLE.c], S[b + PARTICLE.s], ex, ey)
-            depth = away - S[j + CONTACT.size]
-            along = nx * ey - ny * ex
-            beyond = (nx * ex + ny * ey) - away
-        else:
-            depth, nx, ny = eccentricity(ex, ey, S[j + CONTACT.size])
-            if kind == ROUND:
-                depth = -depth
-                nx = -nx
-                ny = -ny
+        depth, nx, ny, along, beyond = met(S, I, r, ex, ey)
+        w = I[r + CONTACT_INDEX.wear]
+        if w != 0:
+            S[w + WEAR.nx] = nx
+            S[w + WEAR.ny] = ny
+        stretch = 1.0
+        turns = 0.0
+        lost = 0.0
+        shaped = I[r + CONTACT_INDEX.bearing_count] + I[r + CONTACT_INDEX.journal_count] != 0
+        if shaped:
+            depth, nx, ny, along, turns, stretch = worn(S, I, r, depth, nx, ny)
+            lost = S[w + WEAR.journal] if I[r + CONTACT_INDEX.journal_count] != 0 else 0.0
+            beyond = (nx * ex + ny * ey) - (depth + S[j + CONTACT.size]) - lost
         overlap = S[j + CONTACT.arm_overlap] * depth
         S[j + CONTACT.nx] = nx
         S[j + CONTACT.ny] = ny
-        S[j + CONTACT.jn] = kx * ny - ky * nx
+        S[j + CONTACT.jn] = kx * ny - ky * nx + turns
         S[j + CONTACT.bn] = bx * ny - by * nx - along
-        S[j + CONTACT.jt] = kx * nx + ky * ny + (S[j + CONTACT.arm_journal] - overlap)
+        S[j + CONTACT.jt] = kx * nx + ky * ny + (S[j + CONTACT.arm_journal] - overlap) - lost
         S[j + CONTACT.bt] = bx * nx + by * ny + (S[j + CONTACT.arm_bearing] + overlap) + beyond
         touching = depth > 0.0
         if seldom(touching and S[j + CONTACT.slowness] <= 0.0):
-            onset(S, j, b, k, depth, start, p, h)
+            onset(S, j, b, k, depth, start, p, h, stretch)
         if seldom(depth <= 0.0 and S[j + CONTACT.slowness] > 0.0):
             S[SYSTEM.event] = 1.0
             S[j + CONTACT.slowness] = 0.0
         slowness = S[j + CONTACT.slowness]
         S[j + CONTACT.penetration] = depth
         S[j + CONTACT.duration] += S[SYSTEM.step] if touching else 0.0
-        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = law_of(S, I, r, depth if touching else 0.0, slowness, p, h)
+        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = law_of(S, I, r, depth if touching else 0.0, slowness, p, h, stretch)
+        if shaped:
+            S[j + CONTACT.elastic] *= stretch
+            S[j + CONTACT.damping_coefficient] *= stretch * stretch
         S[j + CONTACT.normal] = 0.0
         S[j + CONTACT.friction] = 0.0
         if I[r + CONTACT_INDEX.film] != 0:
@@ -273,6 +299,8 @@ def solve_contacts(S, I, span, central):
         S[j + CONTACT.normal_force] = normal
         S[j + CONTACT.friction_force] = tangential
         account(S, j, span, (normal - S[j + CONTACT.elastic]) * rate - across * slip, -friction * slip)
+        if I[r + CONTACT_INDEX.wear] != 0:
+            rub(S, I[r + CONTACT_INDEX.wear], j, span, slip)
 
 
 def account(S, j, span, lost, rubbed):

@@ -15,38 +15,20 @@ def nearest(x):
 def sincos(angle):
     """Sine and cosine of an angle (rad), error below 1 ulp or so for |angle| < 1e6.
 
-    The angle is reduced by quarter turns with a three-part pi/2; the kernels are the polynomials of FreeBSD's msun (k_sin.c, k_cos.c).
+    The angle is reduced by quarter turns with a three-part pi/2; the kernels are the polynomials of FreeBSD's msun (k_sin.c, k_cos.c), summed in
+    pairs (Estrin 1960), since a step waits for them.
     """
     k = nearest(angle * 0.6366197723675814)
     r = ((angle - k * 1.57079632673412561417) - k * 6.07710050630396597660e-11) - k * 2.02226624879595063154e-21
     z = r * r
-    s = r + r * z * (
-        -1.66666666666666324348e-01
-        + z
-        * (
-            8.33333333332248946124e-03
-            + z
-            * (-1.98412698298579493134e-04 + z * (2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))
-        )
-    )
-    c = (
-        1.0
-        - 0.5 * z
-        + z
-        * z
-        * (
-            4.16666666666666019037e-02
-            + z
-            * (
-                -1.38888888888741095749e-03
-                + z
-                * (
-                    2.48015872894767294178e-05
-                    + z * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))
-                )
-            )
-        )
-    )
+    z2 = z * z
+    z4 = z2 * z2
+    p = -1.66666666666666324348e-01 + z * 8.33333333332248946124e-03
+    q = -1.98412698298579493134e-04 + z * 2.75573137070700676789e-06
+    s = r + (r * z) * ((p + z2 * q) + z4 * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))
+    p = 4.16666666666666019037e-02 + z * -1.38888888888741095749e-03
+    q = 2.48015872894767294178e-05 + z * -2.75573143513906633035e-07
+    c = (1.0 - 0.5 * z) + z2 * ((p + z2 * q) + z4 * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))
     m = k - 4.0 * nearest(k * 0.25)
     odd = m * m == 1.0
     half = m * m == 4.0
@@ -60,9 +42,10 @@ def sincos(angle):
 def turned(angle):
     """Sine and versine (1 - cosine) of a small angle (rad), relative error below 1e-16 for |angle| < 0.1, below 3e-8 for |angle| < 1."""
     z = angle * angle
-    sine = angle * (1.0 - z * (1.0 / 6.0) * (1.0 - z * 0.05 * (1.0 - z * (1.0 / 42.0) * (1.0 - z * (1.0 / 72.0)))))
-    versine = 0.5 * z * (1.0 - z * (1.0 / 12.0) * (1.0 - z * (1.0 / 30.0) * (1.0 - z * (1.0 / 56.0) * (1.0 - z * (1.0 / 90.0)))))
-    return sine, versine
+    z2 = z * z
+    less = (1.0 / 6.0 - z * (1.0 / 120.0)) + z2 * (1.0 / 5040.0 - z * (1.0 / 362880.0))
+    versine = z * ((0.5 - z * (1.0 / 24.0)) + z2 * ((1.0 / 720.0 - z * (1.0 / 40320.0)) + z2 * (1.0 / 3628800.0)))
+    return angle - (angle * z) * less, versine
 
 
 def two_to(whole):

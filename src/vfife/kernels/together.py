@@ -17,12 +17,12 @@ def press(S, j, b, k, normal, friction):
     """Adds a normal and a friction force of joint j to the forces on its two particles."""
     nx = S[j + CONTACT.nx]
     ny = S[j + CONTACT.ny]
-    px = -normal * nx - friction * ny
+    px = normal * nx + friction * ny
     py = friction * nx - normal * ny
-    S[k + PARTICLE.fx] += px
+    S[k + PARTICLE.fx] -= px
     S[k + PARTICLE.fy] += py
     S[k + PARTICLE.mz] += friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn]
-    S[b + PARTICLE.fx] -= px
+    S[b + PARTICLE.fx] += px
     S[b + PARTICLE.fy] -= py
     S[b + PARTICLE.mz] -= friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn]
 
@@ -31,14 +31,14 @@ def shove(S, j, b, k, h, normal, friction):
     """Velocities at t_n of the two bodies of joint j under a change of its force."""
     nx = S[j + CONTACT.nx]
     ny = S[j + CONTACT.ny]
-    px = -normal * nx - friction * ny
+    px = normal * nx + friction * ny
     py = friction * nx - normal * ny
     hk = h * S[k + PARTICLE.inverse_mass]
     hb = h * S[b + PARTICLE.inverse_mass]
-    S[k + PARTICLE.vu] += hk * px
+    S[k + PARTICLE.vu] -= hk * px
     S[k + PARTICLE.vv] += hk * py
     S[k + PARTICLE.vw] += h * S[k + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn])
-    S[b + PARTICLE.vu] -= hb * px
+    S[b + PARTICLE.vu] += hb * px
     S[b + PARTICLE.vv] -= hb * py
     S[b + PARTICLE.vw] -= h * S[b + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn])
 

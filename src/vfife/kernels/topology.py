@@ -26,7 +26,8 @@ class Topology:
     ``contact_path`` and ``joint_path`` are indices of
     paths, -1 for none; ``path_pieces`` the number of pieces of each; ``contact_knots`` those of the tables of contact laws, all 0 where it is
     left out. ``guides`` are the first contact and the one after the last of each block in
-    a guide with play, whose corners are contacts of their own.
+    a guide with play, whose corners are contacts of their own. ``wears`` are the contacts of which wear is kept, ``profiles`` how many harmonics
+    the worn profiles of bearing and journal have in each of them; none unless said.
     """
 
     particles: int
@@ -40,6 +41,8 @@ class Topology:
     contact_kind: tuple[int, ...] = ()
     contact_path: tuple[int, ...] = ()
     guides: tuple[tuple[int, int], ...] = ()
+    wears: tuple[int, ...] = ()
+    profiles: tuple[tuple[int, int], ...] = ()
     contact_form: tuple[int, ...] = ()
     friction_form: tuple[int, ...] = ()
     joint_bearing: tuple[int, ...] = ()
@@ -139,5 +142,7 @@ class Topology:
             "function": len(self.function_start),
             "piece": sum(self.path_pieces),
             "knot": sum(self.contact_knots),
+            "wear": len(self.wears),
+            "harmonic": sum(map(sum, self.profiles)),
             "system": 1,
         }

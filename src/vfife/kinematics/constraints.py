@@ -10,7 +10,6 @@ that a row of G in (x, y, l theta) has unit length.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..fields.members import Members, cos, number, sin
 from ..kernels import constraint, geometry, path
 from ..kernels.topology import ACROSS, ALONG, APART, ON_PATH
 from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Place, Row, Turn, place_row, turn_row
@@ -26,7 +26,6 @@ from .taylor import Taylor, lifted
 
 Array = NDArray[np.float64]
 SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess puts in one place
-MIRROR = np.array([1.0, -1.0])
 KERNEL = lifted(geometry, path, constraint)  # arm, lever, placed and relative_turn, as the step has them
 
 
@@ -79,6 +78,11 @@ class Constraint:
         return turn_row(self.held)
 
     @property
+    def numbers(self) -> tuple[Any, ...]:
+        """All by which positions are closed."""
+        return (*self._points[0], *self._points[1], self.aim, self.ratio)
+
+    @property
     def turns(self) -> bool:
         """Whether it holds nothing but a turn."""
         return self.place is None
@@ -103,34 +107,38 @@ class Constraint:
         """By how much the angle of body a is multiplied in a row of angles."""
         return 1.0 if self.turn is None else self.turn.ratio
 
-    def rows(self, p: Array, v: Array | None, length: float) -> Rows:
-        """phi, G and gamma (zero without ``v``) at position p and velocity v, both [n, 3]; rows of angles times ``length`` (m)."""
-        a, b = p[self.body_a].tolist(), p[self.body_b].tolist()
-        (ax, ay), (bx, by) = self._arms(_facing(a), _facing(b))
-        phi, seen = self._places((ax, ay), (bx, by), a, b, _facing(a))
+    def rows(self, p: Array, v: Array | None, length: float, facing: Sequence[Any] = ()) -> Rows:
+        """phi, G and gamma (zero without ``v``) at position p and velocity v, both [n, 3]; rows of angles times ``length`` (m).
+
+        ``facing``: cosine and sine of each body's angle, where they are known.
+        """
+        a, b = _numbers(p, self.body_a), _numbers(p, self.body_b)
+        face_a, face_b = (facing[k] if facing and facing[k] else _facing(at) for k, at in ((self.body_a, a), (self.body_b, b)))
+        (ax, ay), (bx, by) = self._arms(face_a, face_b)
+        phi, seen = self._places((ax, ay), (bx, by), a, b, face_a)
         foot = (ax, ay) if isinstance(self.place, Coincide) else (bx + b[0] - a[0], by + b[1] - a[1])
         on_a = [(-nx, -ny, -KERNEL.lever(*foot, nx, ny)) for nx, ny in seen]
         on_b = [(nx, ny, KERNEL.lever(bx, by, nx, ny)) for nx, ny in seen]
         gamma = [0.0] * len(phi)
         if v is not None and phi:
-            gamma = self._gamma(a, b, v[self.body_a].tolist(), v[self.body_b].tolist())
+            gamma = self._gamma(a, b, _numbers(v, self.body_a), _numbers(v, self.body_b), (face_a, face_b))
         if isinstance(self.place, Along):
             phi = [phi[0] - self.aim]
         if isinstance(self.place, Apart):
             phi = [phi[0] - self.place.length]
         if self.turn is not None:
-            phi = [*phi, length * (KERNEL.relative_turn(a[2], b[2], self.ratio, p[self.body_c, 2].item()) - self.aim)]
+            phi = [*phi, length * (KERNEL.relative_turn(a[2], b[2], self.ratio, _numbers(p, self.body_c)[2]) - self.aim)]
             on_a, on_b = [*on_a, (0.0, 0.0, -length * self.ratio)], [*on_b, (0.0, 0.0, length)]
             gamma = [*gamma, 0.0]
         on_c = [(0.0, 0.0, 0.0)] * len(seen) + [(0.0, 0.0, -length * (1.0 - self.ratio))] * (self.turn is not None)
         return Rows(phi, on_a, on_b, on_c, gamma)
 
-    def _gamma(self, a: list[float], b: list[float], va: list[float], vb: list[float]) -> list[float]:
+    def _gamma(self, a: list[float], b: list[float], va: list[float], vb: list[float], facing: tuple[Any, Any]) -> list[float]:
         """- dG/dt v: the second derivatives of phi with all accelerations zero, turned round."""
         moving = [[Taylor(x, u) for x, u in zip(at, speed, strict=True)] for at, speed in ((a, va), (b, vb))]
         faces = []
-        for at, speed in ((a, va), (b, vb)):
-            (c, s), w = _facing(at), speed[2]
+        for (c, s), speed in zip(facing, (va, vb), strict=True):
+            w = speed[2]
             faces.append((Taylor(c, -s * w, -c * w * w), Taylor(s, c * w, -s * w * w)))
         phi, _ = self._places(*self._arms(*faces), moving[0], moving[1], faces[0])
         return [-one.second for one in phi]
@@ -140,8 +148,10 @@ class Constraint:
         return KERNEL.arm(*face_a, ax, ay), KERNEL.arm(*face_b, bx, by)
 
     @cached_property
-    def _points(self) -> tuple[list[float], list[float]]:
-        return np.asarray(self.point_a, dtype=float).tolist(), np.asarray(self.point_b, dtype=float).tolist()
+    def _points(self) -> tuple[list[Any], list[Any]]:
+        points: tuple[Any, Any] = (self.point_a, self.point_b)
+        (ax, ay), (bx, by) = points
+        return [number(ax), number(ay)], [number(bx), number(by)]
 
     @cached_property
     def _guide(self) -> tuple[int, list[float], int, float, float]:
@@ -170,8 +180,9 @@ class Constraint:
     def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
         """Force (N) on body b at its point, and moment (N m) on it; body a has the opposite at the same place."""
         rows = self.rows(p, None, length).b[: self.lengths]
-        fx, fy = (float(sum(row[axis] * float(value) for row, value in zip(rows, multiplier, strict=False))) for axis in (0, 1))
-        return fx, fy, 0.0 if self.turn is None else length * float(multiplier[-1])
+        values = [number(multiplier[..., k]) for k in range(multiplier.shape[-1])]
+        fx, fy = (number(sum(row[axis] * value for row, value in zip(rows, values, strict=False))) for axis in (0, 1))
+        return fx, fy, 0.0 if self.turn is None else length * values[-1]
 
     def at(self, p: Array) -> float:
         """Where the point of body b is along the guide (m) at position p [n, 3]."""
@@ -183,8 +194,8 @@ class Constraint:
         return dataclasses.replace(
             self,
             held=tuple(row.mirrored() for row in self.held),
-            point_a=np.asarray(self.point_a) * MIRROR,
-            point_b=np.asarray(self.point_b) * MIRROR,
+            point_a=(self._points[0][0], -self._points[0][1]),
+            point_b=(self._points[1][0], -self._points[1][1]),
             aim=sign * self.aim,
             speed=sign * self.speed,
             acceleration=sign * self.acceleration,
@@ -193,4 +204,14 @@ class Constraint:
 
 def _facing(at: list[float]) -> tuple[float, float]:
     """Cosine and sine of a body's angle."""
-    return math.cos(at[2]), math.sin(at[2])
+    return cos(at[2]), sin(at[2])
+
+
+def directions(p: Array, body: int) -> tuple[Any, Any]:
+    """Cosine and sine of a body's angle at position p."""
+    return _facing(_numbers(p, body))
+
+
+def _numbers(p: Array, body: int) -> list[Any]:
+    """The three coordinates of a body, plain or of members."""
+    return [p[..., body, k].view(Members) for k in range(3)] if p.ndim > 2 else p[body].tolist()

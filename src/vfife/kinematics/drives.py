@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
+from ..fields.members import point
 from ..model.bodies import PointMass
 from ..model.carriers import carrier_of
 from ..model.drivers import AngleTable, Driver
@@ -102,8 +103,8 @@ def rigid_system(
     for name, driver in constraint_drivers(mechanism).items():
         if travels or driven_body(name, driver):
             drives.append(_drive(mechanism, names, name, driver, time, datum))
-    mass = np.array([1.0, *(p[0] for p in properties.values())])
-    inertia = np.array([1.0, *(p[2] if p[2] > 0.0 else 1e-6 * p[0] for p in properties.values())])
+    mass = point(1.0, *(p[0] for p in properties.values()))
+    inertia = point(1.0, *(p[2] if p[2] > 0.0 else 1e-6 * p[0] for p in properties.values()))
     return RigidSystem(names, mass, inertia, tuple(joints), tuple(drives))
 
 
@@ -115,7 +116,8 @@ def _angle(mechanism: Mechanism, body: str) -> float:
 def _joint(mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]) -> Constraint:
     """What a joint holds without play; its bodies keep the angle that they have between them approximately."""
     (a, pin_a), (b, pin_b) = joint.sides
-    point_a, point_b = tuple(np.add(from_center(mechanism, (a, pin_a)), seat)), from_center(mechanism, (b, pin_b))
+    (x, y), point_b = from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
+    point_a = x + seat[0], y + seat[1]
     rows = joint.rows()
     turn = turn_row(rows)
     offset = 0.0 if turn is None else _angle(mechanism, b) - turn.ratio * _angle(mechanism, a)
@@ -134,7 +136,8 @@ def _drive(mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driv
     body = driven_body(name, driver)
     if body:
         start = datum.angle.get(body, _angle(mechanism, body)) - datum.angle.get(driver.against, _angle(mechanism, driver.against))
-        angle, rate, second = motion_function(driver, start, mechanism.clock)(time)
+        steady = driver.steady_speed if time == 0.0 and mechanism.clock == 0.0 else None
+        angle, rate, second = motion_function(driver, start, mechanism.clock)(time) if steady is None else (start, steady, 0.0)
         return Constraint(name, names.index(driver.against), names.index(body), (Turn(),), aim=angle, speed=rate, acceleration=second, driven=True)
     return travel_of(mechanism, names, name, driver, *motion_function(driver, datum.travel.get(name, 0.0), mechanism.clock)(time))
 

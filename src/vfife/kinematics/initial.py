@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
+from ..fields.members import Differing, Members
+from ..fields.members import chosen as of_members
 from ..laws.elasticity import tangent
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
@@ -54,7 +57,7 @@ class Motion:
     def of(self, body: str) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of a body's centre of mass."""
         k = self.names.index(body)
-        return self.position[k], self.velocity[k], self.acceleration[k]
+        return self.position[..., k, :], self.velocity[..., k, :], self.acceleration[..., k, :]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +108,10 @@ def seated(mechanism: Mechanism) -> dict[str, Seat]:
 
 def handedness(guess: Array) -> float:
     """-1 if the first body that is not along x is turned clockwise, else 1: the mirror image has the opposite one."""
-    turned = guess[:, 2][guess[:, 2] != 0.0]
-    return -1.0 if len(turned) and turned[0] < 0.0 else 1.0
+    for angle in np.moveaxis(guess[..., 2], -1, 0):
+        if angle != 0.0:
+            return -1.0 if angle < 0.0 else 1.0
+    return 1.0
 
 
 def datum_of(mechanism: Mechanism, given: Given | None = None) -> Datum:
@@ -144,6 +149,57 @@ def _closed(mechanism: Mechanism, system: RigidSystem, guess: Array) -> Array:
     flip = np.array([1.0, hand, hand])
     position: Array = close(mirrored(system) if hand < 0.0 else system, guess * flip).position * flip
     return position
+
+
+def driven_start(mechanism: Mechanism, met: dict[Any, tuple[Array, Array]] | None = None) -> Motion:
+    """The :func:`ideal_motion` from which many members start, without accelerations and forces; see :mod:`vfife.fields.members`.
+
+    ``met`` remembers what was closed, for mechanisms that differ in what does not move them.
+    Raises :class:`~vfife.fields.members.Differing` where they are not to be treated alike, and ValueError where each has to be taken alone: the
+    motion depends on forces, or joints hold more than there is to hold.
+    """
+    if any(any(body.velocity) for body in mechanism.bodies.values()) or mechanism.start.journals != "centred":
+        raise ValueError("bodies have velocities of their own, or journals are seated")
+    if any(not driven_body(name, driver) for name, driver in mechanism.drivers.items()):
+        raise ValueError("a travel counts from the start")
+    datum = Datum(angle={name: body.angle for name, body in mechanism.bodies.items()})
+    system, guess = rigid_system(mechanism, datum=datum), first_guess(mechanism)
+    hand = handedness(guess)
+    flip = np.array([1.0, hand, hand])
+    solved = mirrored(system) if hand < 0.0 else system
+    if system.starts[-1] != 3 * len(system.names) - 3:
+        raise ValueError("free motions have velocities that follow from masses")
+    values = [guess, solved.reach, *(value for one in solved.constraints for value in (*one.numbers, one.speed))]
+    ties = tuple((one.body_a, one.body_b, one.body_c, one.held, one.driven) for one in solved.constraints)
+    key = ties, hand, tuple(np.asarray(value).tobytes() for value in values)
+    met = {} if met is None else met
+    position, velocity = met.get(key) or met.setdefault(key, _driven(solved, guess * flip, values))
+    return Motion(system.names, position * flip, velocity * flip, np.zeros_like(velocity), {}, {}, datum, (), solved, hand)
+
+
+def _driven(solved: RigidSystem, guess: Array, values: list[Any]) -> tuple[Array, Array]:
+    """Positions and velocities, each closed once."""
+    first, back = alike_closed(values)
+    some, there = (solved, guess) if first is None else (of_members(solved, first), of_members(guess, first))
+    if first is None:  # masses move nothing that is determined
+        mass, inertia = (np.array(one[0]) if isinstance(one, Members) else one for one in (solved.mass, solved.inertia))
+        some = RigidSystem(solved.names, mass, inertia, solved.joints, solved.drives)
+    try:
+        position = close(some, there).position
+        velocity = velocities(some, position, independent=True)
+    except Differing as apart:
+        raise Differing(apart.where if back is None else apart.where[back]) from None
+    return position if back is None or position.ndim < 3 else position[back], velocity if back is None or velocity.ndim < 3 else velocity[back]
+
+
+def alike_closed(values: list[Any]) -> tuple[NDArray[np.intp] | None, NDArray[np.intp] | None]:
+    """Members of which each stands for those that close alike, and the one that each of all has; None where nothing differs."""
+    wide = [value for value in values if isinstance(value, Members)]
+    if not wide:
+        return None, None
+    table = np.concatenate([np.asarray(value).reshape(len(value), -1) for value in wide], axis=1)
+    _, first, back = np.unique(table.view(np.uint64), axis=0, return_index=True, return_inverse=True)
+    return first, back.reshape(-1)
 
 
 def ideal_motion(

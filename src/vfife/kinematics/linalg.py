@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields.members import Differing, Members, alike
+
 Array = NDArray[np.float64]
 Matrix = Any  # a dense array, or a sparse one of SciPy
 
@@ -21,8 +23,13 @@ SOFT = 1e-9  # the same where the solution is refined: self-stress from round-of
 REFINEMENTS = 30
 
 
-def matrix(values: list[float], rows: list[int], columns: list[int], shape: tuple[int, int]) -> Matrix:
-    """G from its entries, which may repeat."""
+def matrix(values: list[Any], rows: list[int], columns: list[int], shape: tuple[int, ...]) -> Matrix:
+    """G from its entries, which may repeat; of members one for each, (members, r, c)."""
+    if len(shape) > 2:
+        of_each = np.zeros(shape).view(Members)
+        for row, column, value in zip(rows, columns, values, strict=True):
+            of_each[:, row, column] += value
+        return of_each
     if shape[1] <= DENSE:
         dense = np.zeros(shape)
         np.add.at(dense, (rows, columns), values)
@@ -32,38 +39,87 @@ def matrix(values: list[float], rows: list[int], columns: list[int], shape: tupl
     return csr_array((values, (rows, columns)), shape=shape)
 
 
+def turned(matrix: Array) -> Array:
+    """Its transpose, or that of each member's."""
+    return np.swapaxes(matrix, -1, -2)
+
+
+def times(matrix: Matrix, vector: Array) -> Any:
+    """A matrix times a vector, or each member's times its own."""
+    return np.asanyarray(matrix @ vector) if vector.ndim == 1 else (matrix @ vector[..., None])[..., 0]
+
+
 def weighted(weight: Array, jacobian: Matrix) -> Matrix:
     """diag(weight) G."""
     if isinstance(jacobian, np.ndarray):
-        return weight[:, None] * jacobian
+        return np.asanyarray(weight[:, None] * jacobian)
     from scipy.sparse import diags_array
 
     return (diags_array(weight) @ jacobian).tocsr()
 
 
-def damped_step(jacobian: Matrix, error: Array) -> Callable[[float], Array]:
-    """The function damping -> (G^T G + damping)^-1 G^T error, of least norm; directions that no row sees are left alone."""
-    if isinstance(jacobian, np.ndarray):
-        left, size, right = np.linalg.svd(jacobian, full_matrices=False)
-        kept = size > RANK_TOLERANCE
-        size, part, rows = size[kept], left[:, kept].T @ error, right[kept].T
-        return lambda damping: np.asarray(rows @ (size / (size**2 + damping) * part))
-    squared = jacobian @ jacobian.T
-    return lambda damping: np.asarray(jacobian.T @ _factors(squared, max(damping, EPSILON))(error))
+class DampedStep:
+    """(damping) -> (G^T G + damping)^-1 G^T error, of least norm; directions that no row sees are left alone.
+
+    Of several G side by side, (members, r, c), and as many errors and dampings; of a sparse G there is one.
+    """
+
+    def __init__(self) -> None:
+        self.parts: list[Array] = []
+        self.sparse: Callable[[float], Array] | None = None
+
+    def take(self, which: NDArray[np.bool_], jacobian: Matrix, error: Array) -> None:
+        """Other G and errors for some of them."""
+        if not isinstance(jacobian, np.ndarray):
+            squared, own = jacobian @ jacobian.T, error[0]
+            self.sparse = lambda damping: np.asarray(jacobian.T @ _factors(squared, max(damping, EPSILON))(own))
+            return
+        left, size, right = np.linalg.svd(jacobian[which], full_matrices=False)
+        counts = (size > RANK_TOLERANCE).sum(axis=-1)
+        rank = int(counts[0])
+        if (counts != rank).any():
+            raise Differing(np.isin(np.arange(len(which)), np.flatnonzero(which)[counts == rank]))
+        across = np.ascontiguousarray(turned(left)[:, :rank])
+        parts = [size[:, :rank], times(across, error[which]), right[:, :rank]]
+        if self.parts and not which.all():
+            if self.parts[0].shape[-1] != rank:
+                raise Differing(which)
+            for known, found in zip(self.parts, parts, strict=True):
+                known[which] = found
+        else:
+            self.parts = [np.ascontiguousarray(one) for one in parts]
+
+    def some(self, which: Any) -> DampedStep:
+        """That of some of them."""
+        found = DampedStep()
+        found.parts = [one[which] for one in self.parts]
+        return found
+
+    def __call__(self, damping: Array) -> Any:
+        if self.sparse is not None:
+            return self.sparse(float(damping[0]))[None]
+        size, part, rows = self.parts
+        return times(turned(rows), size / (size**2 + damping[:, None]) * part)
 
 
-def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tuple[Array, Array]:
+def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array, independent: bool = False) -> tuple[Array, Array]:
     """The motion x [c] with G x = wanted and the least (x - free)^T M (x - free), and its multipliers [r]: M (x - free) = G^T lambda.
 
-    Where rows depend on one another lambda is the solution of least norm, and x fits ``wanted`` as well as can be.
+    ``independent``: ValueError where rows depend on one another. Where they do, lambda is the solution of least norm, and x fits ``wanted`` as
+    well as can be.
     """
     if isinstance(jacobian, np.ndarray):
         left, size, right = np.linalg.svd(jacobian)
-        rank = int(np.sum(size > RANK_TOLERANCE))
-        inverse, null = right[:rank].T @ (left[:, :rank] / size[:rank]).T, right[rank:].T
-        motion = inverse @ wanted
-        motion = motion + null @ np.linalg.solve(null.T @ (mass[:, None] * null), null.T @ (mass * (free - motion)))
-        return motion, inverse.T @ (mass * (motion - free))
+        rank = alike(np.sum(size > RANK_TOLERANCE, axis=-1))
+        if independent and rank < jacobian.shape[-2]:
+            raise ValueError("rows depend on one another")
+        inverse = turned(right[..., :rank, :]) @ turned(left[..., :, :rank] / size[..., None, :rank])
+        null = turned(right[..., rank:, :])
+        motion = times(inverse, wanted)
+        pull = times(turned(null), mass * (free - motion))
+        free_part: Any = np.linalg.solve(turned(null) @ (mass[..., None] * null), pull[..., None])[..., 0]
+        motion = motion + times(null, free_part)
+        return motion, times(turned(inverse), mass * (motion - free))
     from scipy.sparse import diags_array
 
     squared = (jacobian @ diags_array(1.0 / mass) @ jacobian.T).tocsc()
@@ -84,7 +140,7 @@ def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
     ``mobility`` [c]: the diagonal of M^-1, 0 for what is driven. Multipliers that nothing leaves open stay as they are.
     """
     stress = self_stress(jacobian)
-    if not stress.shape[1]:
+    if not stress.shape[-1]:
         return multiplier
     squares = jacobian**2 if isinstance(jacobian, np.ndarray) else jacobian.multiply(jacobian)
     weight = np.asarray(squares @ mobility).ravel()
@@ -94,12 +150,12 @@ def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
 
 def self_stress(jacobian: Matrix) -> Array:
     """Orthonormal multipliers [r, k] that load nothing, G^T N = 0: one for each row that depends on the others."""
-    count = jacobian.shape[0]
+    count = jacobian.shape[-2]
     if count == 0:
-        return np.zeros((0, 0))
+        return np.zeros((*jacobian.shape[:-2], 0, 0))
     if isinstance(jacobian, np.ndarray):
         left, size, _ = np.linalg.svd(jacobian)
-        return np.asarray(left[:, int(np.sum(size > RANK_TOLERANCE)) :])
+        return np.asarray(left[..., :, alike(np.sum(size > RANK_TOLERANCE, axis=-1)) :])
     solve = _factors(jacobian @ jacobian.T, EPSILON)
     columns = 8
     while 4 * columns < count:  # inverse iteration with as many vectors as it takes to see one that is no self-stress

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
+from ..fields.members import number, table
 from ..model.bodies import Body, Point
 from ..model.joints import Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
+Places: TypeAlias = list[tuple[Any, Any, Any]]  # (x, y, angle) of bodies
 
 
 def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
@@ -42,22 +45,22 @@ def centred(mechanism: Mechanism, name: str, position: Array, velocity: Array) -
     return position + r, velocity + velocity[2] * np.array([-r[1], r[0], 0.0])
 
 
-def world(mechanism: Mechanism, position: Array, names: tuple[str, ...], side: tuple[str, str], beyond: Point = (0.0, 0.0)) -> Point:
+def world(mechanism: Mechanism, position: Places | Array, names: tuple[str, ...], side: tuple[str, str], beyond: Point = (0.0, 0.0)) -> Point:
     """A pin in space (m), or a place ``beyond`` it in its body's axes; bodies at ``position`` (bodies + 1, 3)."""
-    x, y = np.add(from_center(mechanism, side), beyond)
+    x, y = (a + b for a, b in zip(from_center(mechanism, side), beyond, strict=True))
     px, py, angle = position[names.index(side[0])] if side[0] != "ground" else (0.0, 0.0, 0.0)
     c, s = np.cos(angle), np.sin(angle)
-    return float(px + c * x - s * y), float(py + s * x + c * y)
+    return number(px + c * x - s * y), number(py + s * x + c * y)
 
 
-def first_guess(mechanism: Mechanism) -> Array:
+def first_guess(mechanism: Mechanism) -> Any:
     """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its approximate angle.
 
     Pins come before guides, and guides before contacts; in a guide or contact the pins of both sides start in one place, or where the joint has
     the journal's first.
     """
     names = ("ground", *mechanism.bodies)
-    guess = np.zeros((len(names), 3))
+    guess: Places = [(0.0, 0.0, 0.0)] * len(names)
     placed = {"ground"}
     for name, body in mechanism.bodies.items():
         if body.position is not None:
@@ -77,13 +80,13 @@ def first_guess(mechanism: Mechanism) -> Array:
         if reachable is None:
             break
         here, there, begin, end = reachable
-        x, y = np.add(local_point(mechanism, there), end)
-        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], (float(x), float(y)), world(mechanism, guess, names, here, begin))
+        x, y = (a + b for a, b in zip(local_point(mechanism, there), end, strict=True))
+        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], (x, y), world(mechanism, guess, names, here, begin))
         placed.add(there[0])
     for name, body in mechanism.bodies.items():
         if name not in placed:
             _place(guess, names.index(name), body, (0.0, 0.0), (0.0, 0.0))
-    return guess
+    return table(guess)
 
 
 def _ways(joint: Joint) -> Iterator[tuple[tuple[str, str], tuple[str, str], Point, Point]]:
@@ -93,7 +96,7 @@ def _ways(joint: Joint) -> Iterator[tuple[tuple[str, str], tuple[str, str], Poin
     yield journal, bearing, pin, first
 
 
-def _place(guess: Array, row: int, body: Body, local: Point, target: Point) -> None:
+def _place(guess: Places, row: int, body: Body, local: Point, target: Point) -> None:
     cx, cy = rigid_properties(body)[1]
     c, s = np.cos(body.angle), np.sin(body.angle)
     x, y = cx - local[0], cy - local[1]

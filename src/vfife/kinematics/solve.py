@@ -6,33 +6,22 @@ length, (x, y, l theta) with l the body's own reach, so that one tolerance judge
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
+from ..fields.members import Differing, Members, point, several, table
+from .descent import LARGEST_TURN, Closure, descend, opened
 from .gathered import Gathered
-from .linalg import DENSE, RANK_TOLERANCE, Matrix, constrained, damped_step, shared_out, weighted
+from .linalg import DENSE, RANK_TOLERANCE, constrained, shared_out, times
 from .opened import closing_joint, parted
 from .system import RigidSystem, checked, equations, metric
 
 Array = NDArray[np.float64]
 
 CLOSED = 1e-12  # largest open distance of a closed loop, in parts of the extent of the bodies
-LARGEST_TURN = 0.1  # rad a body may turn in one step: longer steps can jump to the other branch
-DRIVE_WEIGHT = 30.0  # a loop that cannot close must show its gap at the joints, not as a false driven angle
-STEPS = 400
-
-
-@dataclass(frozen=True, eq=False)
-class Closure:
-    """A closed position [n,3] (m, m, rad), its largest open distance `residual` (m) and the steps it took."""
-
-    position: Array
-    residual: float
-    iterations: int
 
 
 def close(system: RigidSystem, guess: Array) -> Closure:
@@ -45,29 +34,32 @@ def close(system: RigidSystem, guess: Array) -> Closure:
     start = checked(system, guess, "guess")
     for drive in system.drives:
         if drive.turns:
-            off = drive.aim - (start[drive.body_b, 2] - start[drive.body_a, 2])
-            start[drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
-    closure = _descend(system, start)
+            off = drive.aim - (start[..., drive.body_b, 2] - start[..., drive.body_a, 2])
+            start[..., drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+    closure = descend(system, start)
+    if several(start) and not (closed := _is_closed(system, closure)).all():
+        raise Differing(np.asarray(closed))
     if not _is_closed(system, closure):
         nudged = start.copy()
         nudged[1:, 2] += 0.5 * LARGEST_TURN * np.cos(np.arange(1, len(start)))
-        raise _open_joints(system, closure, _is_closed(system, _descend(system, nudged)))
+        raise _open_joints(system, closure, _is_closed(system, descend(system, nudged)))
     return closure
 
 
-def velocities(system: RigidSystem, position: Array, guess_velocity: Array | None = None) -> Array:
+def velocities(system: RigidSystem, position: Array, guess_velocity: Array | None = None, independent: bool = False) -> Array:
     """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position [n,3].
 
     G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default: rest).
-    Raises AssemblyError when no velocity exists (a driven dead centre), ValueError on bad shapes.
+    Raises AssemblyError when no velocity exists (a driven dead centre), ValueError on bad shapes, and where rows that are to be ``independent``
+    are not.
     """
     position = checked(system, position, "position")
     before = checked(system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity")
     rows = equations(system, position, before)
     lengths, mass = metric(system)
-    motion = constrained(rows.jacobian, rows.rate, mass, before[1:].ravel() * lengths)[0]
-    _demand(system, rows.jacobian @ motion - rows.rate, motion, "velocity")
-    return np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
+    motion = constrained(rows.jacobian, rows.rate, mass, flat(before) * lengths, independent)[0]
+    _demand(system, times(rows.jacobian, motion) - rows.rate, motion, "velocity")
+    return of_bodies(motion / lengths)
 
 
 def accelerations(system: RigidSystem, position: Array, velocity: Array, force: Array) -> tuple[Array, Array, Array]:
@@ -83,81 +75,39 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
     position, velocity = checked(system, position, "position"), checked(system, velocity, "velocity")
     rows = equations(system, position, velocity)
     lengths, mass = metric(system)
-    load = checked(system, force, "force")[1:].ravel() / lengths
+    load = flat(checked(system, force, "force")) / lengths
     motion, multiplier = constrained(rows.jacobian, rows.gamma, mass, load / mass)
-    _demand(system, rows.jacobian @ motion - rows.gamma, motion, "acceleration")
+    _demand(system, times(rows.jacobian, motion) - rows.gamma, motion, "acceleration")
     driven = [one.body_b for one in system.drives if one.turns and one.body_a == 0]
     free = np.repeat(~np.isin(np.arange(1, len(system.names)), driven), 3)
     multiplier = shared_out(rows.jacobian, free / mass, multiplier)
-    reaction = [one.reaction(position, multiplier[system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
+    reaction = [one.reaction(position, multiplier[..., system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
     driving = [system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
-    acceleration = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
-    return acceleration, np.array(reaction).reshape(-1, 3), multiplier[system.held :] * np.array(driving)
+    reactions = table(reaction) if reaction else np.zeros((0, 3))
+    return of_bodies(motion / lengths), reactions, multiplier[..., system.held :] * point(*driving)
 
 
-def _descend(system: RigidSystem, position: Array) -> Closure:
-    """Reduce |phi| from a position [n,3] until it is round-off or falls no more; the result may still be open."""
-    lengths, scale = metric(system)[0], system.reach[1:].max(initial=0.0)
-    finest = np.finfo(float).eps * scale
-    joints = system.held
-    weight = np.repeat([1.0, DRIVE_WEIGHT], [joints, len(system.drives)])
-    pace = [LARGEST_TURN * (system.reach[d.body_b] if d.turns else scale) for d in system.drives]
-    limit = np.concatenate([np.full(joints, np.inf), pace])
-    (phi, jacobian), damping, taken = _open(system, position), 0.1, 0
-    least, refused = None, None
-    while taken < STEPS:
-        error = np.clip(phi, -limit, limit)  # the drives advance no faster than the joints can follow
-        if np.abs(error).max(initial=0.0) <= finest:
-            break
-        floor = damping * (error @ error) / scale**2
-        least = least or damped_step(weighted(weight, jacobian), weight * error)
-        step = _step(least, lengths, floor)
-        if np.abs(step * lengths).max() <= finest:
-            break
-        taken += 1
-        trial = position.copy()
-        trial[1:] += step.reshape(-1, 3)
-        if refused is not None and (trial == refused).all():  # near round-off the damping grows for long before a position feels it
-            damping *= 8.0
-            continue
-        tried = _open(system, trial)
-        if np.linalg.norm(weight * (tried[0] - phi + error)) < np.linalg.norm(weight * error):
-            position, (phi, jacobian), damping = trial, tried, max(damping / 4.0, 1e-6)
-            least, refused = None, None
-        else:
-            damping, refused = 8.0 * damping, trial
-    return Closure(position, float(np.abs(phi).max(initial=0.0)), taken)
+def flat(motion: Array) -> Array:
+    """Motions of the moving bodies one after the other."""
+    return motion[..., 1:, :].reshape(*motion.shape[:-2], -1)
 
 
-def _open(system: RigidSystem, position: Array) -> tuple[Array, Matrix]:
-    rows = equations(system, position)
-    return rows.phi, rows.jacobian
+def of_bodies(motion: Array) -> Array:
+    """Such motions body by body, the ground at rest before them."""
+    bodies = motion.reshape(*motion.shape[:-1], -1, 3)
+    found = np.concatenate([np.zeros_like(bodies[..., :1, :]), bodies], axis=-2)
+    return found.view(Members) if found.ndim > 2 else found
 
 
-def _step(least: Callable[[float], Array], lengths: Array, damping: float) -> Array:
-    """Return -(G^T G + damping)^-1 G^T error, of which ``least`` is the negative, as a step in (x, y, theta), its turns limited.
-
-    A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from a dead
-    centre nearby, and is damped until the other directions get their part.
-    """
-    while True:
-        step: Array = -least(damping) / lengths
-        excess = np.abs(step[2::3]).max() / LARGEST_TURN
-        if excess < 10.0:
-            break
-        damping = max(4.0 * damping, RANK_TOLERANCE**2)
-    step /= max(1.0, excess)
-    return step
-
-
-def _is_closed(system: RigidSystem, closure: Closure) -> bool:
-    extent = max(system.reach[1:].max(initial=0.0), np.abs(closure.position[:, :2]).max())
-    return bool(closure.residual <= CLOSED * extent)
+def _is_closed(system: RigidSystem, closure: Closure) -> Any:
+    """Whether it is, of members of each."""
+    extent = np.maximum(system.reach[..., 1:].max(axis=-1, initial=0.0), np.abs(closure.position[..., :2]).max(axis=(-2, -1)))
+    return closure.residual <= CLOSED * extent
 
 
 def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) -> AssemblyError:
     """Return the error that names the open joints of a position, their gaps and the likely cause."""
-    before = _open(system, closure.position)[0]
+    before = opened(system, closure.position)[0]
     phi, alone = _put_down(system, closure)
     gaps = [float(np.linalg.norm(phi[system.rows(k)])) for k in range(len(system.joints))]
     largest = max(gaps, default=0.0)
@@ -181,14 +131,14 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
 
 def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
     """phi of an open position, the gap put down to the joint that closes the loop; and whether that one alone is open then."""
-    phi = _open(system, closure.position)[0]
+    phi = opened(system, closure.position)[0]
     rows = np.abs(phi)
     joint = closing_joint(system, rows / rows.max()) if len(rows) <= DENSE else None
     if joint is None:
         return phi, False
     gathered = Gathered(system)
     position, gap, _ = parted(gathered, joint, np.array([drive.aim for drive in system.drives]), closure.position)
-    alone = _open(system, position)[0]
+    alone = opened(system, position)[0]
     others = np.delete(np.abs(alone), np.arange(system.starts[joint], system.starts[joint + 1]))
     return (alone, True) if others.max(initial=0.0) <= 1e-3 * gap else (phi, False)
 
@@ -204,7 +154,10 @@ def _gap(system: RigidSystem, k: int, phi: Array) -> str:
 
 def _demand(system: RigidSystem, missing: Array, motion: Array, quantity: str) -> None:
     """Raise AssemblyError where G motion misses its wanted value by more than round-off."""
-    missed = np.abs(missing) > RANK_TOLERANCE * max(np.abs(motion).max(initial=0.0), np.abs(missing).max(initial=0.0))
+    largest = np.maximum(np.abs(motion).max(axis=-1, initial=0.0), np.abs(missing).max(axis=-1, initial=0.0))
+    missed: Any = np.asarray(np.abs(missing) > RANK_TOLERANCE * largest[..., None])
+    if several(motion) and missed.any():
+        raise Differing(~missed.any(axis=-1))
     if missed.any():
         joints = [joint.name for k, joint in enumerate(system.joints) if missed[system.rows(k)].any()]
         named = joints + [system.drive_name(drive) for drive in system.drives]

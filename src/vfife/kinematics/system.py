@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .constraints import Constraint
+from ..fields.members import number, point, several, spread, table
+from .constraints import Constraint, directions
 from .linalg import Matrix, matrix
 
 Array = NDArray[np.float64]
@@ -29,21 +31,27 @@ class RigidSystem:
     drives: Sequence[Constraint] = ()
     reach: Array = field(init=False, repr=False)
     starts: tuple[int, ...] = field(init=False, repr=False)
-    lengths: tuple[float, ...] = field(init=False, repr=False)
+    lengths: tuple[Any, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.names)
-        mass, inertia = np.asarray(self.mass, dtype=float), np.asarray(self.inertia, dtype=float)
-        if mass.shape != (n,) or inertia.shape != (n,):
-            raise ValueError(f"mass and inertia must have one entry for each of the {n} bodies")
-        if not all(0.0 < value < np.inf for value in (*mass[1:], *inertia[1:])):
-            raise ValueError("mass and inertia of every moving body must be finite and greater than zero")
-        reach = np.ones(n)
-        reach[1:] = np.sqrt(inertia[1:] / mass[1:])
         for one in self.constraints:
             _check(one, n)
-            for body, point in ((one.body_a, one.point_a), (one.body_b, one.point_b)):
-                reach[body] = max(reach[body], float(np.hypot(*np.asarray(point))))
+        masses = several(self.mass, self.inertia)
+        mass, inertia = spread(self.mass, masses), spread(self.inertia, masses)
+        if mass.shape[-1:] != (n,) or inertia.shape[-1:] != (n,):
+            raise ValueError(f"mass and inertia must have one entry for each of the {n} bodies")
+        moving = np.stack([mass[..., 1:], inertia[..., 1:]])
+        if not ((moving > 0.0) & (moving < np.inf)).all():
+            raise ValueError("mass and inertia of every moving body must be finite and greater than zero")
+        shape = several(*(value for one in self.constraints for value in one.numbers))
+        reach = spread(np.ones(n), masses or shape)
+        reach[..., 1:] = np.sqrt(inertia[..., 1:] / mass[..., 1:])
+        for one in self.constraints:
+            for body, at in ((one.body_a, one.point_a), (one.body_b, one.point_b)):
+                reach[..., body] = np.maximum(reach[..., body], np.hypot(*at))  # type: ignore[misc]
+        if not shape and masses and (np.asarray(reach) == np.asarray(reach)[0]).all():  # masses alone, which do not turn a position
+            reach = np.array(reach[0])
         turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
         if len(set(turned)) < len(turned):
             raise ValueError("each drive must turn a moving body of its own")
@@ -77,26 +85,25 @@ def _check(one: Constraint, n: int) -> None:
     if one.driven and one.turns:
         if not two or one.body_b == 0:
             raise ValueError("each drive must turn a moving body of its own")
-        if not np.isfinite((one.aim, one.speed, one.acceleration)).all():
+        if not np.isfinite(point(one.aim, one.speed, one.acceleration)).all():
             raise ValueError("angle, speed and acceleration of every drive must be finite")
         return
     if one.turns:
-        if not two or not np.isfinite((one.ratio, one.aim)).all() or one.ratio == 0.0:
+        if not two or not np.isfinite(point(one.ratio, one.aim)).all() or one.ratio == 0.0:
             raise ValueError(f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than zero, not {one.ratio:g}")
         return
-    points = np.asarray([one.point_a, one.point_b], dtype=float)
-    if not two or points.shape != (2, 2) or not np.isfinite(points).all():
+    if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not np.isfinite(table([one.point_a, one.point_b])).all():  # type: ignore
         raise ValueError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
-    if not np.isfinite((one.aim, one.speed, one.acceleration)).all():
+    if not np.isfinite(point(one.aim, one.speed, one.acceleration)).all():
         raise ValueError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
 
 
-def _length(one: Constraint, reach: Array) -> float:
+def _length(one: Constraint, reach: Array) -> Any:
     """What multiplies a row of angles, so that it has unit length (m)."""
-    a = 0.0 if one.body_a == 0 else one.ratio / reach[one.body_a]
-    b = 0.0 if one.body_b == 0 else 1.0 / reach[one.body_b]
-    c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[one.body_c]
-    return float(1.0 / np.hypot(np.hypot(a, b), c))
+    a = 0.0 if one.body_a == 0 else one.ratio / reach[..., one.body_a]
+    b = 0.0 if one.body_b == 0 else 1.0 / reach[..., one.body_b]
+    c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[..., one.body_c]
+    return number(1.0 / np.hypot(np.hypot(a, b), c))
 
 
 @dataclass(frozen=True)
@@ -109,42 +116,49 @@ class Equations:
     gamma: Array
 
 
-def equations(system: RigidSystem, position: Array, velocity: Array | None = None) -> Equations:
-    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity gamma is that of the drives alone."""
+def equations(system: RigidSystem, position: Array, velocity: Array | None = None, facing: Sequence[Any] = ()) -> Equations:
+    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity gamma is that of the drives alone.
+
+    ``facing``: cosine and sine of each body's angle, the ground's left out, where they are known.
+    """
     count, n = system.starts[-1], len(system.names)
-    phi, rate, gamma = np.zeros(count), np.zeros(count), np.zeros(count)
-    values: list[float] = []
+    shape = several(system.reach, position)
+    phi, gamma = (spread(np.zeros(count), shape) for _ in range(2))
+    rate = spread(np.zeros(count), shape or several(*(one.speed for one in system.drives)))
+    facing = facing or [None, *(directions(position, body) for body in range(1, n))]
+    values: list[Any] = []
     at: list[int] = []
     columns: list[int] = []
     for one, row, length in zip(system.constraints, system.starts, system.lengths, strict=False):
-        found = one.rows(position, velocity, length)
+        found = one.rows(position, velocity, length, facing)
         for k in range(len(found.phi)):
-            phi[row + k], gamma[row + k] = found.phi[k], found.gamma[k]
+            phi[..., row + k], gamma[..., row + k] = found.phi[k], found.gamma[k]
             for body, block in ((one.body_a, found.a[k]), (one.body_b, found.b[k]), (one.body_c, found.c[k])):
                 if body:
-                    values += (block[0], block[1], block[2] / system.reach[body])
+                    values += (block[0], block[1], block[2] / system.reach[..., body])
                     at += (row + k,) * 3
                     columns += range(3 * body - 3, 3 * body)
         if one.driven:
             scale = length if one.turns else 1.0
-            rate[row] = scale * one.speed
-            gamma[row] += scale * one.acceleration
-    return Equations(phi, matrix(values, at, columns, (count, 3 * n - 3)), rate, gamma)
+            rate[..., row] = scale * one.speed
+            gamma[..., row] += scale * one.acceleration
+    return Equations(phi, matrix(values, at, columns, (*shape, count, 3 * n - 3)), rate, gamma)
 
 
 def metric(system: RigidSystem) -> tuple[Array, Array]:
     """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]."""
-    reach, mass, inertia = system.reach[1:], system.mass[1:], system.inertia[1:]
-    one = np.ones_like(reach)
-    return np.column_stack([one, one, reach]).ravel(), np.column_stack([mass, mass, inertia / reach**2]).ravel()
+    reach, mass, inertia = system.reach[..., 1:], system.mass[..., 1:], system.inertia[..., 1:]
+    one, turning = np.ones_like(reach), inertia / (reach * reach)
+    lengths, masses = np.stack([one, one, reach], axis=-1), np.stack([*np.broadcast_arrays(mass, mass, turning)], axis=-1)
+    return lengths.reshape(*lengths.shape[:-2], -1), masses.reshape(*masses.shape[:-2], -1)
 
 
-def checked(system: RigidSystem, value: Array, name: str) -> Array:
+def checked(system: RigidSystem, value: Array, name: str) -> Any:
     """A copy [n,3] of an input with the ground's row at zero; ValueError on a bad shape or value."""
-    motion = np.array(value, dtype=float)
-    if motion.shape != (len(system.names), 3) or not np.isfinite(motion[1:]).all():
+    motion = spread(value, several(system.reach, value))
+    if motion.shape[-2:] != (len(system.names), 3) or not np.isfinite(motion[..., 1:, :]).all():
         raise ValueError(f"{name} must be finite and have shape ({len(system.names)}, 3), not {motion.shape}")
-    motion[0] = 0.0
+    motion[..., 0, :] = 0.0
     return motion
 
 

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 
-@dataclass(frozen=True, eq=False)
 class Taylor:
     """value + rate t + second t^2/2; comparisons are those of the values."""
 
-    value: float
-    rate: float = 0.0
-    second: float = 0.0
+    __array_ufunc__ = None  # so that arrays leave what they do with it to it
+    __slots__ = ("rate", "second", "value")
+
+    def __init__(self, value: float, rate: float = 0.0, second: float = 0.0) -> None:
+        self.value, self.rate, self.second = value, rate, second
 
     def __add__(self, other: Any) -> Taylor:
-        o = taylor(other)
+        o = other if isinstance(other, Taylor) else Taylor(other)
         return Taylor(self.value + o.value, self.rate + o.rate, self.second + o.second)
 
     __radd__ = __add__
@@ -27,13 +27,14 @@ class Taylor:
         return Taylor(-self.value, -self.rate, -self.second)
 
     def __sub__(self, other: Any) -> Taylor:
-        return self + -taylor(other)
+        o = other if isinstance(other, Taylor) else Taylor(other)
+        return Taylor(self.value - o.value, self.rate - o.rate, self.second - o.second)
 
     def __rsub__(self, other: Any) -> Taylor:
         return taylor(other) + -self
 
     def __mul__(self, other: Any) -> Taylor:
-        a, b = self, taylor(other)
+        a, b = self, other if isinstance(other, Taylor) else Taylor(other)
         return Taylor(a.value * b.value, a.rate * b.value + a.value * b.rate, a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second)
 
     __rmul__ = __mul__

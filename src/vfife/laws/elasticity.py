@@ -2,37 +2,54 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields.members import Differing, anyone, both, each_of, members, number, of_members, select, several, sqrt
 from .law import ContactLaw
 
 Array = NDArray[np.float64]
 
 
-def tangent(law: ContactLaw, slots: tuple[float, ...], force: float) -> tuple[float, float]:
+def tangent(law: ContactLaw, slots: tuple[Any, ...], force: Any) -> tuple[Any, Any]:
     """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m) there."""
     kind: Any = type(law)  # a class has a hash, whatever its instances have
-    return _tangent(kind, tuple(slots), force)
+    if not several(*slots, force):
+        return _tangent(kind, tuple(slots), force)
+    try:
+        with np.errstate(all="ignore"):
+            found: tuple[Any, Any] = _bisected(of_members(kind.force), tuple(slots), force)
+            return found
+    except (Differing, TypeError):  # a law that chooses its way by the depth
+        pairs = each_of(lambda *one: _tangent(kind, tuple(one[:-1]), one[-1]), *slots, force)
+        return members([one[0] for one in pairs]), members([one[1] for one in pairs])
 
 
 @lru_cache(maxsize=4096)
 def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tuple[float, float]:
     """The same, of what decides it: the law's static function and its parameters."""
+    found: tuple[float, float] = _bisected(law.force, slots, load)
+    return found
 
-    def elastic(depth: float) -> float:
-        return float(law.force(depth, 0.0, slots)[0])
 
-    low, high = 1e-15, 1e-9
-    while elastic(high) < load and high < 1.0:
-        low, high = high, 2.0 * high
+def _bisected(force: Callable[..., Any], slots: tuple[Any, ...], load: Any) -> tuple[Any, Any]:
+    """Plain numbers, or those of members."""
+
+    def elastic(depth: Any) -> Any:
+        return number(force(depth, 0.0, slots)[0])
+
+    low: Any = 1e-15
+    high: Any = 1e-9
+    while anyone(more := both(elastic(high) < load, high < 1.0)):
+        low, high = select(more, high, low), select(more, 2.0 * high, high)
     for _ in range(60):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if elastic(middle) < load else (low, middle)
+        middle = sqrt(low * high)
+        less = elastic(middle) < load
+        low, high = select(less, middle, low), select(less, high, middle)
     return high, (elastic(1.001 * high) - elastic(0.999 * high)) / (0.002 * high)
 
 

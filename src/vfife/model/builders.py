@@ -31,6 +31,7 @@ from .joints import (
 )
 from .loadbuilders import LoadBuilders
 from .springs import Bushing, Spring, Stop, TorsionalSpring
+from .wear import Wear
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -107,7 +108,7 @@ class Builders(LoadBuilders):
         self, name: str, bearing: str, journal: str, *, clearance: Quantity, bearing_radius: Quantity, axial_length: Quantity = 0.02,
         contact: ContactLaw | str | Table = "lankarani-nikravesh", friction: FrictionLaw | str | Table = "ambrosio",
         friction_moment: FrictionMoment = "mid-overlap", impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None,
-        bearing_material: Material | str | None = None, journal_material: Material | str | None = None,
+        bearing_material: Material | str | None = None, journal_material: Material | str | None = None, wear: Wear | Table | None = None,
     ) -> ClearanceRevolute:  # fmt: skip
         """Adds a revolute joint with play: bearing and journal collide; see :class:`~vfife.model.joints.ClearanceRevolute`."""
         raise NotImplementedError
@@ -123,7 +124,7 @@ class Builders(LoadBuilders):
         direction: Place = (1.0, 0.0), corner_radius: Quantity = 1e-3, axial_length: Quantity = 0.02,
         contact: ContactLaw | str | Table = "lankarani-nikravesh", friction: FrictionLaw | str | Table = "ambrosio",
         friction_moment: FrictionMoment = "mid-overlap", impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None,
-        bearing_material: Material | str | None = None, journal_material: Material | str | None = None,
+        bearing_material: Material | str | None = None, journal_material: Material | str | None = None, wear: Wear | Table | None = None,
     ) -> ClearanceSlider:  # fmt: skip
         """Adds a block with play in a guide; see :class:`~vfife.model.joints.ClearanceSlider`."""
         raise NotImplementedError
@@ -142,7 +143,7 @@ class Builders(LoadBuilders):
         radius: Quantity | None = None, points: Sequence[Place] = (), fillet: Quantity = 0.0, axial_length: Quantity = 0.02,
         contact: ContactLaw | str | Table = "lankarani-nikravesh", friction: FrictionLaw | str | Table = "ambrosio",
         friction_moment: FrictionMoment = "mid-overlap", impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None,
-        bearing_material: Material | str | None = None, journal_material: Material | str | None = None,
+        bearing_material: Material | str | None = None, journal_material: Material | str | None = None, wear: Wear | Table | None = None,
     ) -> ClearanceCurvedSlot:  # fmt: skip
         """Adds a round pin with play in a curved slot; see :class:`~vfife.model.joints.ClearanceCurvedSlot`."""
         raise NotImplementedError
@@ -163,7 +164,7 @@ class Builders(LoadBuilders):
         direction: Place = (1.0, 0.0), axial_length: Quantity = 0.02, contact: ContactLaw | str | Table = "lankarani-nikravesh",
         friction: FrictionLaw | str | Table = "ambrosio", friction_moment: FrictionMoment = "mid-overlap",
         impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None, bearing_material: Material | str | None = None,
-        journal_material: Material | str | None = None,
+        journal_material: Material | str | None = None, wear: Wear | Table | None = None,
     ) -> ExternalContact:  # fmt: skip
         """Adds a contact between a round pin and a line or another round; see :class:`~vfife.model.joints.ExternalContact`."""
         raise NotImplementedError

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields.members import largest, number, point, table
 from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Strain
 
 Array = NDArray[np.float64]
@@ -168,13 +169,13 @@ def rigid_properties(body: Body) -> tuple[float, Point, float]:
     mass, center, inertia = _own_properties(body)
     attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
     if attached:
-        at = np.array([center, *(body.points[pin] for pin in attached)])
-        mass, center, inertia = _together(at, np.array([mass, *attached.values()]), np.array([inertia, *(0.0 for _ in attached)]))
+        at = table([center, *(body.points[pin] for pin in attached)])
+        mass, center, inertia = _together(at, point(mass, *attached.values()), point(inertia, *(0.0 for _ in attached)))
     if not mass > 0.0:
         raise ValueError(f"body {body.name!r} weighs nothing: give it a mass, or masses at its pins, or join the others by a distance")
     if isinstance(body, PointMass) or is_elastic(body):
         return mass, center, inertia
-    reach = max(float(np.hypot(x - center[0], y - center[1])) for x, y in body.points.values())
+    reach = largest(*(number(np.hypot(x - center[0], y - center[1])) for x, y in body.points.values()))
     if inertia > ROUNDING * mass * reach**2:
         return mass, center, inertia
     if not reach > 0.0:
@@ -197,9 +198,9 @@ def _own_properties(body: Body) -> tuple[float, Point, float]:
     if body.via and (body.inertia is None or body.center_at is None):
         return _rigid_polyline(body)
     center = 0.5 * body.length if body.center_at is None else body.center_at
-    inertia = body.own_mass * body.length**2 / 12.0 if body.inertia is None else body.inertia
-    at = np.array([(center, 0.0), (0.0, 0.0), (body.length, 0.0)])
-    return _together(at, np.array([body.own_mass, body.start_mass, body.end_mass]), np.array([inertia, body.start_inertia, body.end_inertia]))
+    inertia = body.own_mass * (body.length * body.length) / 12.0 if body.inertia is None else body.inertia
+    at = table([(center, 0.0), (0.0, 0.0), (body.length, 0.0)])
+    return _together(at, point(body.own_mass, body.start_mass, body.end_mass), point(inertia, body.start_inertia, body.end_inertia))
 
 
 def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
@@ -214,11 +215,15 @@ def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
 
 
 def _together(at: Array, mass: Array, inertia: Array) -> tuple[float, Point, float]:
-    total = float(mass.sum())
+    """Of several masses: the last axis is theirs, that of ``at`` before its last."""
+    total = number(mass.sum(axis=-1))
     if not total > 0.0:
-        return 0.0, (float(at[0, 0]), float(at[0, 1])), float(inertia.sum())
-    center = mass @ at / total
-    return total, (float(center[0]), float(center[1])), float(inertia.sum() + mass @ ((at - center) ** 2).sum(axis=1))
+        return 0.0, (number(at[..., 0, 0]), number(at[..., 0, 1])), number(inertia.sum(axis=-1))
+    row = mass[..., None, :]
+    center = (row @ at)[..., 0, :] / np.asarray(total)[..., None]
+    away = at - center[..., None, :]
+    apart = (away * away).sum(axis=-1)
+    return total, (number(center[..., 0]), number(center[..., 1])), number(inertia.sum(axis=-1) + (row @ apart[..., None])[..., 0, 0])
 
 
 def rigidified(body: Body) -> Body:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
+from ..fields.members import hypot
 from .path import Path
 from .rows import Point
 
@@ -34,11 +34,11 @@ class Touching:
         """Arms with which friction makes no couple: at the centres, which are in one place in a bearing; outside, both at the journal's."""
         return CENTRED[self.geometry] * self.size, 0.0
 
-    def depth(self, x: float, y: float) -> float:
+    def depth(self, x: Any, y: Any) -> Any:
         """Penetration (m) with the round's centre at (x, y), seen from the bearing's pin in the bearing's frame; negative where they are apart."""
         if self.path is not None:
             return abs(self.path.distance(x, y)) - self.size
         if self.geometry == "line":
             return self.normal[0] * x + self.normal[1] * y - self.size
-        beyond = math.hypot(x, y) - self.size
+        beyond = hypot(x, y) - self.size
         return -beyond if self.geometry == "round" else beyond

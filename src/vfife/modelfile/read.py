@@ -14,6 +14,7 @@ from ..model.mechanism import Mechanism
 from ..model.validate import Checks, across, check_laws
 from ..model.validate.names import check_name
 from .csvtables import expand
+from .kept import kept
 from .override import override
 from .reader import Written
 from .tables import Raw, table
@@ -34,14 +35,16 @@ def load(path: str | FilePath, set: Items = ()) -> Mechanism:
 
 def text_of(path: str | FilePath) -> str:
     """The text of a file. Raises ModelError where it cannot be read."""
+    data = b""
     try:
-        return FilePath(path).read_bytes().decode("utf-8-sig")
+        data = FilePath(path).read_bytes()
+        return data.decode("utf-8-sig")
     except OSError as error:
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
         raise ModelError([Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)) from None
     except UnicodeDecodeError as error:
         fault = Fault(f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding")
-        raise ModelError([fault], str(path)) from None
+        raise ModelError([kept(data) or fault], str(path)) from None
 
 
 def raw_of(text: str, known_as: str) -> Raw:

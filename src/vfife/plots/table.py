@@ -16,7 +16,10 @@ from .phase import phase, portraits
 from .polar import polar
 from .quantities import accelerations, joint_forces, moments
 from .spectra import FEW, LEAST, pieces, spectrum, waterfall
+from .spectrograms import LEAST as SAMPLES
+from .spectrograms import envelope, forces, spectrogram
 from .traces import points, traces
+from .worn import in_a_turn, wears
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,6 +56,7 @@ def _few_turns(result: View) -> str:
 
 
 NO_FORCE = "no joint carries a force"
+FEW_OUTPUTS = f"{NO_FORCE}, or there are fewer than {SAMPLES} outputs"
 FIGURES: dict[str, Kind] = {
     "mechanism": Kind("bodies and joints at the start, faint over the last turn", lambda one, _: drawing(one), usual=True),
     "orbits": Kind(
@@ -79,12 +83,16 @@ FIGURES: dict[str, Kind] = {
                   _having(lambda one: len(one.record.steps) > 1, "there is one output")),
     "traces": Kind("paths of points, with those of the ideal mechanism", traces, _having(points, "no point moves")),
     "polar": Kind("forces on journals as vectors, seen from their bearings", polar, _having(joint_forces, NO_FORCE)),
+    "wear": Kind("depths that bearings and journals lose in a million turns, around them", lambda one, _: in_a_turn(one),
+                 _moving(wears, "no journal in a bearing has a coefficient of wear")),
     "phase": Kind("velocity over position of bodies and sliders", phase, _moving(portraits, "what moves is driven")),
     "spectrum": Kind(
         "amplitudes of joint forces over order or frequency", spectrum,
         _moving(lambda one: pieces(one) and joint_forces(one), f"{NO_FORCE}, or there are too few outputs"),
     ),
     "waterfall": Kind("spectra of joint forces turn by turn", lambda one, _: waterfall(one), _few_turns),
+    "spectrogram": Kind("joint forces in time and frequency, in short windows", lambda one, _: spectrogram(one), _moving(forces, FEW_OUTPUTS)),
+    "envelope": Kind("envelopes of joint forces, and their spectra", lambda one, _: envelope(one), _moving(forces, FEW_OUTPUTS)),
     "energy": Kind("what is stored, supplied and lost, and what the ledger leaves", lambda one, _: energy(one),
                    _moving(lambda one: len(one.record.steps) > 1, "there is one output")),
     "stress": Kind(

@@ -16,7 +16,7 @@ from .folder import written
 class Derivative:
     """By one number, ``path``, whose ``value`` the model has (SI): the derivatives of measures, in their unit over its own.
 
-    Those of a mechanism with contact are medians over displaced runs; ``ranges`` says from the least to the largest of them.
+    Those of a mechanism with contact are means over displaced runs; ``ranges`` says from the least to the largest of them.
     """
 
     path: str
@@ -67,6 +67,13 @@ class Sensitivity:
         one = self._by(path)
         low, high = sorted(self._relative(one, measure, slope) for slope in one.ranges[measure])
         return low, high
+
+    def spread(self, measure: str) -> float:
+        """How far displaced runs lie apart in the elasticities of a measure, as a share of the largest: what its derivatives are known within."""
+        spans = [self.span(measure, path) for path, _ in self.ranked(measure)]
+        largest = max((abs(elastic) for _, elastic in self.ranked(measure)), default=0.0)
+        widest = max((high - low for low, high in spans), default=0.0)
+        return widest / largest if widest and math.isfinite(largest) else 0.0
 
     def known(self, measure: str, path: str) -> bool:
         """Whether all displaced runs agree on its sign, and the run's companions on the measure."""

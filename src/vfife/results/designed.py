@@ -9,6 +9,7 @@ from ..analysis.around import contact_angle
 from ..analysis.ground import ground_load
 from ..analysis.losses import lost, mean_power
 from ..analysis.sliding import sliding_speed
+from ..analysis.wear import SIDES, coefficients, work
 from ..solvers.record import Record
 from .channel import GLOBAL, Channel
 
@@ -31,6 +32,16 @@ def wear_channels(record: Record) -> dict[str, Channel]:
     for side, name in (("bearing", "contact_angle"), ("journal", "journal_contact_angle")):
         said = f"angle of the place of contact, or of what is nearest to it, seen from the {side}'s pin"
         found[name] = Channel(contact_angle(record, side), "clearance", "rad", said, side)
+    return found | (worn_channels(record) if record.assembly.topology.wears else {})
+
+
+def worn_channels(record: Record) -> dict[str, Channel]:
+    """Volumes that the surfaces of joints with play have lost, by Archard's law."""
+    contacts, found = record.assembly.topology.wears, {}
+    for k, side in enumerate(SIDES):
+        volume = np.zeros((len(record.steps), len(record.assembly.contacts)))
+        volume[:, list(contacts)] = work(record) * np.array([coefficients(record, contact)[k] for contact in contacts])
+        found[f"{side}_wear"] = Channel(volume, "clearance", "m^3", f"volume that the {side} has lost since the start")
     return found
 
 

@@ -11,6 +11,8 @@ STUDY_APPLICATION = 0x56465354  # "VFST", of a study file
 STUDY_FORMAT = 1
 MAP_APPLICATION = 0x56464D50  # "VFMP", of a map file
 MAP_FORMAT = 1
+WEAR_APPLICATION = 0x56465752  # "VFWR", of a wear file
+WEAR_FORMAT = 1
 HEADER = 100  # bytes of SQLite's header
 
 

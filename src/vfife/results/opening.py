@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import RunFileError, StorageError
-from .header import FORMAT, RUN_FILE, head_of, study_head
+from .header import FORMAT, MAP_APPLICATION, RUN_FILE, WEAR_APPLICATION, head_of, head_with, study_head
 from .tables import damaged, unwritten
 from .whole import whole
 
@@ -23,6 +23,10 @@ def run_file_at(path: str | Path) -> Path:
     head = head_of(path)
     if head is None and study_head(path) is not None:
         raise RunFileError(f"{path}: this is a study file, of many runs; see vfife study show, plot and export, and vfife report")
+    if head is None and head_with(path, MAP_APPLICATION) is not None:
+        raise RunFileError(f"{path}: this is a map file, of many turns; see vfife map show")
+    if head is None and head_with(path, WEAR_APPLICATION) is not None:
+        raise RunFileError(f"{path}: this is a wear file, of many turns; see vfife wear, which shows it")
     if head is None:
         raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
     if int.from_bytes(head[60:64], "big") > FORMAT:

@@ -32,7 +32,8 @@ UNITS = {
     "power.mean": "W", "pressure_velocity.max": "W/m^2", "pressure_velocity.mean": "W/m^2", "bearing_pressure.max": "Pa",
     "shaking_force.max": "N", "shaking_moment.max": "N m", "share.continuous_contact": "1", "share.free_flight": "1", "share.impact": "1",
     "sliding_distance.total": "m", "sliding_velocity.max": "m/s", "stress.place": "m", "tension.max": "Pa", "torque.max": "N m",
-    "torque.mean": "N m", "torque.ripple": "1", "velocity.max": "m/s",
+    "torque.mean": "N m", "torque.ripple": "1", "velocity.max": "m/s", "bearing_wear.total": "m^3", "journal_wear.total": "m^3",
+    "bearing_wear_depth.max": "m", "journal_wear_depth.max": "m",
 }  # fmt: skip
 OUTCOME = ("status", "turns", "settled", "step", "reason")
 SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid

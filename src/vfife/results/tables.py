@@ -40,13 +40,22 @@ STUDY = {
         "settled INTEGER NOT NULL", "steps INTEGER NOT NULL", "step REAL NOT NULL", "measures TEXT NOT NULL",
     ),
 }  # fmt: skip
-# The same of a map file: at each value of a number the points of all chains, and the state to go on from.
-MAP = {"meta": COLUMNS["meta"], "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL")}
-SCHEMA, STUDY_SCHEMA, MAP_SCHEMA = (
+# The same of a map file: at each value of a number the points of all chains, and the state to go on from; what is told beside it in arrays.
+MAP = {
+    "meta": COLUMNS["meta"],
+    "arrays": COLUMNS["arrays"],
+    "legs": ("number INTEGER PRIMARY KEY", "points BLOB NOT NULL", "growth BLOB NOT NULL", "state BLOB NOT NULL"),
+}
+# The same of a wear file: after each number of turns what is told of it, depths around all surfaces and their rates, and the state to go on from.
+WEAR = {
+    "meta": COLUMNS["meta"],
+    "points": ("number INTEGER PRIMARY KEY", "told TEXT NOT NULL", "depth BLOB NOT NULL", "rate BLOB NOT NULL", "state BLOB NOT NULL"),
+}
+SCHEMA, STUDY_SCHEMA, MAP_SCHEMA, WEAR_SCHEMA = (
     [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()]
-    for one in (COLUMNS, STUDY, MAP)
+    for one in (COLUMNS, STUDY, MAP, WEAR)
 )
-KEYS = {table: columns[0].split()[0] for table, columns in (MAP | STUDY | COLUMNS).items()}
+KEYS = {table: columns[0].split()[0] for table, columns in (WEAR | MAP | STUDY | COLUMNS).items()}
 STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
 Arguments = ParamSpec("Arguments")

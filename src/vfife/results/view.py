@@ -24,6 +24,7 @@ from .channel import Channel
 from .channels import channels, entities
 from .provenance import sources, versions
 from .series import Series
+from .spectra import Envelope, Spectrogram, Spectrum, envelope, length_of, sampled, spectrogram, spectrum
 from .turns import latest_turns
 
 if TYPE_CHECKING:
@@ -161,6 +162,33 @@ class View:
     def series(self) -> Series:
         """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which ``C.force.max`` is a measure."""
         return Series(self.channels, entities(self.record), lambda: self.data)
+
+    def spectrum(
+        self, name: str, *, window: str = "hann", seconds: float | None = None, turns: float | None = None, overlap: float = 0.5
+    ) -> Spectrum:
+        """Amplitudes over frequency and order of a series, ``C.force``: see :func:`vfife.spectrum`.
+
+        Windows are so many ``seconds`` or ``turns`` long, or as the run. Raises VfifeError for what cannot be.
+        """
+        one = sampled(self, name)
+        given = {"turn": one.turn, "name": name, "unit": one.unit}
+        return spectrum(one.values, one.spacing, window=window, length=length_of(one, seconds, turns), overlap=overlap, **given)  # type: ignore[arg-type]
+
+    def spectrogram(
+        self, name: str, *, window: str = "hann", seconds: float | None = None, turns: float | None = None, overlap: float = 0.75
+    ) -> Spectrogram:
+        """Amplitudes over time and frequency, or order, of a series, ``C.force``: see :func:`vfife.spectrogram`.
+
+        Windows are so many ``seconds`` or ``turns`` long, or a sixteenth of the run. Raises VfifeError for what cannot be.
+        """
+        one = sampled(self, name)
+        given = {"turn": one.turn, "name": name, "unit": one.unit, "start": one.start}
+        return spectrogram(one.values, one.spacing, window=window, length=length_of(one, seconds, turns), overlap=overlap, **given)  # type: ignore[arg-type]
+
+    def envelope(self, name: str, *, band: tuple[float, float] | None = None) -> Envelope:
+        """Size of what vibrates in a series, within a ``band`` of frequencies (Hz), and its spectrum: see :func:`vfife.envelope`."""
+        one = sampled(self, name)
+        return envelope(one.values, one.spacing, band=band, turn=one.turn, start=one.start, name=name, unit=one.unit)
 
     def joint(self, name: str) -> xarray.Dataset:
         """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a name that no joint has."""

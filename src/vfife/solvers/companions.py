@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 SENSITIVE = 0.01  # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
 SAMPLED = (
     "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_fastest",
-    "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work", "contact_friction_power",
+    "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work", "contact_friction_power", "wear_work",
 )  # fmt: skip
 
 

@@ -12,14 +12,15 @@ from ..codegen.runner import Runner
 
 SECONDS = 0.25  # of one call, between two looks at signals, the clock and the progress line
 FIRST = 16  # steps of the first call, when nobody knows how long one lasts
+QUICK = 1000  # the same where a step is known to be short: some 50 microseconds at the most
 GROWTH = 4  # from one call to the next, at the most
 
 
 class Pace:
-    """Learns how long steps last; ``look`` is called after each call of the loop."""
+    """Learns how long steps last, from so many in the ``first`` call; ``look`` is called after each call of the loop."""
 
-    def __init__(self, look: Callable[[], None] | None = None) -> None:
-        self.look, self.room, self.seconds = look, FIRST, 0.0
+    def __init__(self, look: Callable[[], None] | None = None, first: int = FIRST) -> None:
+        self.look, self.room, self.seconds = look, first, 0.0
 
     def call(self, runner: Runner, count: int, outputs: int = 1, *, anew: bool = True, record: bool = True) -> NDArray[np.float64]:
         """One call of the loop, timed; see :meth:`~vfife.codegen.runner.Runner.advance`."""

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly
+from ..assembly.assembled import Assembly, StepChoice
 from ..kernels.arrays import Layout
 
 Array = NDArray[np.float64]
@@ -47,8 +47,13 @@ def compared_rows(layout: Layout) -> list[int]:
 
 def outputs_of_a_turn(assembly: Assembly) -> int | None:
     """Outputs in a turn of a crank at constant speed; None where nothing turns so, or where a turn holds no whole number of them."""
-    choice, moving = assembly.choice, [driver for driver in assembly.mechanism.drivers.values() if driver.moves]
-    if choice.turn is None or any(driver.steady_speed is None for driver in moving):
+    moving = [driver for driver in assembly.mechanism.drivers.values() if driver.moves]
+    return None if any(driver.steady_speed is None for driver in moving) else whole_outputs(assembly.choice)
+
+
+def whole_outputs(choice: StepChoice) -> int | None:
+    """Outputs in a turn; None where there is no turn, or it holds no whole number of them."""
+    if choice.turn is None:
         return None
     exact = choice.turn / (choice.step * choice.outputs_every)
     count = round(exact)

@@ -5,8 +5,12 @@ What a direction changes at the start is known from two assemblies, a little to 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +20,11 @@ from ..codegen.native import widest
 from ..codegen.runner import Runner
 from .halt import Halt
 from .pace import Pace
-from .record import Record, recorded_rows
+from .record import Columns, Record, recorded_rows
 
 Array = NDArray[np.float64]
-DIRECTIONS = 2  # in each lane: more are cheaper each, and take longer to compile
+DIRECTIONS = 1, 3, 5  # in each lane: more are cheaper each, and take longer to compile
+Pairs: TypeAlias = "list[tuple[Record, Record]]"  # of a number, one for each of some displaced runs
 
 
 @dataclass(frozen=True)
@@ -89,48 +94,117 @@ def _derived(coefficients: Array) -> Array:
     return derived
 
 
+def displaced(count: int, parts: int) -> tuple[float, ...]:
+    """First steps (1) of so many runs, evenly spread both in a step and in the ``parts`` that one with an event is taken again in.
+
+    An onset falls elsewhere in its step in each of them; runs displaced by whole parts would all have it at one place in its part.
+    """
+    return tuple(k * (1.0 + 1.0 / max(parts, count)) / count for k in range(count))
+
+
 def tangents(
-    assembly: Assembly, every: Sequence[Neighbours], shares: Sequence[float] = (0.0,), lanes: int | None = None
-) -> Iterator[list[tuple[Record, Record]]]:
+    assembly: Assembly,
+    every: Sequence[Neighbours],
+    shares: Sequence[float] = (0.0,),
+    lanes: int | None = None,
+    *,
+    kept: NDArray[np.uint32] | None = None,
+    whole: bool = False,
+) -> list[Pairs]:
     """Of each neighbourhood the records of its two models, as far as first derivatives tell them: the run plus and minus its change.
 
     There is a pair for each of ``shares``, first steps (1) by which a run is displaced; that of 0 is the run itself. Every neighbourhood has to be
-    :func:`comparable`. What the two differ by, over ``apart``, is the derivative of whatever is taken of a record. Ctrl-C is heard within a quarter
-    of a second.
+    :func:`comparable`. What the two differ by, over ``apart``, is the derivative of whatever is taken of a record. Records have the rows ``kept``,
+    all states and extremes without them, of all outputs; ``whole``: of the last turn as one output, and of what comes before it as another, which
+    is enough for extremes. Passes go side by side on all cores. Ctrl-C is heard within a quarter of a second.
     """
     lanes = max(lanes or widest(), len(shares))
-    at_once = lanes // len(shares) * DIRECTIONS
-    for first in range(0, len(every), at_once):
-        yield from _together(assembly, every[first : first + at_once], np.array(shares), lanes)
+    cores, groups = os.cpu_count() or 1, lanes // len(shares)
+    directions = next((few for few in DIRECTIONS if few * groups * cores >= len(every)), DIRECTIONS[-1])
+    rows = recorded_rows(assembly) if kept is None else kept
+    passes = [every[first : first + groups * directions] for first in range(0, len(every), groups * directions)]
+    stop = threading.Event()
+
+    def carried(some: Sequence[Neighbours]) -> list[Pairs]:
+        return _together(assembly, some, np.array(shares), lanes, directions, rows, spans(assembly, whole), stop)
+
+    with Halt() as halt, ThreadPoolExecutor(max(1, min(cores, len(passes)))) as pool:
+        jobs = [pool.submit(carried, some) for some in passes]
+        try:
+            while wait(jobs, 0.1, FIRST_EXCEPTION).not_done and not any(job.done() and job.exception() for job in jobs):
+                halt.look()
+        finally:
+            stop.set()
+        return [pairs for job in jobs for pairs in job.result()]
 
 
-def _together(assembly: Assembly, some: Sequence[Neighbours], shares: Array, lanes: int) -> Iterator[list[tuple[Record, Record]]]:
-    kept, rows, choice = recorded_rows(assembly), assembly.layout.rows, assembly.choice
-    state, table = np.zeros((DIRECTIONS + 1, rows, lanes)), np.zeros((lanes, DIRECTIONS + 2, len(assembly.tables)))
+def spans(assembly: Assembly, whole: bool) -> list[tuple[int, int]]:
+    """Steps between two outputs, and how many such outputs: all of a run, or its last turn as one."""
+    choice = assembly.choice
+    if not whole:
+        return [(choice.outputs_every, choice.outputs)]
+    turn = choice.steps if choice.turn is None else choice.turn / choice.step
+    before = round(choice.steps - turn)
+    return [(before, 1), (choice.steps - before, 1)] if before > 0 else [(choice.steps, 1)]
+
+
+def jacobian(
+    assembly: Assembly, every: Sequence[Neighbours], look: Callable[[Record], Array], shares: Sequence[float] = (0.0,)
+) -> tuple[Array, Array]:
+    """What ``look`` takes of the record of a run, shape (values,), and its derivatives by numbers, shape (values, numbers), by one run.
+
+    ``look``: a smooth function of the rows of a record, shape (values,): a series, measures. Means over displaced runs, where there are ``shares``.
+    Raises ValueError for neighbours that are not :func:`comparable`.
+    """
+    if not all(comparable(assembly, one) for one in every):
+        raise ValueError("a number changes the topology, the number of steps or the pieces of a function; take two runs for its derivative")
+    values, columns = [], []
+    for one, pairs in zip(every, tangents(assembly, every, shares), strict=True):
+        both = np.array([[look(up), look(down)] for up, down in pairs])
+        values.append(both.mean(axis=(0, 1)))
+        columns.append((both[:, 0] - both[:, 1]).mean(axis=0) / one.apart)
+    return values[0], np.stack(columns, axis=1)
+
+
+def _together(
+    assembly: Assembly, some: Sequence[Neighbours], shares: Array, lanes: int, directions: int, kept: NDArray[np.uint32],
+    parts: list[tuple[int, int]], stop: threading.Event,
+) -> list[Pairs]:  # fmt: skip
+    rows = assembly.layout.rows
+    state, table = np.zeros((directions + 1, rows, lanes)), np.zeros((lanes, directions + 2, len(assembly.tables)))
     state[0], table[:, 0], table[:, 1] = assembly.state[:, None], assembly.tables, rates(assembly)
     table[:, 2:] = assembly.tables  # with the head that every table has, also where nothing changes
-    places = [(slice(group * len(shares), (group + 1) * len(shares)), way) for group in range(len(some)) for way in range(DIRECTIONS)]
+    groups = lanes // len(shares)
+    places = [(slice(group * len(shares), (group + 1) * len(shares)), way) for way in range(directions) for group in range(groups)]
     for (where, way), one in zip(places, some, strict=False):
         state[way + 1, :, where] = ((one.up.state - one.down.state) / one.apart)[:, None]
         table[where, way + 2] = changes(assembly, one)
-    every = np.concatenate([kept + np.uint32(k * rows) for k in range(DIRECTIONS + 1)])
+    every = np.concatenate([kept + np.uint32(k * rows) for k in range(directions + 1)])
     runner = Runner(
         assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", every,
-        parts=assembly.mechanism.settings.parts, shares=np.resize(shares, lanes), directions=DIRECTIONS,
+        parts=assembly.mechanism.settings.parts, shares=np.resize(shares, lanes), directions=directions,
     )  # fmt: skip
-    with Halt() as halt:
-        start = runner.advance(1, 1)
-        found = np.concatenate([start, Pace(halt.look).advance(runner, choice.outputs_every, choice.outputs)])
-    parts = found.reshape(len(found), DIRECTIONS + 1, len(kept), lanes)
-    for (where, way), one in zip(places, some, strict=False):
-        yield [_pair(assembly, one, kept, parts[:, 0, :, lane], parts[:, way + 1, :, lane]) for lane in range(where.start, where.stop)]
+    pace = Pace(lambda: _end_if(stop))
+    found = np.concatenate([runner.advance(1, 1), *[pace.advance(runner, count, outputs) for count, outputs in parts]])
+    steps = np.concatenate([[0], np.cumsum([count for count, outputs in parts for _ in range(outputs)])]).astype(np.int64)
+    values = found.reshape(len(found), directions + 1, len(kept), lanes)
+    seen = Columns(assembly.layout, kept)
+    return [
+        [_pair(one, steps, seen, values[:, 0, :, lane], values[:, way + 1, :, lane]) for lane in range(where.start, where.stop)]
+        for (where, way), one in zip(places, some, strict=False)
+    ]
 
 
-def _pair(assembly: Assembly, one: Neighbours, kept: NDArray[np.uint32], rows: Array, slopes: Array) -> tuple[Record, Record]:
+def _end_if(stop: threading.Event) -> None:
+    if stop.is_set():
+        raise KeyboardInterrupt
+
+
+def _pair(one: Neighbours, steps: NDArray[np.int64], seen: Columns, rows: Array, slopes: Array) -> tuple[Record, Record]:
     """The records of both sides of one run."""
-    steps = np.arange(len(rows), dtype=np.int64) * assembly.choice.outputs_every
-    largest = np.isin(kept, assembly.layout.of("extreme"))
+    largest = np.isin(seen.kept, seen.layout.of("extreme"))
     both = rows + 0.5 * one.apart * slopes, rows - 0.5 * one.apart * slopes
     for side in both:
         side[:, largest] = np.maximum(side[:, largest], 0.0)  # a size has no sign
-    return Record(one.up, steps, both[0], kept), Record(one.down, steps, both[1], kept)
+    up, down = (Record(model, steps, side, seen.kept, columns=seen) for model, side in zip((one.up, one.down), both, strict=True))
+    return up, down

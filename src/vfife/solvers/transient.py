@@ -17,7 +17,7 @@ from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .companions import Gathering, lanes
 from .halt import Halt
-from .pace import Pace
+from .pace import FIRST, QUICK, Pace
 from .progress import Progress
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
 from .repeating import Settling
@@ -27,6 +27,7 @@ CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow w
 CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are
 CHECKPOINT_SHARE = 20.0  # times as long as writing one takes: no sooner comes the next
 JUDGE_SECONDS, JUDGED = 5.0, 200  # between two looks at the energy of a run, and outputs in one
+SHORT = 50_000  # numbers of a state with all lanes that a generated step takes some 50 microseconds for
 LONGEST_STRAIGHT_LINE = 25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
 
 
@@ -90,7 +91,7 @@ class Stepping:
         self.own = companions + 1  # lanes that are not mere repetitions
         self.gathering = Gathering(assembly, self.kept, first[1 : self.own]) if companions else None
         self.most = max(1, CHUNK_BYTES // (8 * len(self.kept) * len(first)))
-        self.pace = Pace()
+        self.pace = Pace(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
         self.parts: list[Rows] = []
         self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
         self.burst: Burst | None = None

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
-from statistics import median
-from typing import Any, TypeAlias
+from statistics import fmean
 
-from ..analysis.measures import OVER_TURN, Measure, last_turn, over_turn
+from ..analysis.measures import OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
+from ..analysis.ranges import ranged
+from ..analysis.wanted import BY_TURN, INFLUENCE
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, VfifeError, suggestion
-from ..model.functions import turn_of
+from ..assembly.numbering import Numbering
+from ..errors import Fault, ModelError, suggestion
 from ..model.mechanism import Mechanism
-from ..modelfile import dump, loads
+from ..modelfile import dump
+from ..modelfile.numbered import with_number
 from ..modelfile.numbers import numbers
 from ..result import Result
 from ..results.derivatives import Derivative, Sensitivity
@@ -22,27 +23,19 @@ from ..results.studied import UNITS
 from ..results.view import standing
 from ..simulation import simulate
 from ..solvers.arguments import Arguments
-from ..solvers.companions import SENSITIVE
+from ..solvers.companions import SENSITIVE, measured_rows
 from ..solvers.progress import Progress
 from ..solvers.record import Record
-from ..solvers.tangents import Neighbours, comparable, tangents
+from ..solvers.tangents import Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
+from .nearby import Way, beside, neighbours
 from .wanted import known_measures
 
-NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
-PEAKS = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
+LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
-SHARES = 0.0, 0.25, 0.5, 0.75  # of a first step, by which runs are displaced: as many on every machine
-Pairs: TypeAlias = list[tuple[Record, Record]]  # of a number, one for each displaced run
-
-
-@dataclass(frozen=True)
-class Way:
-    """A number of the model, its value (SI) and the models to both sides."""
-
-    path: str
-    value: float
-    near: Neighbours
+MOST_RUNS = 8  # that go side by side in the widest vector
+DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
+Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
 
 def sensitivity(
@@ -54,33 +47,46 @@ def sensitivity(
     duration: float | str | None = None,
     step: float | str | None = None,
     companions: int | str | None = None,
+    runs: int | None = None,
+    force_step: bool = False,
     progress: Callable[[Progress], None] | None = None,
 ) -> Sensitivity:
     """How measures ``of`` a run depend on numbers of its model, ``to``: patterns of names and of paths, ``"*.force.max"``, ``"joint.C.*"``;
     of None: of the largest forces, torques and angular accelerations that there are.
 
     The run is that of :func:`~vfife.simulate` with these arguments; derivatives are of its measures over the last turn, at the steps that it
-    took. Where an onset falls in its step is decided by the steps, and leaves each derivative an error of first order in them: with contact it is
-    the median over four displaced runs, with their range; without ``companions``, of the run alone. A number that the model has as zero is left
-    out, and so are those that nothing depends on. Derivatives of a measure that the run's companions do not agree on mean nothing, and are marked.
+    took. Where an onset or a reversal of friction falls in its step is decided by the steps, and leaves each derivative an error of first order in
+    them: with contact it is the mean over ``runs`` with displaced steps, two if nothing is said, with their range; without ``companions``, of the
+    run alone. A number that the model has as zero is left out, and so are those that nothing depends on. Derivatives of a measure that the run's
+    companions do not agree on mean nothing, and are marked. Those relative to the ideal mechanism take its own derivatives with them.
     Raises ModelError for patterns that fit nothing, and what simulate raises.
     """
     given = Arguments("sensitivity")
     given.mechanism(mechanism)
-    given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=False, companions=companions)
+    given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=force_step, companions=companions)
+    if given.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
+        given.fault("runs", "more than go side by side", runs, f"a whole number from 1 to {MOST_RUNS}", "give fewer")
     given.tell()
     refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
-    result = simulate(mechanism, turns=turns, duration=duration, step=step, companions=companions, progress=progress)
-    assembly = result.record.assembly
-    known = over_turn(result.record, last_turn(result.record))
-    names = matching("of", [one for one in PEAKS if fits(one, known)] or ["*"] if of is None else of, known)
-    every = tuple(one for one in OVER_TURN if names.keys() & over_turn(result.record, last_turn(result.record), (one,)).keys())
-    ways, refused = neighbours(text, chosen, assembly)
-    displaced = bool(assembly.contacts) and result.record.companions is not None
-    found = [derivatives(way, pair, names, every) for way, pair in paired(assembly, ways, displaced)]
-    told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names))
+    result = simulate(mechanism, turns=turns, duration=duration, step=step, force_step=force_step, companions=companions, progress=progress)
+    record, reference = result.record, None if result.reference is None else result.reference.measures
+    window = last_turn(record)
+    known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
+    whole = {name: value for found in known.values() for name, value in found.items()}
+    whole |= compared(record, whole, reference)
+    names = matching("of", [one for one in LARGEST if fits(one, whole)] or ["*"] if of is None else of, whole)
+    relative = any(name.endswith(INFLUENCE) for name in names)
+    every = tuple(one for one in OVER_TURN if names.keys() & known[one].keys() or (relative and one in PEAKS))
+    ways, refused = neighbours(text, chosen, record.assembly)
+    ideals = references(text, ways, result) if relative else {}
+    count = runs if runs is not None and record.assembly.contacts else 1 if record.companions is None else DISPLACED
+    found = [
+        derivatives(way, pair, names, every, ideals.get(way.path, (reference, reference)))
+        for way, pair in paired(record.assembly, ways, count, every)
+    ]
+    told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every))
     told.derivatives = [one for one in found if any(abs(told.elasticity(name, one.path)) > NOTHING for name in one.values)]
     return told
 
@@ -90,13 +96,15 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
     if mechanism.settings.analysis == "static":
         what, remedy = "a static analysis has no steps that carry derivatives along", "vary the number with vfife study instead"
         raise ModelError([Fault("run.analysis", what, "static", "dynamic", remedy)], mechanism.name)
+    odd = [one for one in of if not fits(one.partition(".")[2], UNITS)]
+    if not odd and not Numbering(mechanism).elements:
+        return
     assembly = assemble(mechanism)
     if choose_loop(assembly, "auto") != "generated":
         elements = len(assembly.topology.frame_nodes)
         what = f"its {elements} elements are stepped by the data-driven loop, which carries no derivatives along"
         raise ModelError([Fault("body", what, "", "", "use fewer elements, or vary the number with vfife study")], mechanism.name)
-    known = known_measures(standing(assembly))
-    matching("of", [one for one in of if not fits(one.partition(".")[2], UNITS)], dict.fromkeys(known, 0.0))
+    matching("of", odd, dict.fromkeys(known_measures(standing(assembly)), 0.0))
 
 
 def fits(pattern: str, known: Iterable[str]) -> bool:
@@ -116,79 +124,61 @@ def matching(name: str, patterns: Sequence[str], known: dict[str, float]) -> dic
     return {one: value for one, value in known.items() if any(fnmatchcase(one, pattern) for pattern in patterns)}
 
 
-def neighbours(text: str, chosen: dict[str, float], assembly: Assembly) -> tuple[list[Way], dict[str, str]]:
-    """The models to both sides of each number; and of those that cannot be assembled, why."""
-    ways, refused = [], {}
-    for path, value in chosen.items():
-        if value == 0.0:
-            refused[path] = "zero, of which there is no small part"
-            continue
-        try:
-            ways.append(Way(path, value, beside(text, path, value, assembly)))
-        except VfifeError as error:
-            refused[path] = str(error).strip().splitlines()[-1].strip()
-    return ways, refused
+def references(text: str, ways: list[Way], result: Result) -> dict[str, tuple[Reference, Reference]]:
+    """Largest values of the ideal mechanism to both sides of each number that it has: those of play are none of its own."""
+    if result.reference is None:
+        return {}
+    ideal = result.reference.record.assembly
+    own = [one for one in ways if not one.path.startswith("joint.") or with_number(ideal.mechanism, one.path, one.value, one.value) is not None]
+    near = [Way(one.path, one.value, beside(text, one.path, one.value, ideal, ideal=True)) for one in own]
+
+    def both(pair: tuple[Record, Record]) -> tuple[Reference, Reference]:
+        up, down = (over_turn(record, last_turn(record), PEAKS) for record in pair)
+        return up, down
+
+    return {way.path: both(pairs[0]) for way, pairs in paired(ideal, near, 1, PEAKS)}
 
 
-def beside(text: str, path: str, value: float, assembly: Assembly) -> Neighbours:
-    """A number a little larger and a little smaller; where only one of them is a mechanism, that and the model itself."""
-    models: list[tuple[float, Assembly]] = []
-    trouble: VfifeError | None = None
-    for sign in (1.0, -1.0):
-        try:
-            models.append((sign, placed(text, path, value + sign * NEAR * abs(value), assembly)))
-        except VfifeError as error:
-            trouble = error
-    if trouble is not None and not models:
-        raise trouble
-    if trouble is not None:
-        models.append((0.0, assembly))
-        models.sort(key=lambda one: -one[0])
-    (above, up), (below, down) = models
-    return Neighbours(up, down, (above - below) * NEAR * abs(value))
-
-
-def placed(text: str, path: str, value: float, assembly: Assembly) -> Assembly:
-    """The model with another number, assembled for as many steps, each the same part of a turn."""
-    mechanism = loads(text, set=[(path, value)])
-    choice, turn = assembly.choice, turn_of(mechanism)
-    scale = turn / choice.turn if turn is not None and choice.turn is not None else 1.0
-    length: dict[str, Any] = {"duration": choice.step * scale * choice.steps} if choice.turn is None else {
-        "turns": choice.steps * choice.step / choice.turn
-    }  # fmt: skip
-    outputs = assembly.mechanism.settings.outputs
-    return assemble(mechanism, choice.step * scale, outputs=outputs, force_step=True, **length)
-
-
-def paired(assembly: Assembly, ways: list[Way], displaced: bool) -> Iterator[tuple[Way, Pairs]]:
+def paired(assembly: Assembly, ways: list[Way], count: int, every: tuple[Measure, ...]) -> Iterator[tuple[Way, Pairs]]:
     """Of each number the records to both sides: by the derivatives of steps, or by two runs where functions of time have other pieces.
 
-    By steps also of ``displaced`` runs.
+    By steps also of ``count`` displaced runs, and of no more outputs than the measures need.
     """
     smooth = [way for way in ways if comparable(assembly, way.near)]
-    yield from zip(smooth, tangents(assembly, [way.near for way in smooth], SHARES if displaced else SHARES[:1]), strict=True)
+    whole = set(every) <= set(BY_TURN)
+    shares = displaced(count, assembly.mechanism.settings.parts)
+    kept = measured_rows(assembly) if whole else None
+    yield from zip(smooth, tangents(assembly, [way.near for way in smooth], shares, kept=kept, whole=whole), strict=True)
     for way in ways:
         if way not in smooth:
             yield way, [(run(way.near.up), run(way.near.down))]
 
 
-def derivatives(way: Way, pairs: Pairs, names: dict[str, float], every: tuple[Measure, ...]) -> Derivative:
-    """The change of measures between two records, by that of the number: the median over displaced runs, which one with another largest
-    peak does not move, and from the least to the largest.
+def derivatives(
+    way: Way, pairs: Pairs, names: Mapping[str, float], every: tuple[Measure, ...], ideals: tuple[Reference, Reference] = (None, None)
+) -> Derivative:
+    """The change of measures between two records, by that of the number: the mean over displaced runs, and from the least to the largest.
+
+    Where an onset or a reversal falls in its step adds an error of either sign, which a mean over places in the step takes off.
     """
     found: dict[str, list[float]] = {}
     for pair in pairs:
-        up, down = (over_turn(record, last_turn(record), every) for record in pair)
+        up, down = (_measured(record, every, ideal) for record, ideal in zip(pair, ideals, strict=True))
         for name in names:
             if name in up and name in down:
                 found.setdefault(name, []).append((up[name] - down[name]) / way.near.apart)
-    middle = {name: median(values) for name, values in found.items()}
+    middle = {name: fmean(values) for name, values in found.items()}
     return Derivative(way.path, way.value, middle, {name: (min(values), max(values)) for name, values in found.items()})
 
 
-def doubtful(result: Result, names: dict[str, float]) -> frozenset[str]:
+def _measured(record: Record, every: tuple[Measure, ...], reference: Reference) -> dict[str, float]:
+    found = over_turn(record, last_turn(record), every)
+    return found | compared(record, found, reference)
+
+
+def doubtful(result: Result, names: Mapping[str, float], every: tuple[Measure, ...]) -> frozenset[str]:
     """Measures whose companions lie apart by more than a run may that is not sensitive: their derivatives mean nothing."""
-    found = result.measures
+    found = ranged(result.record, None if result.reference is None else result.reference.measures, every)
     return frozenset(
         name for name in names if name in found and found[name].high - found[name].low > SENSITIVE * max(abs(found[name].value), 1e-300)
     )

@@ -29,12 +29,14 @@ from ..results.reductions import Reductions
 from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run
+from .batches import Batches, Through
 from .member import Plan, Stepped, Wanted, streams
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
 FORCES = ("gravity", "load", "material")
 OF_FORCE = {("body", "mass"), ("body", "inertia"), ("spring", "stiffness"), ("spring", "damping")}
+FIRST, MOST = 32, 512  # members that are made at once: so that lanes begin soon, and then
 KEPT = 64  # mechanisms with other numbers than those of play that are remembered
 
 
@@ -46,6 +48,13 @@ class Made:
     plan: Plan
     reference: Mapping[str, float] | None
     again: Callable[[Mechanism, float], Assembly]
+    ideal: Assembly | None
+    through: bool
+
+    @property
+    def assembly(self) -> Assembly:
+        """That of the model's own play."""
+        return self.refit.assembly
 
 
 @dataclass
@@ -77,12 +86,21 @@ class Preparing:
         self.measures = WantedMeasures(self.wanted.measures, reduced.over if reduced.asked else None)
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | Unstepped]:
-        """The members, in their order."""
-        for k, one in enumerate(numbers):
-            try:
-                yield self.member(k, one)
-            except VfifeError as error:
-                yield Unstepped(k, sentence(error))
+        """The members, in their order; they are made in batches, and one by one where that is not possible."""
+        batches = Batches(self.base, self.raw, self.wanted, self.made, self.of_play, Through(self.through, self.way, self.ways))
+        begin, size = 0, FIRST
+        while begin < len(numbers):
+            some = numbers[begin : begin + size]
+            found = batches.of(some, begin)
+            for k, one in enumerate(some):
+                if k in found:
+                    yield found[k]
+                    continue
+                try:
+                    yield self.member(begin + k, one)
+                except VfifeError as error:
+                    yield Unstepped(begin + k, sentence(error))
+            begin, size = begin + size, MOST
 
     def member(self, k: int, numbers: Numbers) -> Stepped | Unstepped:
         """One of them. Raises VfifeError where it cannot be assembled."""
@@ -181,18 +199,22 @@ class Preparing:
             return None
         refit = Refit(assembly, wanted.step, expected, **asked)
         refit.usable = refit.usable and through  # where play has to bridge what opens, it decides whether it can
-        return Made(refit, Plan(assembly, wanted, self.measures), reference, partial(assemble, expected=expected, **asked))
+        return Made(refit, Plan(assembly, wanted, self.measures), reference, partial(assemble, expected=expected, **asked), ideal, through)
 
     def through(self, numbers: Numbers, mechanism: Mechanism) -> bool:
         """Whether the ideal mechanism gets through its turns: its geometry decides, and which way it is driven. Raises VfifeError."""
-        moving = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
-        shape = {path: value for path, value in numbers.items() if not self.of_play(path) and not self.moves_nothing(path, len(moving))}
-        key = (*sorted(shape.items()), *(speed is not None and speed > 0.0 for speed in moving))
+        key = self.way(numbers, mechanism)
         if key not in self.ways:
             if not outlook(mechanism, float(self.wanted.turns)).through:
                 return False
             self.ways.add(key)
         return True
+
+    def way(self, numbers: Numbers, mechanism: Mechanism) -> tuple[Any, ...]:
+        """What decides whether the ideal mechanism gets through: its geometry, and which way it is driven."""
+        moving = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
+        shape = {path: value for path, value in numbers.items() if not self.of_play(path) and not self.moves_nothing(path, len(moving))}
+        return (*sorted(shape.items()), *(speed is not None and speed > 0.0 for speed in moving))
 
     def moves_nothing(self, path: str, drivers: int) -> bool:
         """Whether a number is none of the geometry: a mass, what a spring or load has of force, the only steady speed."""

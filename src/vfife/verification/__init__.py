@@ -1,6 +1,6 @@
 """The verification suite: cases with a source, a reference and a tolerance, run by ``vfife verify``."""
 
-from . import beams, drives, equilibria, fourbars, guides, impacts, oscillators, pendulums, squeezer
+from . import beams, chaos, drives, equilibria, fourbars, guides, impacts, oscillators, pendulums, squeezer
 from .case import Case, Nudge, Row, entry, verified
 
 CASES: dict[str, Case] = verified.cases
@@ -11,6 +11,7 @@ __all__ = [
     "Nudge",
     "Row",
     "beams",
+    "chaos",
     "drives",
     "entry",
     "equilibria",

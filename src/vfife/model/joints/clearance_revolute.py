@@ -31,12 +31,14 @@ class ClearanceRevolute(Contact):
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "bearing_radius": 0.02}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
     refits: ClassVar[bool] = True
+    shapes_worn: ClassVar[bool] = True
 
     clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
 
     def conflicts(self) -> Iterator[Conflict]:
         """The journal is smaller than its bearing, and something of it remains."""
+        yield from super().conflicts()
         if None not in (self.clearance, self.bearing_radius) and self.clearance >= self.bearing_radius:
             limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
             remedy = "check the units of both: clearance is bearing radius less journal radius"

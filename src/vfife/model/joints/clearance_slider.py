@@ -40,6 +40,7 @@ class ClearanceSlider(Contact):
 
     def conflicts(self) -> Iterator[Conflict]:
         """Its corners fit on the block."""
+        yield from super().conflicts()
         sizes, r = (self.length, self.height), self.corner_radius
         if None not in (*sizes, r) and r > 0.5 * min(sizes):
             what = f"corners of {r:g} m do not fit on a block of {self.length:g} m by {self.height:g} m"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from ...fields import Choice, Chosen, Named, described, quantity
+from ...fields import Choice, Chosen, Inner, Named, described, quantity
 from ...laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
+from ..conflict import Conflict
 from ..touching import Touching
+from ..wear import Wear
 from .joint import Joint
 
 FrictionMoment = Literal["mid-overlap", "surface", "off"]
@@ -35,7 +38,26 @@ class Contact(Joint):
     bearing_material: Material | None = described(Named(Material), "material of the bearing; its body's if left out", None)
     journal_material: Material | None = described(Named(Material), "material of the journal; its body's if left out", None)
 
+    wear: Wear | None = described(Inner(Wear), "how the surfaces wear, and how much they have; nothing is kept of it if left out", None)
+
     sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
+
+    shapes_worn: ClassVar[bool] = False  # whether its surfaces may have a worn profile
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """What wears slides on its surface, without a film."""
+        if self.wear is None:
+            return
+        yield from self.wear.conflicts()
+        if getattr(self.contact, "film", False):  # a law that was refused is None here
+            remedy = f'take another contact law than "{self.contact.name}", or remove wear'
+            yield Conflict("wear", "a film keeps the surfaces apart, and what it carries does not wear them", remedy)
+        if self.friction_moment == "off":
+            remedy = 'set friction_moment = "mid-overlap" or "surface", or remove wear'
+            yield Conflict("wear", "with friction_moment off the surfaces do not slide by turning, so that they would not wear by it", remedy)
+        if any(self.wear.harmonics) and not self.shapes_worn:
+            remedy = "remove the profiles; volumes are kept of any joint with play"
+            yield Conflict("wear", "a worn profile is of a journal in its bearing alone", remedy)
 
     @property
     def landing(self) -> float:

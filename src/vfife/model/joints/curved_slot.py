@@ -100,6 +100,7 @@ class ClearanceCurvedSlot(Contact):
 
     def conflicts(self) -> Iterator[Conflict]:
         """Its sizes make a path, with room for walls on both sides."""
+        yield from super().conflicts()
         if None not in (self.journal_radius, self.clearance):
             yield from no_path(self, self.journal_radius + self.clearance)
 

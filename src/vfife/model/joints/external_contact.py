@@ -35,6 +35,7 @@ class ExternalContact(Contact):
 
     def conflicts(self) -> Iterator[Conflict]:
         """A round has no direction."""
+        yield from super().conflicts()
         if self.bearing_radius is not None and self.direction not in (None, (1.0, 0.0)):
             yield Conflict("direction", "a round has no direction", "remove it, or remove bearing_radius for a straight line")
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from ...errors import Fault, place
+from ...errors import Fault, place, shown
 from ...laws import ContactLaw, FrictionLaw, Law, Pair
+from ...laws.wear import coefficient
 from ..mechanism import Mechanism
 from ..surfaces import surfaces
+from ..wear import Wear
 
 LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 
@@ -21,6 +23,19 @@ def check_laws(mechanism: Mechanism) -> list[Fault]:
                 size = f" (clearance {pair.clearance:g} m)" if pair.clearance else ""
                 remedy = "check clearance, bearing_radius, axial_length and materials, or take another law"
                 found.append(Fault(place(("joint", name, kind)), what + size, "", "", remedy))
+        found += [] if joint.wear is None else softless(name, joint.wear, pair)
+    return found
+
+
+def softless(name: str, wear: Wear, pair: Pair) -> list[Fault]:
+    """Surfaces that wear by a pair of materials by name, whose hardness is not known."""
+    found = []
+    for side in ("bearing", "journal"):
+        named, material = getattr(wear, side), getattr(pair, side)
+        if coefficient(named, material) is None:
+            what = f"the coefficient of this pair is over the hardness of the {side}, and that of {material.name} is not known"
+            remedy = f'give the material of the {side} its hardness, or the coefficient itself, as in "1e-15 1/Pa"'
+            found.append(Fault(place(("joint", name, "wear", side)), what, shown(named), "", remedy))
     return found
 
 

@@ -1,0 +1,155 @@
+"""``vfife spectrum``: what series of a run are made of, as spectra, spectrograms and envelopes; tables and figures of them."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import numpy as np
+import typer
+
+from .options import RunArgument, positive
+from .sensitivity import ENDINGS
+from .terminal import grid, output, row, sentences, writing
+
+if TYPE_CHECKING:
+    from ..result import Result
+    from ..results.spectra import Envelope, Spectrogram, Spectrum
+
+    Found: TypeAlias = Spectrum | Spectrogram | Envelope
+
+KINDS = ("spectrum", "spectrogram", "envelope")
+PEAKS = 8
+OF = "Series, as C.force; once for each."
+Of = Annotated[list[str] | None, typer.Option("--of", metavar="SERIES", help=OF, show_default="the largest forces")]
+As = Annotated[str, typer.Option("--as", metavar="|".join(KINDS), help="Over frequency; over time and frequency; or the size of what vibrates.")]
+Window = Annotated[str, typer.Option(metavar="NAME", help="hann, hamming, blackman, flat-top or rectangular.")]
+Length = Annotated[
+    str | None, typer.Option(metavar="TIME", help="Length of the windows, as 5ms.", show_default="the run; of a spectrogram a sixteenth of it")
+]
+Turns = Annotated[float | None, typer.Option(metavar="N", help="The same in turns of the crank.", show_default=False)]
+Overlap = Annotated[float | None, typer.Option(metavar="SHARE", help="Overlap of the windows.", show_default="0.5; of a spectrogram 0.75")]
+Band = Annotated[str | None, typer.Option(metavar="LOW..HIGH", help="Band of an envelope, as 2..8kHz.", show_default="all frequencies")]
+Hertz = Annotated[bool, typer.Option("--hertz", help="Frequencies in the figure and table, also where a crank turns evenly.")]
+Figure = Annotated[Path | None, typer.Option(metavar="FILE.png|svg|pdf", help="Draw it.", show_default=False)]
+Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write it as a table, of one series.", show_default=False)]
+
+
+def spectrum(
+    run: RunArgument,
+    of: Of = None,
+    kind: As = "spectrum",
+    window: Window = "hann",
+    length: Length = None,
+    turns: Turns = None,
+    overlap: Overlap = None,
+    band: Band = None,
+    hertz: Hertz = False,
+    figure: Figure = None,
+    csv: Table = None,
+) -> None:
+    """Spectrum of any series of a run, spectrogram or envelope: the strongest waves, by orders of the crank or in Hz; a figure, a table.
+
+    A run is seen at its outputs: what is faster than half their rate is folded back, so let short impacts have several each (vfife run --outputs).
+    """
+    with sentences(str(run)):
+        refuse_places(figure, csv)
+        seconds, within = None if length is None else positive("--length", length, "s"), banded(band)
+        result, names = series(run, of)
+        if kind not in KINDS:
+            raise ValueError(f"--as {kind}: allowed: {', '.join(KINDS)}")
+        if csv is not None and len(names) != 1:
+            raise ValueError(f"--csv {csv}: one table holds one series and these are {len(names)}; name one with --of")
+        if within is not None and kind != "envelope":
+            raise ValueError("--band: only an envelope has one; add --as envelope")
+        given: dict[str, Any] = {"window": window, "seconds": seconds, "turns": turns}
+        if overlap is not None:
+            given["overlap"] = overlap
+        if kind == "envelope":
+            found: list[Found] = [result.envelope(name, band=within) for name in names]
+        else:
+            found = [getattr(result, kind)(name, **given) for name in names]
+    if hertz:
+        found = [by_frequency(one) for one in found]
+    if csv is not None:
+        with writing(str(csv)):
+            found[0].write_csv(csv)
+    if figure is not None:
+        with writing(str(figure)):
+            draw(found, result, figure, kind)
+    show(found, result.name)
+
+
+def refuse_places(figure: Path | None, csv: Path | None) -> None:
+    """Raises ValueError for files that cannot be."""
+    for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",))):
+        if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
+            raise ValueError(f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is there; name one")
+
+
+def banded(text: str | None) -> tuple[float, float] | None:
+    """A band of frequencies (Hz), as 2..8kHz. Raises ValueError for what is none."""
+    if text is None:
+        return None
+    from ..live.sliders import NUMBER, bare
+
+    low, dots, high = (part.strip() for part in text.partition(".."))
+    if not (dots and low and high):
+        raise ValueError(f"--band {text}: this is not LOW..HIGH; write it as in --band 2..8kHz")
+    low = f"{low} {NUMBER.sub('', high)}" if bare(low) else low
+    return positive("--band", low, "1/s"), positive("--band", high, "1/s")
+
+
+def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
+    """The run, and which series. Raises ValueError where there are none to choose from."""
+    from ..plots.spectrograms import forces
+    from ..result import Result
+
+    result = Result.load(run)
+    names = of or ([] if result.record.static else forces(result))
+    if not names:
+        raise ValueError("no joint carries a force here, or there are too few outputs; name series with --of")
+    return result, names
+
+
+def by_frequency(one: Found) -> Found:
+    """The same, as of a mechanism without a crank."""
+    inner = getattr(one, "spectrum", None)
+    changes: dict[str, Any] = {"turn": None} if inner is None else {"spectrum": dataclasses.replace(inner, turn=None)}
+    return dataclasses.replace(one, **changes)
+
+
+def draw(found: list[Any], result: Result, path: Path, kind: str) -> None:
+    """The figure of them."""
+    from ..plots import spectrograms as drawn
+    from ..plots.files import saved_in_style
+
+    draws: Any = {"spectrum": drawn.spectrums, "spectrogram": drawn.spectrograms, "envelope": drawn.envelopes}[kind]
+    saved_in_style(lambda: draws(found, result), path)
+
+
+def show(found: list[Any], name: str) -> None:
+    """The strongest waves of each; of a spectrogram when they are strongest, of an envelope those of its own spectrum."""
+    from rich.text import Text
+
+    console = output()
+    timed = hasattr(found[0], "times") and not hasattr(found[0], "spectrum")
+    turning = (found[0].spectrum if hasattr(found[0], "spectrum") else found[0]).turn is not None
+    heads = ("series", *(("order",) if turning else ()), "frequency, Hz", "amplitude", *(("at, ms",) if timed else ()))
+    table = grid(*heads, title=f"{name}: the strongest waves", right=tuple(range(1, len(heads))))
+    for one in found:
+        of = getattr(one, "spectrum", one)
+        sizes = of.amplitudes.max(axis=0) if timed else of.amplitudes
+        for n, k in enumerate(strongest(sizes)):
+            when = (f"{1e3 * of.times[int(np.argmax(of.amplitudes[:, k]))]:.4g}",) if timed else ()
+            order = (f"{of.orders[k]:.4g}",) if turning else ()
+            row(table, of.name if n == 0 else "", *order, f"{of.frequencies[k]:.5g}", f"{sizes[k]:.4g} {of.unit}", *when)
+    console.print(table)
+    console.print(Text(f"{found[0].words[0].upper()}{found[0].words[1:]}."))
+
+
+def strongest(sizes: Any) -> list[int]:
+    """Places of the highest of those that are higher than both beside them, the mean left out."""
+    inside = np.flatnonzero((sizes[1:-1] >= sizes[:-2]) & (sizes[1:-1] > sizes[2:])) + 1
+    return sorted(map(int, inside), key=lambda k: -sizes[k])[:PEAKS]

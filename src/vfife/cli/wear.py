@@ -1,0 +1,169 @@
+"""``vfife wear``: how joints with play wear over millions of turns."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..results.header import WEAR_APPLICATION, head_with
+from .mapped import Step, places
+from .options import LawsOption, SetOption, positive, read_model
+from .run import Quiet
+from .signals import NOW
+from .terminal import grid, output, row, sentences, span, tell, writing
+
+if TYPE_CHECKING:
+    from ..study.worn import Worn
+
+MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
+Model = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Model file, or a wear file to be shown.", show_default=False)]
+Turns = Annotated[float, typer.Option("--turns", metavar="N", min=1.0, max=MOST_TURNS, help="Turns of the crank, as in 1e7.")]
+Block = Annotated[int, typer.Option("--block", metavar="N", min=1, max=MOST_BLOCK, help="Turns that are simulated for a rate.")]
+Settle = Annotated[int, typer.Option("--settle", metavar="N", min=1, max=MOST_BLOCK, help="Turns before them that are not looked at.")]
+Tolerance = Annotated[float, typer.Option("--tolerance", metavar="SHARE", help="Most error of a jump, as a share of the smallest clearance.")]
+Harmonics = Annotated[
+    int, typer.Option("--harmonics", metavar="N", min=0, max=MOST_HARMONICS, help="Of the worn profiles that clearances follow; 0: they do not.")
+]
+Play = Annotated[str | None, typer.Option("--clearance", metavar="LENGTH", help="Play of a joint that ends its life.", show_default=False)]
+Force = Annotated[str | None, typer.Option("--force", metavar="FORCE", help="Force of a joint that ends its life.", show_default=False)]
+Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.wear", help="Where to keep it.", show_default="runs/MODEL.wear")]
+Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The figure.", show_default="FILE.png")]
+Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All depths as a table.", show_default=False)]
+Saved = Annotated[Path | None, typer.Option("--worn", metavar="WORN.toml", help="The model as it is worn in the end.", show_default=False)]
+
+
+def wear(
+    model: Model,
+    turns: Turns = 1e6,
+    block: Block = 4,
+    settle: Settle = 4,
+    tolerance: Tolerance = 0.01,
+    harmonics: Harmonics = 8,
+    clearance: Play = None,
+    force: Force = None,
+    step: Step = None,
+    target: Target = None,
+    figure: Figure = None,
+    csv: Table = None,
+    saved: Saved = None,
+    set_: SetOption = None,
+    laws: LawsOption = None,
+    quiet: Quiet = False,
+) -> None:
+    """Wear of joints with play over many turns, by Archard's law: blocks of turns that are simulated, and jumps with a known error between them.
+
+    The joints that wear have a table wear in the model. Clearances follow the worn surfaces. After Ctrl-C or a kill the same command goes on.
+    """
+    kept = head_with(model, WEAR_APPLICATION) is not None
+    place = model if kept else target if target is not None else Path("runs") / f"{model.stem}.wear"
+    with sentences(str(model)):
+        drawn = places(place, figure, csv, target is None and not kept, "wear")
+        from ..study.wearing import read_wear
+        from ..study.wearing import wear as worn_over
+
+        if kept:
+            found = read_wear(model)
+        else:
+            mechanism = read_model(model, set_, laws)
+            sizes = [
+                None if text is None else positive(option, text, unit)
+                for option, text, unit in (("--clearance", clearance, "m"), ("--force", force, "N"), ("--step", step, "s"))
+            ]
+            place.parent.mkdir(parents=True, exist_ok=True) if target is None else None
+            NOW.saved = f"What is complete is kept in {place}; the same command goes on after it."
+            with writing(str(place)):
+                found = worn_over(
+                    mechanism, turns, block=block, settle=settle, tolerance=tolerance, harmonics=harmonics, clearance=sizes[0], force=sizes[1],
+                    step=sizes[2], file=place, progress=None if quiet else Line(),
+                )  # fmt: skip
+    keep(found, drawn, csv, saved)
+    if not quiet:
+        show(found, place, drawn)
+    if not found.complete and not kept:
+        tell("interrupted", f"{NOW.by}: {found.turns[-1]:,.0f} of {turns:,.0f} turns are known and kept in {place}; the same command goes on.")
+        raise typer.Exit(NOW.code)
+
+
+class Line:
+    """Where the wear stands, after each jump, with the time that is left if it goes on like that."""
+
+    def __init__(self) -> None:
+        self.began, self.first = time.monotonic(), 0.0
+
+    def __call__(self, known: float, turns: float, simulated: int) -> None:
+        """Says it."""
+        spent = time.monotonic() - self.began
+        gone = known - self.first
+        left = f", {span(spent * (turns - known) / gone)} left" if gone > 0.0 and known < turns else ""
+        self.first = known if spent < 1e-3 else self.first
+        tell("wear", f"{known:,.0f} of {turns:,.0f} turns, {simulated:,} simulated{left}", "bold")
+
+
+def keep(found: Worn, drawn: Path, csv: Path | None, saved: Path | None) -> None:
+    """Figure, table and worn model."""
+    with writing(str(drawn)):
+        from ..plots.files import saved_in_style
+
+        saved_in_style(found.plot, drawn)
+    if csv is not None:
+        with writing(str(csv)):
+            found.write_csv(csv)
+    if saved is not None:
+        from ..modelfile.files import save_model
+
+        with writing(str(saved)):
+            save_model(found.mechanism(), saved)
+
+
+def show(found: Worn, place: Path, drawn: Path) -> None:
+    """Depth and volume of each surface, and how they were found."""
+    from rich.text import Text
+
+    console = output()
+    table = grid(
+        "surface",
+        "k (1/Pa)",
+        "deepest",
+        "volume",
+        "play",
+        "largest force",
+        title=f"{found.name}: {found.turns[-1]:,.0f} turns",
+        right=(1, 2, 3, 4, 5),
+    )
+    for surface, depth in zip(found.surfaces, found.depth[-1], strict=True):
+        joint = found.joints.index(surface.joint)
+        volume = 1e9 * found.volume(surface.joint, surface.side)[-1]
+        row(
+            table, f"{surface.joint} {surface.side}", f"{surface.k:.3g}", f"{1e6 * depth.max():.4g} µm", f"{volume:.4g} mm³",
+            f"{1e6 * found.play[-1, joint]:.4g} µm", f"{found.force[-1, joint]:.4g} N",
+        )  # fmt: skip
+    console.print(table)
+    for sentence in said(found):
+        console.print(Text(sentence))
+    console.print(Text(f"{place}, {drawn}"))
+
+
+def said(found: Worn) -> list[str]:
+    """How it was found, and what it does not know."""
+    asked, mechanism = found.asked, found.mechanism(0)
+    frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in found.joints)
+    sentences = [
+        f"{found.simulated:,.0f} turns were simulated, {asked.settle} of {asked.settle + asked.block} dropped each time, {asked.steps:,} steps a "
+        f"turn, without companions; friction: {frictions}.",
+        f"{len(found.turns) - 1} jumps, the largest error {1e6 * found.errors.max():.2g} µm, all together {1e6 * found.errors.sum():.2g} µm; "
+        f"the turns of a block leave {100.0 * found.spread.max():.2g} % of a rate open.",
+    ]
+    if asked.harmonics == 0:
+        sentences.append("Clearances do not follow what is worn, so depths go with the turns.")
+    if found.sharp.max() > 1.0:
+        sentences.append(
+            "Profiles bend more sharply than the journal, which would rest on the edges of what it wore: depths are more than there would be."
+        )
+    if found.ended:
+        sentences.append(
+            f"Life: {found.ended['turns']:,.0f} turns, until joint {found.ended['joint']} reaches the limit of its {found.ended['by']}."
+        )
+    return sentences

@@ -1,0 +1,77 @@
+"""Wear: what rubs where, by Archard's law, and the shape of surfaces that are worn.
+
+The volume that a surface loses is its coefficient times the normal force times the sliding distance (Archard 1953). A step keeps that product and
+the direction between the centres in which it was done; what is made of it where is said by the analysis, output by output.
+
+A worn surface is round no more: where the centres lie e apart, n pointing at angle psi, the penetration is
+
+    delta = e - c - h_B(psi - theta_B) - h_J(psi - theta_J)
+
+with the depths h of bearing and journal there, each a sum of cosines and sines. The force is F grad(delta): it leans from n by the slope of the
+profiles and turns the bodies by it, so that what a contact without damping and friction takes it gives back, to the last of it.
+"""
+
+import math
+
+from .arrays import CONTACT, CONTACT_INDEX, HARMONIC, PARTICLE, WEAR
+from .central_difference import larger
+
+
+def profile(S, first, count, c, s):
+    """Depth (m) of a worn profile at the angle with cosine c and sine s, and its derivative (m/rad)."""
+    depth = S[first + HARMONIC.cosine]
+    slope = 0.0
+    ck = c
+    sk = s
+    for k in range(1, count):
+        a = S[first + HARMONIC.SIZE * k + HARMONIC.cosine]
+        b = S[first + HARMONIC.SIZE * k + HARMONIC.sine]
+        depth += a * ck + b * sk
+        slope += k * (b * ck - a * sk)
+        more = ck * c - sk * s
+        sk = sk * c + ck * s
+        ck = more
+    return depth, slope
+
+
+def worn(S, I, r, depth, nx, ny):
+    """Penetration, normal, and levers of the profiles on bearing and journal of contact r, which was met as if it were round.
+
+    The normal is of length one; ``stretch`` is that of grad(delta), by which the law's force is larger and its rate faster than along n. The slope
+    counts on half the clearance at the least, where nothing touches.
+    """
+    w = I[r + CONTACT_INDEX.wear]
+    b = I[r + CONTACT_INDEX.bearing]
+    k = I[r + CONTACT_INDEX.journal]
+    size = S[I[r + CONTACT_INDEX.row] + CONTACT.size]
+    inverse = 1.0 / larger(depth + size, 0.5 * size)
+    on_bearing = 0.0
+    on_journal = 0.0
+    if I[r + CONTACT_INDEX.bearing_count] != 0:
+        cb = S[b + PARTICLE.c]
+        sb = S[b + PARTICLE.s]
+        worn_b, on_bearing = profile(
+            S, I[r + CONTACT_INDEX.bearing_first], I[r + CONTACT_INDEX.bearing_count], cb * nx + sb * ny, cb * ny - sb * nx
+        )
+        depth -= worn_b
+    if I[r + CONTACT_INDEX.journal_count] != 0:
+        ck = S[k + PARTICLE.c]
+        sk = S[k + PARTICLE.s]
+        worn_k, on_journal = profile(
+            S, I[r + CONTACT_INDEX.journal_first], I[r + CONTACT_INDEX.journal_count], ck * nx + sk * ny, ck * ny - sk * nx
+        )
+        depth -= worn_k
+        S[w + WEAR.journal] = worn_k
+    slope = inverse * (on_bearing + on_journal)
+    stretch = math.sqrt(1.0 + slope * slope)
+    share = 1.0 / stretch
+    S[w + WEAR.stretch] = stretch
+    return depth, share * (nx + slope * ny), share * (ny - slope * nx), share * on_bearing, share * on_journal, stretch
+
+
+def rub(S, w, j, span, slip):
+    """Adds what contact j rubs in a step to record w: force times distance, and the same by direction."""
+    rubbed = span * (S[j + CONTACT.normal_force] * abs(slip))
+    S[w + WEAR.work] += rubbed
+    S[w + WEAR.x] += rubbed * S[w + WEAR.nx]
+    S[w + WEAR.y] += rubbed * S[w + WEAR.ny]

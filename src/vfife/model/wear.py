@@ -1,0 +1,64 @@
+"""How the two surfaces of a joint with play wear, and the shape that they have when they did."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from ..fields import LENGTH, Many, Measure, described
+from ..laws.wear import PAIRS
+from .conflict import Conflict
+
+MOST_HARMONICS = 32
+COEFFICIENT = Measure("1/Pa", low=0.0, words=tuple(PAIRS))
+MEANING = "wear coefficient of the {}: volume over normal force and sliding distance, or a pair of materials by name"
+PROFILE = "worn depth around the {}, in its body's frame: mean depth, then cosine and sine of each multiple of the angle"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wear:
+    """Archard's law: a surface loses the volume k F s.
+
+    ``bearing`` and ``journal`` are the coefficients k (1/Pa) of the two surfaces, or names of pairs, whose K over the hardness of the surface's
+    material is k. The ``_profile`` of a surface is the depth (m) that it has lost already, over the angle from its body's x axis, as (mean,
+    cosine 1, sine 1, cosine 2, sine 2 ...); it makes the clearance larger there.
+    """
+
+    bearing: float | str = described(COEFFICIENT, MEANING.format("bearing"), 0.0)
+    journal: float | str = described(COEFFICIENT, MEANING.format("journal"), 0.0)
+    bearing_profile: tuple[float, ...] = described(Many(LENGTH), PROFILE.format("bearing"), ())
+    journal_profile: tuple[float, ...] = described(Many(LENGTH), PROFILE.format("journal"), ())
+
+    @property
+    def harmonics(self) -> tuple[int, int]:
+        """How many harmonics the profiles of bearing and journal have, the mean counted; 0 for a round one."""
+        return (len(self.bearing_profile) + 1) // 2, (len(self.journal_profile) + 1) // 2
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Profiles have a mean and pairs of cosine and sine."""
+        for key in ("bearing_profile", "journal_profile"):
+            profile = getattr(self, key)
+            if profile and len(profile) % 2 == 0:
+                yield Conflict("wear", f"{key} has {len(profile)} depths: a cosine is without its sine", "give it the mean and pairs after it")
+            elif profile and len(profile) > 2 * MOST_HARMONICS - 1:
+                limit = f"at most {2 * MOST_HARMONICS - 1} depths"
+                yield Conflict("wear", f"{key} has {len(profile)} depths", "leave out the finest ones", limit)
+
+
+def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:
+    """Depth (m) of a profile at angles (rad) of any shape, and its derivative (m/rad)."""
+    import numpy as np
+
+    depth, slope = np.zeros_like(angle), np.zeros_like(angle)
+    for k in range((len(profile) + 1) // 2):
+        a, b = (profile[0], 0.0) if k == 0 else profile[2 * k - 1 : 2 * k + 1]
+        c, s = np.cos(k * np.asarray(angle)), np.sin(k * np.asarray(angle))
+        depth, slope = depth + a * c + b * s, slope + k * (b * c - a * s)
+    return depth, slope
+
+
+def deepest(profile: tuple[float, ...]) -> float:
+    """Largest depth (m) that a profile can have anywhere."""
+    return abs(profile[0]) + sum(math.hypot(*profile[k : k + 2]) for k in range(1, len(profile), 2)) if profile else 0.0

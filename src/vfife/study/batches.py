@@ -1,0 +1,222 @@
+"""Members of a study made many at once, where they differ in numbers alone; what cannot be made so is made one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assemble import assemble
+from ..assembly.assembled import Assembly
+from ..assembly.together import Together
+from ..errors import VfifeError
+from ..fields.members import Differing, members, spread
+from ..kinematics.clear import clear
+from ..kinematics.initial import driven_start
+from ..model.mechanism import Mechanism
+from ..model.validate import Checks, across
+from ..simulation import comparable
+from ..solvers.repeating import whole_outputs
+from .columns import Column, Numbers, Unfit, column, table, together, varied
+from .ideals import peaks_of
+from .member import Plan, Stepped, Wanted
+
+FEW = 3  # members for which it is not worth while
+DEEP = 6  # times that members are taken apart
+MOST_IDEALS = 4096  # whose peaks are remembered
+TROUBLE = (VfifeError, Unfit, ValueError, TypeError, ArithmeticError, np.linalg.LinAlgError)
+
+
+class Kept(Protocol):
+    """What was made of one of them alone."""
+
+    @property
+    def assembly(self) -> Assembly:
+        """With the numbers of the model, but for what was given."""
+
+    @property
+    def ideal(self) -> Assembly | None:
+        """Its ideal mechanism, where there is one to compare with."""
+
+    @property
+    def plan(self) -> Plan:
+        """What is kept of it."""
+
+    @property
+    def reference(self) -> Mapping[str, float] | None:
+        """The largest values of the ideal mechanism."""
+
+    @property
+    def through(self) -> bool:
+        """Whether the ideal mechanism gets through its turns."""
+
+
+@dataclass(frozen=True)
+class Through:
+    """Whether ideal mechanisms get through their turns: ``found`` looks at one, which has a ``way`` of its own; ``known`` are those that do."""
+
+    found: Callable[[Numbers, Mechanism], bool]
+    way: Callable[[Numbers, Mechanism], tuple[Any, ...]]
+    known: set[Any]
+
+
+@dataclass
+class Batches:
+    """Makes members of one mechanism; ``made`` makes one by itself."""
+
+    base: Mechanism
+    raw: dict[str, Any]
+    wanted: Wanted
+    made: Callable[[Numbers], Kept | None]
+    of_play: Callable[[str], Any]
+    through: Through
+    columns: dict[str, Column | None] = field(default_factory=dict)
+    peaks: dict[tuple[Any, ...], Mapping[str, float] | None] = field(default_factory=dict)
+
+    def of(self, numbers: Sequence[Numbers], first: int) -> dict[int, Stepped]:
+        """Those of some members, the number of the first being ``first``, that can be made together."""
+        groups: dict[tuple[str, ...], list[int]] = {}
+        for k, one in enumerate(numbers):
+            groups.setdefault(tuple(one), []).append(k)
+        found: dict[int, Stepped] = {}
+        for paths, which in groups.items():
+            columns = [self.column(path) for path in paths]
+            if paths and None not in columns:
+                for k, member in self._apart(paths, which, numbers, 0):
+                    member.number = first + k
+                    found[k] = member
+        return found
+
+    def column(self, path: str) -> Column | None:
+        """Where a number is; None where that takes a reader of models."""
+        if path not in self.columns:
+            try:
+                self.columns[path] = column(self.base, self.raw, path)
+            except Unfit:
+                self.columns[path] = None
+        return self.columns[path]
+
+    def _apart(self, paths: Sequence[str], which: Sequence[int], numbers: Sequence[Numbers], depth: int) -> Iterable[tuple[int, Stepped]]:
+        """Members by number; those that are not to be treated alike are taken apart."""
+        if len(which) < FEW or depth > DEEP:
+            return []
+        try:
+            return self._made(paths, which, numbers)
+        except Differing as apart:
+            where = apart.where
+            if where.shape != (len(which),) or where.all() or not where.any():
+                where = np.arange(len(which)) < len(which) // 2
+            parts = ([k for k, one in zip(which, where, strict=True) if one == side] for side in (True, False))
+            return [found for part in parts for found in self._apart(paths, part, numbers, depth + 1)]
+        except TROUBLE:
+            return []
+
+    def _made(self, paths: Sequence[str], which: Sequence[int], numbers: Sequence[Numbers]) -> list[tuple[int, Stepped]]:
+        columns = [one for path in paths if (one := self.column(path)) is not None]
+        values, read = table(columns, paths, [numbers[k] for k in which])
+        if len(read) < FEW:
+            return []
+        which = [which[k] for k in read]
+        play = [bool(self.of_play(path)) for path in paths]
+        moved = [k for k, one in enumerate(play) if not one]
+        mechanism, one_of = together(self.base, columns, values)
+        if across(Checks(mechanism)):
+            raise Unfit
+        model = self.made({path: numbers[which[0]][path] for path, own in zip(paths, play, strict=True) if not own})
+        if model is None or not model.through:
+            return []
+        asked: dict[str, Any] = {"turns": float(self.wanted.turns)}
+        met: dict[Any, Any] = {}
+        references = self._references(model, [paths[k] for k in moved], [columns[k] for k in moved], values[:, moved], met)
+        names = [name for name in references[0] or {} if name.endswith(".force.max")]
+        if any(one is None or not one.keys() >= set(names) for one in references) and model.ideal is not None:
+            return []
+        expected = {name.removesuffix(".force.max"): members([one[name] for one in references if one is not None]) for name in names}
+        kit = Together(model.assembly, self.wanted.step, met, **asked)
+        found = []
+        for k, assembly in enumerate(kit.assembled(mechanism, len(which), expected, one_of=one_of)):
+            if assembly is not None and whole_outputs(assembly.choice) is not None:
+                forces = {name: value[k].item() for name, value in expected.items()}
+                again = partial(assemble, expected=forces, **asked)
+                found.append((which[k], Stepped(which[k], assembly, model.plan, references[k], again)))
+        return found
+
+    def _references(
+        self, model: Kept, paths: Sequence[str], columns: Sequence[Column], values: Any, met: dict[Any, Any]
+    ) -> list[Mapping[str, float] | None]:
+        """The largest values of the ideal mechanism of each; None where there is none to compare with."""
+        if not len(columns):
+            return [model.reference] * len(values)
+        _, first, back = np.unique(np.ascontiguousarray(values).view(np.uint64), axis=0, return_index=True, return_inverse=True)
+        rows, back = [tuple(values[k].tolist()) for k in first], back.reshape(-1)
+        with told_of(back, None):
+            through = self._through(paths, columns, rows, values[first], met)
+        if not through.all():
+            raise Differing(through[back])
+        keys = [(tuple(paths), row) for row in rows]
+        if model.ideal is not None:
+            new = [k for k, key in enumerate(keys) if key not in self.peaks]
+            self._ideal(model.ideal, columns, values[first[new]], [keys[k] for k in new], met)
+        known = [self.peaks.get(key) for key in keys]
+        return [known[k] for k in back]
+
+    def _through(
+        self, paths: Sequence[str], columns: Sequence[Column], rows: Sequence[tuple[float, ...]], values: Any, met: dict[Any, Any]
+    ) -> NDArray[np.bool_]:
+        """Which of them surely get through their turns; those that are not far from where they would not are looked at one by one."""
+        numbers = [dict(zip(paths, row, strict=True)) for row in rows]
+        models = [varied(self.base, list(zip(columns, row, strict=True))) for row in rows]
+        ways = [self.through.way(one, model) for one, model in zip(numbers, models, strict=True)]
+        unknown = {way: k for k, way in enumerate(ways) if way not in self.through.known}
+        if len(unknown) >= FEW:
+            which = sorted(unknown.values())
+            mechanism = together(self.base, columns, values[which])[0]
+            speeds = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
+            if len(speeds) == 1 and speeds[0] is not None:
+                with suppress(ValueError, TypeError), told_of(which, len(rows)):
+                    sure = clear(driven_start(mechanism, met), spread(speeds[0], (len(which),)))
+                    self.through.known.update(ways[k] for k, one in zip(which, sure, strict=True) if one)
+        found = np.ones(len(rows), dtype=bool)
+        for k, way in enumerate(ways):
+            if way not in self.through.known:
+                with suppress(VfifeError):
+                    found[k] = False
+                    found[k] = self.through.found(numbers[k], models[k])
+        return found
+
+    def _ideal(self, base: Assembly, columns: Sequence[Column], values: Any, keys: Sequence[Any], met: dict[Any, Any]) -> None:
+        """Runs ideal mechanisms side by side."""
+        if not keys:
+            return
+        mechanism, one_of = together(self.base, columns, values)
+        if not comparable(mechanism):
+            raise Unfit
+        if len(keys) < FEW:
+            found: list[Assembly | None] = []
+            for k in range(len(keys)):
+                own = one_of(k)
+                found.append(assemble(own.ideal(), beside=own, turns=1.0))
+        else:
+            found = Together(base, None, met, turns=1.0).assembled(mechanism.ideal(), len(keys), one_of=lambda k: one_of(k).ideal())
+        if any(one is None for one in found):
+            raise Unfit
+        while len(self.peaks) + len(keys) > MOST_IDEALS and self.peaks:
+            del self.peaks[next(iter(self.peaks))]
+        self.peaks |= dict(zip(keys, peaks_of([one for one in found if one is not None]), strict=True))
+
+
+@contextmanager
+def told_of(which: Any, count: int | None) -> Iterator[None]:
+    """Members that differ are told of by their places among more of them: ``which`` of ``count``, or those that each of all has."""
+    try:
+        yield
+    except Differing as apart:
+        where = apart.where[which] if count is None else np.ones(count, dtype=bool)
+        if count is not None:
+            where[which] = apart.where
+        raise Differing(where) from None

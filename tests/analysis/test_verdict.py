@@ -1,0 +1,74 @@
+"""Motions in a word with their evidence, against maps whose answers are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from vfife.analysis.chaos import exponent
+from vfife.analysis.verdict import rotation, verdict
+
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+def standard(k: float, turn: float, count: int = 400) -> tuple[np.ndarray, np.ndarray]:
+    """Chirikov's standard map: points (angle, momentum) and logarithms of the growth of a tangent."""
+    angle, p, tangent, points, logs = 0.0, turn, np.array([1.0, 0.0]), [], []
+    for _ in range(count):
+        slope = k * math.cos(angle)
+        p += k * math.sin(angle)
+        angle += p
+        tangent = np.array([[1.0 + slope, 1.0], [slope, 1.0]]) @ tangent
+        size = float(np.hypot(*tangent))
+        tangent /= size
+        points.append((angle, p))
+        logs.append(math.log(size))
+    return np.array(points), np.array(logs)
+
+
+@pytest.mark.parametrize("turn", [GOLDEN, math.sqrt(2.0) - 1.0, 1.0 / math.pi])
+def test_points_on_a_curve_give_their_rotation_number(turn):
+    """A rotation by a known share of a turn, on a curve that is no circle; one coordinate is enough."""
+    angle = 2.0 * math.pi * turn * np.arange(300)
+    plane = np.column_stack([3.0 + np.cos(angle), 0.2 * np.sin(angle) + 0.03 * np.cos(2.0 * angle)])
+    for points in (plane, plane[:, 0]):
+        found = rotation(points)
+        assert found.closed and min(abs(found.number - turn), abs(1.0 - found.number - turn)) < 2e-3
+    said = verdict(plane, exponent(np.zeros(300)))
+    assert said.kind == "quasi-periodic" and "one closed curve" in said.evidence and "0-1 test" in said.evidence
+
+
+def test_few_points_on_a_curve_are_enough():
+    angle = 2.0 * math.pi * GOLDEN * np.arange(40)
+    assert verdict(np.column_stack([np.cos(angle), np.sin(angle)]), exponent(np.zeros(40))).kind == "quasi-periodic"
+
+
+def test_the_standard_map_is_quasi_periodic_below_and_chaotic_above_its_last_curve():
+    """The golden curve is there at k = 0.5 and gone at 2 (Greene 1979: it breaks at 0.9716); its exponent above is near ln(k / 2) for large k."""
+    points, logs = standard(0.3, 2.0 * math.pi * GOLDEN, 600)
+    seen = np.column_stack([np.cos(points[:, 0]), np.sin(points[:, 0])]) * (1.0 + 0.1 * (points[:, 1:] - points[0, 1]))
+    found = verdict(seen, exponent(logs[200:]))  # a sheared difference grows as the turns do at first
+    assert found.kind == "quasi-periodic" and found.zero_one < 0.3 and found.rotation.closed
+    points, logs = standard(8.0, 2.0 * math.pi * GOLDEN)
+    found = verdict(np.column_stack([np.cos(points[:, 0]), np.sin(points[:, 0])]), exponent(logs))
+    assert found.kind == "chaotic" and found.exponent.value == pytest.approx(math.log(4.0), rel=0.1)
+    assert found.zero_one > 0.9 and not found.rotation.closed
+
+
+def test_the_evidence_of_a_period_is_how_far_its_points_are_apart():
+    points = np.resize([1.0, 3.0], 40) + 1e-5 * np.sin(np.arange(40.0))
+    found = verdict(points, exponent(np.full(40, -0.5)))
+    assert found.kind == "period 2" and found.period == 2 and 1e-7 < found.distance < 2e-5
+    assert "2 turns apart" in found.evidence and "-0.5 per turn" in found.evidence
+
+
+def test_what_is_still_coming_to_rest_is_not_settled():
+    """A difference dies while points still move: neither a period nor chaos is told. What left all numbers has diverged."""
+    points = np.exp(-0.02 * np.arange(60.0))
+    assert verdict(points, exponent(np.full(60, -0.02 * 60 / 20))).kind == "not settled"
+    assert verdict(np.array([1.0, np.nan])).kind == "diverged"
+
+
+def test_halves_that_do_not_agree_tell_no_chaos():
+    logs = np.concatenate([np.full(50, 0.4), np.full(50, -0.4)])
+    assert verdict(np.random.default_rng(1).uniform(size=100), exponent(logs)).kind == "not settled"

@@ -1,0 +1,32 @@
+"""``vfife waterfall``: a file, a picture and a table; sentences for what it cannot do."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+CRANK = EXAMPLES / "slider_crank.toml"
+BRIEF = ("--over", "driver.crank.speed=500..1500rpm", "--count", "2", "--turns", "2", "--last", "1", "--outputs", "120", "--of", "pin.force")
+
+
+def test_a_waterfall_is_kept_drawn_and_told(command: Callable) -> None:
+    done = command("waterfall", CRANK, *BRIEF, "-o", "a.waterfall", "--csv", "a.csv", "--hertz", "--figure", "a.svg")
+    assert done.exit_code == 0, done.stderr
+    assert "2 runs" in done.stdout and "Hann window over 1 turns, 1 dropped; resolution 1.5 orders; 120 outputs a turn" in " ".join(
+        done.stdout.split()
+    )
+    assert Path("a.svg").read_text().startswith("<?xml") and len(Path("a.csv").read_text().splitlines()) == 1 + 2 * 51
+    again = command("waterfall", CRANK, *BRIEF, "-o", "a.waterfall", "-q")
+    assert again.exit_code == 0 and not again.stdout and Path("a.png").exists()
+
+
+def test_faults_are_sentences(command: Callable) -> None:
+    for words, said in (
+        (("--over", "driver.crank.sped=500..1500rpm"), "speed"),
+        (("--over", "driver.crank.speed"), "LOW..HIGH"),
+        (("--highest", "100"), "half the 120 outputs"),
+        (("--figure", "a.gif"), ".png"),
+        (("--window", "none"), "hann"),
+    ):
+        done = command("waterfall", CRANK, *BRIEF, *words)
+        assert done.exit_code == 2 and said in " ".join(done.stderr.split()), done.stderr
+        assert "Traceback" not in done.stderr

@@ -1,0 +1,85 @@
+"""``vfife wear``: a figure, a table, the worn model, a file that goes on and is shown; sentences."""
+
+from pathlib import Path
+
+import vfife
+from vfife.results.lock import Lock
+
+PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"
+BRIEF = ("--turns", "2e3", "--block", 1, "--settle", 1, "--step", "10 us", "--set", "joint.pin.contact.restitution=0.3")
+WEAR = 'wear = { bearing = "1e-6 mm^3/(N m)", journal = "mild steel on mild steel" }'
+
+
+def worn_pin(folder: Path) -> Path:
+    """The example, with friction and wear."""
+    text = PIN.read_text().replace(
+        'friction = { law = "none" }', f'{WEAR}\nfriction = {{ law = "ambrosio", coefficient = 0.05, v0 = 1e-4, v1 = 1e-2 }}'
+    )
+    model = folder / "pin.toml"
+    model.write_text(text)
+    return model
+
+
+def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path):
+    model = worn_pin(tmp_path)
+    words = ("wear", model, *BRIEF, "-o", "a.wear", "--csv", "a.csv", "--worn", "worn.toml")
+    done = command(*words)
+    assert done.exit_code == 0, done.stderr
+    said = " ".join(done.stdout.split())
+    assert "pin bearing 1e-15" in said and "pin journal 4.38e-12" in said
+    assert "steps a turn, without companions; friction: pin ambrosio" in said
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
+    assert len(vfife.load_model(tmp_path / "worn.toml").contacts["pin"].wear.bearing_profile) == 15
+    assert "2,000 of 2,000 turns" in done.stderr
+    again = command(*words)
+    assert again.exit_code == 0 and "2,000 of" not in again.stderr and again.stdout == done.stdout
+    shown = command("wear", "a.wear", "--figure", "b.svg")
+    assert shown.exit_code == 0 and "pin journal" in shown.stdout and (tmp_path / "b.svg").exists()
+    other = command("info", "a.wear")
+    assert other.exit_code == 2 and "this is a wear file, of many turns; see vfife wear" in other.stderr
+
+
+def test_faults_are_sentences(command, tmp_path):
+    model = worn_pin(tmp_path)
+    soft = tmp_path / "soft.toml"
+    soft.write_text(
+        model.read_text().replace('"1e-6 mm^3/(N m)"', '"ptfe on tool steel"').replace("[joint.pin]", '[joint.pin]\nbearing_material = "ptfe"')
+    )
+    odd = tmp_path / "odd.toml"
+    odd.write_text(model.read_text().replace('bearing = "1e-6 mm^3/(N m)"', "bearing = -1, bearing_profile = [1e-6, 2e-6]"))
+    for words, said in (
+        ((PIN,), "no journal in a bearing wears"),
+        ((model, "--turns", "0"), "greater than or equal to 1"),
+        ((model, "--tolerance", "2"), "a share above 0 and up to 1"),
+        ((model, "--clearance", "0.1 mm"), "as much play from the start"),
+        ((model, "--clearance", "1 s"), "--clearance 1 s"),
+        ((model, "-o", "."), "a wear file is kept here"),
+        ((model, "--figure", "a.gif"), ".png"),
+        ((soft,), "is over the hardness of the bearing, and that of ptfe is not known"),
+        ((odd,), "bearing"),
+        ((tmp_path / "none.toml",), "none.toml"),
+    ):
+        done = command("wear", *words)
+        assert done.exit_code == 2 and said in " ".join(done.stderr.split()), done.stderr
+        assert "Traceback" not in done.stderr
+    assert not list(tmp_path.glob("*.wear"))
+
+
+def test_joints_that_cannot_wear_are_told(command, tmp_path):
+    model = worn_pin(tmp_path)
+    for old, new, said in (
+        ("clearance = ", 'friction_moment = "off"\nclearance = ', "with friction_moment off the surfaces do not slide by turning"),
+        (WEAR, "wear = { bearing = 1e-15, bearing_profile = [1e-6, 2e-6] }", "a cosine is without its sine"),
+        (WEAR, 'wear = { bearing = "steel on butter" }', "mild steel on mild steel"),
+    ):
+        other = tmp_path / "other.toml"
+        other.write_text(model.read_text().replace(old, new, 1))
+        done = command("check", other)
+        assert done.exit_code == 2 and said in " ".join(done.stderr.split()), done.stderr
+
+
+def test_two_writers_of_wear_are_kept_apart(command, tmp_path):
+    model = worn_pin(tmp_path)
+    with Lock(tmp_path, "a.wear.lock", "this wear"):
+        done = command("wear", model, *BRIEF, "-o", "a.wear")
+    assert done.exit_code == 2 and "writes this wear" in done.stderr and not (tmp_path / "a.wear").exists()
