@@ -13,7 +13,7 @@ import traceback
 from measure import HERE, Options, Part, machine, plain, step_text, table, versions
 from rich.console import Console
 
-PARTS = ("limit", "compilation", "events", "peers", "elastic", "size", "joints", "laws", "friction", "study", "startup", "frames", "card")
+PARTS = ("limit", "compilation", "events", "peers", "elastic", "size", "joints", "laws", "friction", "wear", "study", "startup", "frames", "card")
 # What each ratio shall be; ratios without an entry are told for information.
 TARGETS: dict[str, tuple[str, float]] = {
     "limit.ledger_generated_1_lane": ("at most", 1.0),
@@ -42,6 +42,10 @@ TARGETS: dict[str, tuple[str, float]] = {
     "joints.generated": ("at most", 1.0),
     "laws.slowest_1_lane": ("at most", 3.0),
     "laws.slowest_4_lanes": ("at most", 3.0),
+    "wear.kept_case_c_1_lane": ("at most", 1.03),
+    "wear.kept_case_c_4_lanes": ("at most", 1.03),
+    "wear.kept_loose_pin_1_lane": ("at most", 1.03),
+    "wear.kept_loose_pin_4_lanes": ("at most", 1.03),
     "study.core_over_one_lane_4_lanes": ("at least", 3.0),
     "study.core_over_one_lane_8_lanes": ("at least", 6.0),
     "study.two_cores_over_one": ("at least", 1.85),

@@ -14,6 +14,8 @@ Two short runs have nearly all of them: a slider-crank whose block has play in i
 # **mechanism**: bodies and joints where the run starts, other positions faint. ``vfife plot RUN --at 90deg`` (or ``--at 12ms``) draws it as
 # it is then.
 
+import dataclasses
+
 import vfife
 from vfife import gallery
 
@@ -57,6 +59,13 @@ orbits = four_bar.plot("orbits")["orbits"]
 # **polar**: the force on each journal as a vector seen from its bearing: from where it is loaded, and where wear gathers.
 
 polar = four_bar.plot("polar")["polar"]
+
+# %%
+# **wear**: how deep each surface of a joint with a table ``wear`` wears, where, by Archard's law, in a million turns like the last one.
+
+worn = gallery.four_bar_case_c()
+worn.joints["C"] = dataclasses.replace(worn.contacts["C"], wear=vfife.Wear(bearing=1e-17, journal=2e-18))
+wear = vfife.simulate(worn, companions=0).plot("wear")["wear"]
 
 # %%
 # **traces**: paths of points. **phase**: velocity over position.

@@ -44,13 +44,14 @@ if TYPE_CHECKING:
     from .study.basins import basins
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.identification import fit
     from .study.kept import load_map
     from .study.maps import bifurcation
     from .study.sections import poincare_section
     from .study.stepped import Simulation
     from .study.studies import study
     from .study.waterfall import waterfall
-    from .study.wearing import read_wear, wear
+    from .study.wearing import load_wear, wear
     from .study.worn import Worn
 
 __version__ = "0.2.0"
@@ -68,6 +69,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "ensemble": "solvers.ensemble",
     "envelope": "results.spectra",
     "errors": "",
+    "fit": "study.identification",
     "gallery": "",
     "load": "modelfile.files",
     "load_laws": "laws.user",
@@ -81,7 +83,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
-    "read_wear": "study.wearing",
+    "load_wear": "study.wearing",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
     "waterfall": "study.waterfall",
@@ -124,6 +126,7 @@ _above.ANSWERS |= {
     "live_result": _later("live.cell", "live_result"),
     "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
+    "fit_figure": _later("plots.fit", "fit_figure"),
 }
 
 
@@ -199,6 +202,7 @@ __all__ = [
     "ensemble",
     "envelope",
     "errors",
+    "fit",
     "gallery",
     "load",
     "load_laws",
@@ -206,10 +210,10 @@ __all__ = [
     "load_model",
     "load_result",
     "load_study",
+    "load_wear",
     "modes",
     "poincare_section",
     "quantity",
-    "read_wear",
     "resume",
     "save_model",
     "sensitivity",

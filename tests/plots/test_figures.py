@@ -1,5 +1,6 @@
 """What figures show is what the result says: peaks, order, frames, scales, energies, colours that can be told apart, texts that can be read."""
 
+import dataclasses
 from functools import cache
 from itertools import combinations
 from pathlib import Path
@@ -26,6 +27,7 @@ from vfife.plots.table import FIGURES, available, usual
 from vfife.plots.turn import Span, span
 from vfife.result import Result
 from vfife.results.folder import FIGURE_NAMES
+from vfife.study.worn import ANGLES, Asked, Surface, Worn
 
 
 @cache
@@ -220,7 +222,7 @@ def test_stress_and_deflection_reach_what_is_reported() -> None:
 def test_the_table_says_what_a_result_has_nothing_for() -> None:
     assert {name for name in FIGURES if name not in available(run("toggle_press"))} == {
         "orbits", "guides", "moments", "accelerations", "phase", "spectrum", "waterfall", "spectrogram", "envelope", "energy", "stress",
-        "deflection",
+        "deflection", "wear",
     }  # fmt: skip
     with pytest.raises(VfifeError, match='nothing for the figure "energy": a static analysis has no motion; there are mechanism, '):
         run("toggle_press").plot("energy")
@@ -239,7 +241,38 @@ def test_a_page_shows_every_figure() -> None:
 
 def test_all_that_there_is_can_be_drawn() -> None:
     """Every kind of figure is among these runs."""
-    assert set(FIGURES) == {*drawn("slider_crank_loose_guide"), *drawn("elastic_pendulum"), *drawn("four_bar_case_c")}
+    assert set(FIGURES) == {*drawn("slider_crank_loose_guide"), *drawn("elastic_pendulum"), *drawn("four_bar_case_c"), "wear"}
+
+
+def test_surfaces_that_wear_are_drawn_around_themselves() -> None:
+    """As deep as the measure of the turn says, a million times; a surface without a coefficient has no panel, and words stand clear."""
+    m = gallery.four_bar_case_c()
+    for name, wear in (("B", vfife.Wear(bearing=1e-17)), ("C", vfife.Wear(bearing=1e-17, journal=1e-18)), ("D", vfife.Wear())):
+        m.joints[name] = dataclasses.replace(m.contacts[name], wear=wear)
+    result = vfife.simulate(m, companions=0)
+    figure = result.plot("wear")["wear"]
+    assert [ax.get_xlabel().partition(",")[0] for ax in figure.axes] == ["B: bearing", "C: bearing", "C: journal"]
+    told = 1e6 * result.measures["C.journal_wear_depth.max"]
+    assert figure.axes[2].get_xlabel().endswith(f"up to {float(f'{1e6 * told:.3g}'):.4g} µm")
+    assert not faults(figure)
+    assert "wear" not in available(run("four_bar_case_c"))
+
+
+def test_wear_over_turns_is_readable() -> None:
+    """Depths at some of the turns, play and force with their limits, a life that ended; markup in a name is text."""
+    surfaces = tuple(Surface("pin", side, 1e-15, (), 1e-4) for side in ("bearing", "journal"))
+    asked = Asked("", 1e7, 4, 4, 0.01, 8, 1.5e-4, None, 3600)
+    turns, ripple = np.linspace(0.0, 1e7, 12), 1.0 + np.cos(2.0 * ANGLES)
+    depth = turns[:, None, None] * np.stack([2e-12 * ripple, 4e-13 * ripple])
+    play, zeros = 1e-4 + 5e-12 * turns[:, None], np.zeros(12)
+    ended = {"turns": 1e7, "joint": "pin", "by": "clearance"}
+    found = Worn("press $x_1$", asked, surfaces, ("pin",), turns, depth, depth, play, 1e3 + play, zeros, zeros, zeros, 192.0, ended)
+    figure = found.plot()
+    assert not faults(figure)
+    assert [ax.get_xlabel() for ax in figure.axes] == ["pin: bearing, up to 40 µm", "pin: journal, up to 8 µm", "", "million turns"]
+    assert labelled(figure.axes[2], "limit")[1] == pytest.approx([0.15, 0.15])
+    assert "life of joint pin ends after 10 million by its clearance" in figure.get_suptitle().replace("\n", " ")
+    assert [line.get_label() for line in figure.axes[0].lines][-2:] == ["10 million", "new"]
 
 
 def test_no_text_covers_another_or_leaves_the_sheet() -> None:

@@ -20,7 +20,7 @@ from vfife.solvers.tangents import changes, displaced, jacobian
 from vfife.solvers.transient import run
 from vfife.study.derivatives import sensitivity
 from vfife.study.nearby import nearby
-from vfife.study.neighbours import NEAR, beside, placed
+from vfife.study.neighbours import NEAR, alike, beside, placed
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
@@ -238,7 +238,7 @@ def test_neighbours_are_what_they_are_alone():
     found = nearby(text, known, asked, assembly)
     assert len(found) > 30 and None not in found
     for change, one in list(zip(asked, found, strict=True))[::4]:
-        alone = placed(text, change[0], known[change[0]], change[1], assembly)
+        alone = alike(loads(text, set=[change]), assembly)
         assert one.state.tobytes() == alone.state.tobytes() and one.tables.tobytes() == alone.tables.tobytes(), change
         assert (one.topology, one.choice.steps, one.choice.outputs_every) == (alone.topology, alone.choice.steps, alone.choice.outputs_every)
         assert one.choice.step == alone.choice.step

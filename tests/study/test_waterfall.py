@@ -2,6 +2,7 @@
 
 import csv
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.study.kept import load_map
-from vfife.study.waterfall import waterfall
+from vfife.study.waterfall import Waterfall, waterfall
 from vfife.verification.chaotic import turning
 
 SPEED = "driver.crank.speed"
@@ -27,6 +28,12 @@ def shaken(speed: float = 10.0) -> vfife.Mechanism:
     return m
 
 
+@cache
+def whole() -> Waterfall:
+    """Five speeds."""
+    return waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN)
+
+
 def response(omega: float) -> float:
     """Amplitude (m) of the block for 1 N."""
     return 1.0 / math.hypot(NATURAL**2 - omega**2, DAMPING * omega)
@@ -34,7 +41,7 @@ def response(omega: float) -> float:
 
 def test_orders_have_the_amplitudes_of_the_closed_form():
     """Orders 1 and 3 of each speed, the third in resonance at 10 rad/s; none between, and frequencies that fan out."""
-    found = waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN)
+    found = whole()
     assert found.done == 5 and not found.diverged and found.orders[:3] == pytest.approx([0.0, 0.5, 1.0])
     for value, sizes, frequencies in zip(found.asked.values, found.amplitudes["block.x"], found.frequencies, strict=True):
         assert sizes[2] == pytest.approx(response(value), rel=5e-3)
@@ -45,7 +52,7 @@ def test_orders_have_the_amplitudes_of_the_closed_form():
 
 
 def test_a_member_is_a_run_of_its_own():
-    found = waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN)
+    found = whole()
     size = 2.0 * math.pi / 14.0 / 96 / math.ceil(2.0 * math.pi / 14.0 / 96 / 1e-3)
     alone = vfife.simulate(shaken(14.0), turns=14, outputs=96, step=size, companions=0, reference=False, force_step=True)
     expected = vfife.spectrum(alone.series["block.x"].values[-192:], 1.0).amplitudes[:13]
@@ -54,7 +61,6 @@ def test_a_member_is_a_run_of_its_own():
 
 def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
     """To the bit; a file that asks something else is not touched."""
-    whole = waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN)
 
     def stop(done: int, count: int) -> None:
         if done == 2:
@@ -66,7 +72,7 @@ def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
     rest = waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN, file=tmp_path / "a.waterfall", progress=lambda *at: calls.append(at))
     assert calls == [(3, 5), (4, 5), (5, 5)]
     for found in (rest, load_map(tmp_path / "a.waterfall")):
-        assert np.array_equal(found.amplitudes["block.x"], whole.amplitudes["block.x"]) and found.asked == whole.asked
+        assert np.array_equal(found.amplitudes["block.x"], whole().amplitudes["block.x"]) and found.asked == whole().asked
     before = (tmp_path / "a.waterfall").read_bytes()
     with pytest.raises(VfifeError, match="asks something else"):
         waterfall(shaken(), SPEED, 6.0, 15.0, **GIVEN, file=tmp_path / "a.waterfall")
@@ -74,7 +80,7 @@ def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
 
 
 def test_a_table_and_a_picture_have_every_amplitude(tmp_path):
-    found = waterfall(shaken(), SPEED, 6.0, 14.0, **GIVEN)
+    found = whole()
     found.write_csv(tmp_path / "all.csv")
     rows = list(csv.reader((tmp_path / "all.csv").read_text().splitlines()))
     assert rows[0] == ["driver.crank.speed [rad/s]", "order [1]", "frequency [Hz]", "block.x [m]"] and len(rows) == 1 + 5 * 13

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .mapped import Csv, Drop, Figured, Of, Phase, Target, carried_out, drawn_and_told, places, quantity_at, start_range
+from .mapcost import Work, told_of
+from .mapped import Csv, Drop, Figured, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_range
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .run import Quiet
 from .terminal import sentences
@@ -41,6 +42,7 @@ def basins(
     csv: Csv = None,
     set_: SetOption = None,
     laws: LawsOption = None,
+    yes: Yes = False,
     quiet: Quiet = False,
 ) -> None:
     """Basins: a grid of two numbers of the start (crank angle, journal's place and velocity in its bearing) or of the model, coloured by motion.
@@ -57,9 +59,13 @@ def basins(
             how = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
             raise ValueError(f"--over: this is given {len(over)} times; {how}")
         x, y = (start_range(mechanism, text) for text in over)
+        size, some = quantity_at("--step", step), counts(count)
+    work = Work(some[0] * some[1], "start", turns, drop, 4, len(of or (1, 1)) + 1, companions, exponents)
+    told_of(work, mechanism, size, place, yes, quiet)
+    with sentences(str(model)):
         given: dict[str, Any] = {
-            "count": counts(count), "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "exponents": exponents,
-            "companions": companions, "step": quantity_at("--step", step),
+            "count": some, "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "exponents": exponents,
+            "companions": companions, "step": size,
         }  # fmt: skip
         found = carried_out(place, quiet, "starts", lambda progress: made(mechanism, x, y, **given, file=place, progress=progress))
     drawn_and_told(found, place, drawn, csv, quiet)

@@ -9,7 +9,8 @@ import typer
 from typer.core import TyperGroup
 
 from .basins import basins
-from .mapped import Csv, Drop, Figured, Kept, Of, Phase, Target, carried_out, drawn_and_told, places, quantity_at, start_numbers
+from .mapcost import Work, told_of
+from .mapped import Csv, Drop, Figured, Kept, Of, Phase, Step, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_numbers
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .plainly import Command, Plainly
 from .run import Quiet
@@ -22,8 +23,6 @@ OVER = "The number, from and to, as in joint.pin.clearance=0.1..1mm."
 Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
 Count = Annotated[int, typer.Option("--count", metavar="N", min=2, max=MOST_VALUES, help="Values of it, up and down again.")]
 Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns at each value.")]
-STEP = "Time step; a turn has a whole number of them."
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="the finer automatic one of both ends")]
 FROM = 'Begin every value anew: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm"; may be repeated.'
 From = Annotated[list[str] | None, typer.Option("--start", metavar="own|PATH=VALUE,...", help=FROM, show_default="the state is carried on")]
 Companions = Annotated[int, typer.Option("--companions", metavar="N", min=0, help="So many values again with a coarser and a finer step.")]
@@ -66,6 +65,7 @@ def sweep(
     csv: Csv = None,
     set_: SetOption = None,
     laws: LawsOption = None,
+    yes: Yes = False,
     quiet: Quiet = False,
 ) -> None:
     """Bifurcation diagram: a number swept up and down while the motion goes on, looked at once a turn, with the largest Lyapunov exponent.
@@ -81,9 +81,15 @@ def sweep(
         from ..study.maps import bifurcation
 
         (slide,) = asked_slides(mechanism, [over], "--over")
+        starts, size = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step)
+        lanes, chains = (4, 1) if starts else (2, 2)
+        kept = (len(of or (1, 1)) + 1) * chains
+        members = count * max(len(starts), 1)
+    told_of(Work(members, "value", turns, drop, lanes, kept, companions), mechanism, size, place, yes, quiet)
+    with sentences(str(model)):
         given: dict[str, Any] = {
             "count": count, "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "companions": companions,
-            "step": quantity_at("--step", step), "starts": [start_numbers(mechanism, text) for text in start or ()],
+            "step": size, "starts": starts,
         }  # fmt: skip
         ask = slide.paths[0], slide.values[0], slide.values[-1]
         found = carried_out(place, quiet, "values", lambda progress: bifurcation(mechanism, *ask, **given, file=place, progress=progress))

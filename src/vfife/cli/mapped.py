@@ -27,10 +27,13 @@ Of = Annotated[
     list[str] | None, typer.Option("--of", metavar="SERIES", help="What is looked at once a turn.", show_default="penetration, force_max")
 ]
 Phase = Annotated[float, typer.Option("--phase", metavar="DEG", min=0.0, max=360.0, help="How far beyond its start the crank is looked at.")]
+STEP = "Time step; a turn has a whole number of them."
+Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="the finer automatic one of both ends")]
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.map", help="Where to keep it.", show_default="runs/MODEL.map")]
 Figured = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE.png")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All points as a table.", show_default=False)]
 Kept = Annotated[Path, typer.Argument(metavar="FILE.map", help="What a map was kept in.", show_default=False)]
+Yes = Annotated[bool, typer.Option("--yes", help="Make it whatever it takes: hours, or half the disk.")]
 GO_ON = "the same command goes on"
 
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .mapped import Csv, Drop, Figured, Of, Phase, Target, carried_out, drawn_and_told, places, quantity_at
+from .mapcost import Work, told_of
+from .mapped import Csv, Drop, Figured, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .run import Quiet
 from .terminal import sentences
@@ -34,6 +35,7 @@ def section(
     csv: Csv = None,
     set_: SetOption = None,
     laws: LawsOption = None,
+    yes: Yes = False,
     quiet: Quiet = False,
 ) -> None:
     """Poincaré section of one motion: once a turn, and at every impact; what it is (period, quasi-periodic, chaotic) and what says so.
@@ -48,8 +50,11 @@ def section(
         from ..study.sections import poincare_section as made
 
         joints = tuple(mechanism.contacts) if impacts is None else tuple(impacts)
+        size = quantity_at("--step", step)
+    told_of(Work(1, "motion", turns, drop, 1, len(of or (1, 1)) + 1, struck=bool(joints)), mechanism, size, place, yes, quiet)
+    with sentences(str(model)):
         given: dict[str, Any] = {
-            "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "joints": joints, "step": quantity_at("--step", step),
+            "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "joints": joints, "step": size,
         }  # fmt: skip
         found = carried_out(place, quiet, "turns", lambda progress: made(mechanism, **given, file=place, progress=progress))
     drawn_and_told(found, place, drawn, csv, quiet)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..results.header import WEAR_APPLICATION, head_with
-from .map import Step
-from .mapped import places
+from .mapped import Step, places
 from .options import LawsOption, SetOption, positive, read_model
 from .run import Quiet
 from .signals import NOW
@@ -62,11 +61,11 @@ def wear(
     place = model if kept else target if target is not None else Path("runs") / f"{model.stem}.wear"
     with sentences(str(model)):
         drawn = places(place, figure, csv, target is None and not kept, "wear")
-        from ..study.wearing import read_wear
+        from ..study.wearing import load_wear
         from ..study.wearing import wear as worn_over
 
         if kept:
-            found = read_wear(model)
+            found = load_wear(model)
         else:
             mechanism = read_model(model, set_, laws)
             sizes = [

@@ -19,6 +19,7 @@ from .spectra import FEW, LEAST, pieces, spectrum, waterfall
 from .spectrograms import LEAST as SAMPLES
 from .spectrograms import envelope, forces, spectrogram
 from .traces import points, traces
+from .worn import in_a_turn, wears
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,6 +83,8 @@ FIGURES: dict[str, Kind] = {
                   _having(lambda one: len(one.record.steps) > 1, "there is one output")),
     "traces": Kind("paths of points, with those of the ideal mechanism", traces, _having(points, "no point moves")),
     "polar": Kind("forces on journals as vectors, seen from their bearings", polar, _having(joint_forces, NO_FORCE)),
+    "wear": Kind("depths that bearings and journals lose in a million turns, around them", lambda one, _: in_a_turn(one),
+                 _moving(wears, "no journal in a bearing has a coefficient of wear")),
     "phase": Kind("velocity over position of bodies and sliders", phase, _moving(portraits, "what moves is driven")),
     "spectrum": Kind(
         "amplitudes of joint forces over order or frequency", spectrum,

@@ -6,23 +6,31 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import colormaps
+from matplotlib import colormaps, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from .style import BLUE, FAINT, GREY, INK, VERMILION, digits, heading, length_unit, scale_of
+from ..analysis.losses import of_window
+from ..analysis.measures import last_turn
+from ..analysis.wear import PLACES, SIDES, depths, is_round, worn_contacts
+from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, digits, heading, length_unit, scale_of
 
 if TYPE_CHECKING:
+    from ..results.view import View
     from ..study.worn import Worn
 
 HOLLOW = 1.5  # radius of the surface as it was, in deepest depths
+MOST_JOINTS = 6
+STEEP = 0.4  # cosine of directions that are steep
+ANGLES = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES) + 0.5)
 MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches of a panel
 
 
 def worn(found: Worn) -> Figure:
     """One row a joint: each surface around itself, drawn far larger than its wear is small, and over turns the play and the largest force."""
     sides = max(sum(one.joint == joint for one in found.surfaces) for joint in found.joints)
-    figure = Figure(figsize=(SIDE * (sides + 1.25), HEIGHT * len(found.joints) + 0.4), layout="constrained")
+    figure = Figure(figsize=(SIDE * (sides + 1.25), HEIGHT * len(found.joints) + 0.4), layout=ConstrainedLayoutEngine(wspace=0.1, h_pad=0.12))
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2 * len(found.joints), sides + 1, width_ratios=[1.0] * sides + [1.15])
     chosen = choice(found)
@@ -30,7 +38,8 @@ def worn(found: Worn) -> Figure:
         own = [k for k, one in enumerate(found.surfaces) if one.joint == joint]
         for column, place in enumerate(own):
             ax = figure.add_subplot(grid[2 * row : 2 * row + 2, column], projection="polar")
-            around(ax, found, place, chosen)
+            lines = [(counted(found.turns[point]), found.depth[point, place]) for point in chosen]
+            around(ax, found.surfaces[place].joint, found.surfaces[place].side, found.angles, lines)
         over_turns(figure.add_subplot(grid[2 * row, sides]), found, row, "play")
         over_turns(figure.add_subplot(grid[2 * row + 1, sides]), found, row, "force")
     figure.legend(
@@ -40,7 +49,51 @@ def worn(found: Worn) -> Figure:
     if found.ended:
         told += f"; life of joint {found.ended['joint']} ends after {counted(found.ended['turns'])} by its {found.ended['by']}"
     heading(figure, f"{found.name}: wear after {told}")
+    return laid_out(figure)
+
+
+def in_style(found: Worn) -> Figure:
+    """The same in the style of all figures."""
+    with rc_context(STYLE):
+        return worn(found)
+
+
+def laid_out(figure: Figure) -> Figure:
+    """The figure, its layout made for good: with circles it takes two passes."""
+    for _ in range(2):
+        figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     return figure
+
+
+def in_a_turn(result: View) -> Figure:
+    """What each surface of the joints that wear loses in a million turns like the last one, around it; in the run where there are no turns."""
+    record = result.record
+    many, said = (1e6, "a million turns like the last") if record.assembly.choice.turn is not None else (1.0, "the run")
+    part, _ = of_window(record, last_turn(record))
+    shown = [
+        (name, side, many * depth)
+        for name, contact in list(worn_contacts(record).items())[:MOST_JOINTS]
+        if is_round(record, contact)
+        for side, depth in zip(SIDES, depths(part, contact), strict=True)
+        if depth.max() > 0.0
+    ]
+    columns = min(len(shown), 4)
+    rows = -(-len(shown) // columns)
+    figure = Figure(figsize=(SIDE * columns + 0.6, HEIGHT * rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    for place, (name, side, depth) in enumerate(shown):
+        ax = figure.add_subplot(rows, columns, place + 1, projection="polar")
+        around(ax, name, side, ANGLES, [(f"lost in {said}", depth)])
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9.0)
+    heading(figure, f"{result.name}: wear by Archard's law in {said}")
+    return laid_out(figure)
+
+
+def wears(result: View) -> bool:
+    """Whether a journal in a bearing has worn in the last turn."""
+    found = result.measures
+    return any(value > 0.0 for name, value in found.items() if name.endswith("_wear_depth.max"))
 
 
 def choice(found: Worn) -> list[int]:
@@ -49,23 +102,23 @@ def choice(found: Worn) -> list[int]:
     return sorted({int(np.abs(found.turns - turns).argmin()) for turns in wanted} | {len(found.turns) - 1})
 
 
-def around(ax: Any, found: Worn, place: int, chosen: list[int]) -> None:
-    """Depths of one surface: outwards from a bearing, inwards into a journal."""
-    surface, deepest = found.surfaces[place], max(float(found.depth[:, place].max()), 1e-15)
-    factor, unit = length_unit(deepest)
-    sign = 1.0 if surface.side == "bearing" else -1.0
-    angle = np.append(found.angles, found.angles[0] + 2.0 * math.pi)
+def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
+    """Depths (m) of one surface, each with its label, the last one filled: outwards from a bearing, inwards into a journal."""
+    deepest = max(max(float(depth.max()) for _, depth in lines), 1e-15)
+    factor, unit = (1e9, "nm") if deepest < 1e-7 else length_unit(deepest)
+    sign, last = 1.0 if side == "bearing" else -1.0, lines[-1][1]
+    angle = np.append(angles, angles[0] + 2.0 * math.pi)
     circle = np.full_like(angle, HOLLOW)
-    colors = colormaps["viridis_r"](np.linspace(0.12, 1.0, len(chosen)))
-    ax.fill_between(angle, circle, circle + sign * closed(found.depth[-1, place]) / deepest, color=FAINT, lw=0.0)
-    for color, point in zip(colors, chosen, strict=True):
-        ax.plot(angle, circle + sign * closed(found.depth[point, place]) / deepest, color=color, lw=1.1, label=counted(found.turns[point]))
+    colors = colormaps["viridis_r"](np.linspace(0.12, 1.0, len(lines)) if len(lines) > 1 else [0.8])
+    ax.fill_between(angle, circle, circle + sign * closed(last) / deepest, color=FAINT, lw=0.0)
+    for color, (label, depth) in zip(colors, lines, strict=True):
+        ax.plot(angle, circle + sign * closed(depth) / deepest, color=color, lw=1.1, label=label)
     ax.plot(angle, circle, color=INK, lw=1.0, label="new")
     marks = np.array([0.5, 1.0])
     ax.set_rticks(HOLLOW + sign * marks, [f"{digits(float(f'{factor * deepest * mark:.2g}'))} {unit}" for mark in marks])
-    ax.set_rlabel_position(shallow(found.depth[-1, place], found.angles))
+    ax.set_rlabel_position(shallow(last, angles))
     ax.set_rlim(0.0, HOLLOW + (1.2 if sign > 0.0 else 0.15))
-    ax.set_xlabel(f"{surface.joint}: {surface.side}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold")
+    ax.set_xlabel(f"{joint}: {side}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold")
     ax.grid(color=FAINT, lw=0.6)
     ax.tick_params(axis="x", labelsize=8.0, pad=0.0)
     ax.tick_params(axis="y", labelsize=8.0)
@@ -74,10 +127,10 @@ def around(ax: Any, found: Worn, place: int, chosen: list[int]) -> None:
 
 
 def shallow(depth: Any, angles: Any) -> float:
-    """Where least is worn within a sixth of the way around (degrees): there is room for figures."""
+    """Where least is worn within a sixth of the way around (degrees), above or below, where figures stand clear of each other."""
     width = len(depth) // 6
     around_it = np.convolve(np.concatenate([depth[-width:], depth, depth[:width]]), np.ones(width) / width, mode="same")[width:-width]
-    return float(np.degrees(angles[int(np.argmin(around_it))]))
+    return float(np.degrees(angles[int(np.argmin(np.where(np.abs(np.cos(angles)) < STEEP, around_it, np.inf)))]))
 
 
 def closed(depth: Any) -> Any:

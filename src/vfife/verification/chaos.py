@@ -87,6 +87,7 @@ def grazing_a_stop(nudge: Nudge) -> Rows:
     "Mass that rebounds from a stop",
     "Shaw and Holmes: A periodically forced piecewise linear oscillator. J. Sound Vib. 90 (1983) 129-155; closed form for a rigid stop",
     nudges={"restitution": 0.7},
+    quick=False,
 )
 def rebounding_mass(nudge: Nudge) -> Rows:
     """One impact in a turn, and one in two: the place at the turn's end, extrapolated to a contact that takes no time."""
