@@ -25,6 +25,7 @@ def test_measures_that_companions_part_in_are_marked(command, tmp_path):
     done = command(*words, "--figure", "t.svg")
     assert done.exit_code == 0
     assert "mean nothing" in done.stderr
+    assert "forecast: a run of " in done.stderr and "numbers by which it has derivatives" in done.stderr
     assert any(line.split()[0] == "block.angular_acceleration.max" and line.split()[-1] == "?" for line in done.stdout.splitlines() if line.strip())
     assert "companions part" in (tmp_path / "t.svg").read_text()
     rows = json.loads(command(*words, "--json").stdout)["rows"]
@@ -47,6 +48,11 @@ def test_a_step_that_is_too_large_may_be_forced(command):
     done = command(*words)
     assert done.exit_code == 2 and "--force-step" in done.stderr
     assert command(*words, "--force-step").exit_code == 0
+
+
+def test_what_takes_hours_is_refused_without_yes(command):
+    done = command("sensitivity", CRANK, "--turns", 1_000_000)
+    assert done.exit_code == 2 and "add --yes" in done.stderr and "Nothing was begun" in done.stderr
 
 
 def test_faults_are_sentences(command, tmp_path):
