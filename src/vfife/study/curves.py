@@ -171,7 +171,7 @@ class Members(Preparing):
         else:
             step, run["duration"] = timing.step, timing.duration
         assembly = assemble(mechanism, step, **run)
-        return Made(Refit(assembly, step, {}, **run), None, None, lambda *_: assembly)  # type: ignore[arg-type]
+        return Made(Refit(assembly, step, {}, **run), None, None, lambda *_: assembly, None, False)  # type: ignore[arg-type]
 
     def assembled(self, numbers: Numbers) -> Assembly:
         """A member's assembly. Raises VfifeError."""
