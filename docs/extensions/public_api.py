@@ -25,7 +25,7 @@ GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at it
     "own": ("Laws of one's own, materials, errors", "What a law of one's own is made of, and what is raised."),
 }
 RUNNING = (
-    "simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "Status",
+    "simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "fit", "Status",
     "spectrum", "spectrogram", "envelope",
 )  # fmt: skip
 MECHANISM = (

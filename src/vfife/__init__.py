@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from .study.basins import basins
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.identification import fit
     from .study.kept import load_map
     from .study.maps import bifurcation
     from .study.sections import poincare_section
@@ -68,6 +69,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "ensemble": "solvers.ensemble",
     "envelope": "results.spectra",
     "errors": "",
+    "fit": "study.identification",
     "gallery": "",
     "load": "modelfile.files",
     "load_laws": "laws.user",
@@ -124,6 +126,7 @@ _above.ANSWERS |= {
     "live_result": _later("live.cell", "live_result"),
     "report": _later("live.cell", "report"),
     "figures": _later("plots.study", "figures"),
+    "fit_figure": _later("plots.fit", "fit_figure"),
 }
 
 
@@ -199,6 +202,7 @@ __all__ = [
     "ensemble",
     "envelope",
     "errors",
+    "fit",
     "gallery",
     "load",
     "load_laws",

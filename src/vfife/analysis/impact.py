@@ -49,13 +49,13 @@ class Impact:
         return float(self.time[-1])
 
 
-def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float) -> Impact:
+def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: int = STEPS) -> Impact:
     """A mass (kg) strikes at a speed (m/s): m delta'' = -F(delta, delta') with F = elastic + damping delta', never below 0, until the two part.
 
-    Classical Runge-Kutta of fourth order, at steps that resolve the deepest point; independent of the step of a run.
+    Classical Runge-Kutta of fourth order, at so many ``steps`` to the deepest point or thereabouts; independent of the step of a run.
     """
     p = law.parameters(pair)
-    dt = deepest_without_loss(law, p, 0.5 * mass * speed**2) / speed / STEPS
+    dt = deepest_without_loss(law, p, 0.5 * mass * speed**2) / speed / steps
 
     def force(depth: float, rate: float) -> float:
         elastic, damping = law.force(depth, law.slowness(speed, rate), p) if depth > 0.0 else (0.0, 0.0)
@@ -63,7 +63,7 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float) -> Impac
 
     x, v = 0.0, speed
     rows = [(0.0, x, v, force(1e-300, v))]
-    for n in range(1, LONGEST * STEPS):
+    for n in range(1, LONGEST * steps):
         before = x, v
         v1, a1 = v, -force(x, v) / mass
         v2, a2 = v + 0.5 * dt * a1, -force(x + 0.5 * dt * v1, v + 0.5 * dt * a1) / mass

@@ -12,6 +12,7 @@ from .animate import animate
 from .check import check
 from .compare import compare
 from .ended import export, info
+from .fitted import fit
 from .impacts import impacts
 from .laws import laws
 from .live import live
@@ -85,6 +86,7 @@ for command in (
     modes,
     compare,
     sensitivity,
+    fit,
     info,
     impacts,
     optimise,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from typing import Any
 
 import numpy as np
@@ -95,7 +95,7 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
     for entity, make in MADE.items():
         if entity in present:
             found |= make(record)
-            found |= {name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in found}
+            found |= recorded(record, entity, found)
     found |= ground_channels(record)
     if record.static:
         return {name: one for name, one in found.items() if name not in MOVING} | _equilibria(record, ledger)
@@ -103,6 +103,11 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
         found[name] = Channel(ledger.terms[term], None, "J", meaning)
     found["energy_residual"] = Channel(ledger.residual, None, "J", "stored + lost - supplied - stored at the start")
     return found
+
+
+def recorded(record: Record, entity: str, known: Container[str] = ()) -> dict[str, Channel]:
+    """The channels of a dimension that are blocks of the record as they stand, but for those that are ``known``."""
+    return {name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in known}
 
 
 def _equilibria(record: Record, ledger: Ledger) -> dict[str, Channel]:

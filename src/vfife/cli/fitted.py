@@ -1,0 +1,198 @@
+"""``vfife fit``: numbers of a model from measured curves, or those of a contact law from a measured force over penetration."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .options import JsonOption, LawsOption, SetOption, overrides, read_model, take_laws
+from .progress import ProgressLine
+from .run import Quiet, Step
+from .signals import NOW
+from .terminal import grid, output, print_json, row, sentences, tell, writing
+
+if TYPE_CHECKING:
+    from ..results.fitted import Fit
+
+
+class Compared(StrEnum):
+    """What of the curves is compared."""
+
+    curve = "curve"
+    envelope = "envelope"
+    spectrum = "spectrum"
+
+
+class Derivatives(StrEnum):
+    """Where derivatives come from."""
+
+    auto = "auto"
+    tangents = "tangents"
+    differences = "differences"
+
+
+Files = Annotated[list[Path], typer.Argument(metavar="MODEL.toml DATA.csv", help="Model and measured curves; with --law the curve alone.")]
+Parameters = Annotated[
+    list[str] | None,
+    typer.Option("-p", "--parameter", metavar="PATH=A..B", help='What is looked for, and between which bounds: joint.C.clearance="0.1..1 mm".'),
+]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option("-c", "--column", metavar="COLUMN=CHANNEL", help="Which channel a column is; COLUMN~CHANNEL: only proportional to it."),
+]
+Weights = Annotated[list[str] | None, typer.Option("--weight", metavar="COLUMN=W", help="Weight of a column's residuals.", show_default="1")]
+OffsetOption = Annotated[
+    str | None,
+    typer.Option(metavar="A..B", help="Where the first sample lies: free (in a turn), a number or two bounds.", show_default="free over time"),
+]
+Skip = Annotated[float, typer.Option(metavar="TURNS", min=0.0, help="Turns before the data may begin, where the offset is free.")]
+Compare = Annotated[Compared, typer.Option(help="The curves, or of motions that do not repeat their envelope or spectrum.")]
+Width = Annotated[str | None, typer.Option(metavar="SPAN", help="Window of the envelope.", show_default="a fiftieth of the data")]
+Screened = Annotated[int, typer.Option(metavar="N", min=1, help="Points that are tried first.")]
+Starts = Annotated[int, typer.Option(metavar="N", min=1, help="The best of them, from which searches begin.")]
+Confidence = Annotated[float, typer.Option(metavar="%", min=50.0, max=99.99, help="Of the limits that are told.")]
+By = Annotated[Derivatives, typer.Option(help="Carried along the run, or differences of runs; auto: the former where both agree.")]
+Law = Annotated[str | None, typer.Option("--law", metavar="NAME", help="Fit this contact law to force over penetration.")]
+Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw the fit.", show_default=False)]
+Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write measured and model's curves.", show_default=False)]
+Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="FITTED.toml", help="Write the model with what was found.", show_default=False)]
+ENDINGS = (".png", ".svg", ".pdf")
+
+
+def fit(
+    files: Files,
+    parameter: Parameters = None,
+    column: Columns = None,
+    weight: Weights = None,
+    offset: OffsetOption = None,
+    skip: Skip = 3.0,
+    compare: Compare = Compared.curve,
+    width: Width = None,
+    step: Step = None,
+    screened: Screened = 64,
+    starts: Starts = 4,
+    confidence: Confidence = 95.0,
+    derivatives: By = Derivatives.auto,
+    seed: Annotated[int, typer.Option(min=0, help="Of the points that are tried first.")] = 0,
+    law: Law = None,
+    set_: SetOption = None,
+    laws: LawsOption = None,
+    out: Out = None,
+    figure: Figure = None,
+    csv: Table = None,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find numbers of a model from measured curves: values with their confidence, how they hang together, what the data cannot tell.
+
+    DATA.csv has time or crank_angle and channels of a result as columns (as vfife export writes them), units in brackets: "C.force [N]". With --law
+    it has penetration and force, and unloading where it was measured. Ctrl-C tells the best so far.
+    """
+    with sentences(str(files[-1])):
+        check_targets(figure, csv, out)
+        if law is not None:
+            found: Any = of_law(files, law, set_, laws, confidence / 100.0, seed)
+        else:
+            if len(files) != 2:
+                raise ValueError("name a model and a file of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B")
+            mechanism = read_model(files[0], set_, laws)
+            from ..study.identification import fit as identify
+
+            with ProgressLine(quiet) as line:
+                found = identify(
+                    mechanism, files[1], parameter or (), columns=column, weights=weights_of(weight), offset=offset, skip=skip,
+                    compare=compare.value, width=width, step=step, screened=screened, starts=starts, confidence=confidence / 100.0,
+                    derivatives=derivatives.value, seed=seed, progress=line,
+                )  # fmt: skip
+    write(found, figure, csv)
+    if out is not None and law is None:
+        with sentences(str(out)), writing(str(out)):
+            from ..modelfile import dump, loads
+            from ..results.folder import written
+
+            written(out, dump(loads(dump(mechanism), set=found.set)))
+    if as_json:
+        print_json(found.json())
+    elif not quiet:
+        show(found)
+    if found.status == "interrupted":
+        tell("interrupted", f"{NOW.by}. What is told is the best so far, without its confidence")
+        raise typer.Exit(NOW.code)
+
+
+def of_law(files: list[Path], law: str, set_: list[str] | None, laws: list[Path] | None, confidence: float, seed: int) -> Any:
+    """A contact law fitted to a curve."""
+    from ..study.lawfit import fit_law
+
+    if len(files) != 1:
+        raise ValueError("with --law name the measured curve alone: vfife fit --law NAME CURVE.csv")
+    take_laws(laws)
+    return fit_law(law, files[0], dict(overrides(set_)), confidence=confidence, seed=seed)
+
+
+def check_targets(figure: Path | None, csv: Path | None, out: Path | None) -> None:
+    """Raises ValueError for a file that cannot be written, before anything is computed."""
+    for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",)), ("-o", out, (".toml",))):
+        if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
+            raise ValueError(f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is there; name one")
+    if out is not None and out.exists():
+        raise ValueError(f"-o {out}: there is such a file; name another")
+
+
+def weights_of(texts: list[str] | None) -> dict[str, float]:
+    """Columns and weights. Raises ValueError."""
+    found = {}
+    for text in texts or ():
+        name, _, value = text.partition("=")
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            raise ValueError(f"--weight {text}: this is not COLUMN=NUMBER; write it as in --weight acc=2") from None
+    return found
+
+
+def write(found: Fit, figure: Path | None, csv: Path | None) -> None:
+    """The files that were asked for."""
+    if csv is not None:
+        with writing(str(csv)):
+            found.write_csv(csv)
+    if figure is not None:
+        with writing(str(figure)):
+            from ..plots.files import saved_in_style
+
+            saved_in_style(found.plot, figure)
+
+
+def show(found: Fit) -> None:
+    """Values, what is left, and what the data cannot tell."""
+    from rich.text import Text
+
+    from ..report.study import quantity
+
+    console, percent = output(), f"{100.0 * found.confidence:g} % confidence"
+    table = grid("parameter", "value", "±, 1 σ", percent, "bounds", title=f"{found.mechanism} fitted to {found.data}", right=(1, 2))
+    for one in found.values:
+        sure = math.isfinite(one.error)
+        limits = f"{quantity(one.low, one.unit)} to {quantity(one.high, one.unit)}" if sure else "-"
+        mark = "" if one.told or not sure else " ?"
+        bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (", at one" if one.at_bound else "")
+        row(table, one.name, quantity(one.value, one.unit) + mark, quantity(one.error, one.unit) if sure else "-", limits, bounds)
+    console.print(table)
+    left = grid("curve", "column", "left", "factor", "level", right=(2, 3, 4))
+    for c in found.curves:
+        row(left, c.channel, c.head, f"{100.0 * c.share:.3g} %", "" if c.factor == 1.0 else f"{c.factor:.4g}", f"{c.level:.4g}" if c.level else "")
+    console.print(left)
+    pairs = [(found.correlation[i, j], a.name, b.name) for i, a in enumerate(found.values) for j, b in enumerate(found.values) if i < j]
+    said = [f"{a} and {b} {value:+.2f}" for value, a, b in sorted(pairs, key=lambda one: -abs(one[0])) if abs(value) >= 0.5]
+    if said:
+        console.print(Text(f"Correlated: {'; '.join(said[:6])}."))
+    for sentence in found.undetermined:
+        tell("not told", f"{sentence}.")
+    for sentence in found.remarks:
+        console.print(Text(sentence))
+    for note in found.notes:
+        tell("note", f"{note}.")

@@ -1,0 +1,211 @@
+"""What a fit found: values with their confidence, how they hang together, what the data cannot tell, and the curves with measured ones."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.above import answered
+from .folder import written
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+TELLS = 0.25  # of the way between its bounds: a confidence wider than that on either side, the data cannot tell
+PART = 0.3  # of a direction's length from which a parameter is named in it
+UNITS = {"time": "s", "angle": "rad", "penetration": "m"}  # of places
+CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
+
+
+@dataclass(frozen=True)
+class Value:
+    """A parameter that was looked for: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``, confidence from ``low`` to ``high``, bounds.
+
+    ``moved``: what it was in the model, None where it was not one number within the bounds.
+    """
+
+    name: str
+    paths: tuple[str, ...]
+    unit: str
+    value: float
+    error: float
+    low: float
+    high: float
+    bounds: tuple[float, float]
+    former: float | None = None
+    logarithmic: bool = False
+
+    def share(self, value: float) -> float:
+        """Where a value lies between the bounds, 0 to 1; by its logarithm where it was looked for so."""
+        low, high = self.bounds
+        if self.logarithmic:
+            return math.log(max(value, 1e-3 * low) / low) / math.log(high / low)
+        return (value - low) / (high - low)
+
+    @property
+    def told(self) -> bool:
+        """Whether the data tell it: its confidence is narrow beside the range that it was looked for in."""
+        return self.share(self.high) - self.share(self.value) <= TELLS
+
+    @property
+    def at_bound(self) -> bool:
+        """Whether it lies on a bound."""
+        return min(self.share(self.value), 1.0 - self.share(self.value)) <= CLOSE
+
+
+@dataclass(frozen=True)
+class Laid:
+    """A measured curve and the model's: ``places`` (s or rad), both in ``unit``, residuals over the measured deviation; factor and level."""
+
+    channel: str
+    head: str
+    unit: str
+    over: str
+    places: Array
+    measured: Array
+    model: Array
+    factor: float = 1.0
+    level: float = 0.0
+
+    @property
+    def share(self) -> float:
+        """Root mean square of what is left, over the standard deviation of what was measured."""
+        spread = float(self.measured.std())
+        return float(np.sqrt(((self.model - self.measured) ** 2).mean())) / spread if spread > 0.0 else float("inf")
+
+
+@dataclass
+class Fit:
+    """``values`` and their ``correlation``; the ``offset`` (s or rad) of the first sample with its standard error; ``curves``.
+
+    ``directions`` are combinations of parameters in units of their ranges, the least determined first, with the standard deviation of each.
+    ``starts``: cost and values of each local search. ``derivatives`` says what they were taken by, ``autocorrelation`` of the residuals from one
+    sample to the next, by which errors are widened. ``status``: "complete", or "interrupted" with the best so far, without errors.
+    """
+
+    mechanism: str
+    data: str
+    status: str
+    values: list[Value]
+    correlation: Array
+    directions: list[tuple[float, Array]]
+    offset: float
+    offset_error: float
+    over: str
+    curves: list[Laid]
+    starts: list[tuple[float, tuple[float, ...]]]
+    evaluations: int
+    failed: int
+    derivatives: str
+    autocorrelation: float
+    confidence: float
+    seconds: float
+    compared: str = "curve"
+    notes: list[str] = field(default_factory=list)
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{one.name} = {one.value:.5g} {'' if one.unit == '1' else one.unit}".rstrip() for one in self.values)
+        return f"<Fit of {self.mechanism!r} to {self.data!r}: {found}; see .values, .undetermined, .plot(), .write_csv()>"
+
+    def __getitem__(self, name: str) -> Value:
+        """A parameter by its name or one of its paths. Raises KeyError."""
+        for one in self.values:
+            if name == one.name or name in one.paths:
+                return one
+        raise KeyError(f"{name!r} was not looked for; these were: {', '.join(one.name for one in self.values)}")
+
+    @property
+    def set(self) -> list[tuple[str, float]]:
+        """Paths and values, as ``load_model(path, set=...)`` takes them."""
+        return [(path, one.value) for one in self.values for path in one.paths]
+
+    @property
+    def share(self) -> float:
+        """Root mean square of all residuals over the deviations of the measured curves."""
+        return float(np.sqrt(np.mean([one.share**2 for one in self.curves])))
+
+    @property
+    def undetermined(self) -> list[str]:
+        """What the data cannot tell, in sentences."""
+        found = []
+        for deviation, direction in self.directions:
+            if not deviation > TELLS:
+                continue
+            order = [k for k in np.argsort(-np.abs(direction)) if abs(direction[k]) >= PART]
+            names = [self.values[k].name for k in order]
+            if len(names) == 1:
+                found.append(f"{names[0]}: within its bounds it changes the curves by less than what they miss the data by")
+                continue
+            ways = [f"{self.values[k].name} {'up' if direction[k] * direction[order[0]] > 0.0 else 'down'}" for k in order]
+            found.append(
+                f"{', '.join(names[:-1])} and {names[-1]} one by one: {' with '.join(ways)} changes the curves by less than they miss the data"
+            )
+        return found
+
+    @property
+    def remarks(self) -> list[str]:
+        """How it was found, in sentences."""
+        found = []
+        if self.offset_error > 0.0 or self.offset != 0.0:
+            factor, unit = (1e3, "ms") if self.over == "time" else (57.29577951308232, "deg")
+            error = f" ± {factor * self.offset_error:.2g}" if np.isfinite(self.offset_error) else ""
+            found.append(f"The first sample lies {factor * self.offset:.5g}{error} {unit} into a turn or after its time in the file.")
+        near = [cost for cost, _ in self.starts if cost <= 1.1 * self.starts[0][0]]
+        if self.starts and self.evaluations:
+            found.append(f"{len(near)} of {len(self.starts)} searches came to this point, by {self.derivatives}; {self.evaluations} runs.")
+        if self.autocorrelation > 0.1:
+            found.append(f"Residuals follow one another (correlation {self.autocorrelation:.2f}): more than noise is left, and errors are widened.")
+        bound = [one.name for one in self.values if one.at_bound]
+        if bound:
+            found.append(f"At a bound, so perhaps beyond it: {', '.join(bound)}.")
+        return found
+
+    def json(self) -> dict[str, Any]:
+        """All of it but the curves, as JSON has it."""
+        return {
+            "model": self.mechanism, "data": self.data, "status": self.status, "compared": self.compared, "confidence": self.confidence,
+            "parameters": [vars_of(one) for one in self.values], "correlation": self.correlation.tolist(),
+            "undetermined": self.undetermined, "offset": {"value": self.offset, "error": self.offset_error, "unit": UNITS[self.over]},
+            "curves": [{"channel": c.channel, "column": c.head, "unit": c.unit, "residual": c.share, "factor": c.factor, "level": c.level}
+                       for c in self.curves],
+            "residual": self.share, "autocorrelation": self.autocorrelation, "derivatives": self.derivatives,
+            "starts": [{"cost": cost, "values": list(values)} for cost, values in self.starts],
+            "evaluations": self.evaluations, "failed": self.failed, "seconds": self.seconds, "notes": self.notes,
+        }  # fmt: skip
+
+    def write_csv(self, path: str | Path) -> None:
+        """The curves: place, and of each measured and model's values. Raises OSError."""
+        stream = io.StringIO(newline="")
+        lines = csv.writer(stream)
+        for one in self.curves[:1]:
+            unit = UNITS[one.over] if self.compared != "spectrum" else "1"
+            lines.writerow([f"{one.over} [{unit}]", *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
+            lines.writerows(zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True))
+        written(Path(path), stream.getvalue())
+
+    def write_json(self, path: str | Path) -> None:
+        """What :meth:`json` has. Raises OSError."""
+        written(Path(path), json.dumps(self.json(), indent=1, default=float) + "\n")
+
+    def plot(self) -> Figure:
+        """Measured curves with the model's, what is left of each, and how the parameters hang together."""
+        figure: Figure = answered("fit_figure", self)
+        return figure
+
+
+def vars_of(one: Value) -> Mapping[str, Any]:
+    """A parameter as JSON has it."""
+    return {
+        "name": one.name, "paths": list(one.paths), "unit": one.unit, "value": one.value, "standard_error": one.error, "low": one.low,
+        "high": one.high, "bounds": list(one.bounds), "former": one.former, "told": one.told, "at_bound": one.at_bound,
+    }  # fmt: skip

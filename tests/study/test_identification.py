@@ -1,0 +1,283 @@
+"""Identification: numbers of closed forms come back from noisy curves, errors are those of theory, and what data cannot tell is told."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from typer.testing import CliRunner
+
+import vfife
+from rigs import EXAMPLES, synthetic
+from vfife import Mechanism
+from vfife.cli.app import app
+from vfife.errors import ModelError, VfifeError
+from vfife.modelfile import dump
+from vfife.study.confidence import autocorrelation, confident
+from vfife.study.lawfit import fit_law
+from vfife.study.sought import Sought
+
+MASS, STIFFNESS, DAMPING, REST = 2.0, 500.0, 5.0, 0.1
+BOUNDS = {"spring.k.stiffness": ("200 N/m", "1000 N/m"), "spring.k.damping": (0.5, 20.0)}
+QUICK = {"screened": 8, "starts": 1, "derivatives": "differences", "step": "1 ms"}
+
+
+def oscillator(**spring: float) -> Mechanism:
+    """A mass on a spring with a damper, let go 10 mm from its rest."""
+    m = Mechanism("oscillator", gravity=(0.0, 0.0))
+    m.point("O", 0.0, 0.0)
+    m.point_mass("b", mass=MASS, position=(REST + 0.01, 0.0))
+    m.spring("k", "ground.O", "b.center", **{"stiffness": 800.0, "damping": 3.0, "free_length": REST, **spring})
+    return m
+
+
+def swing(t: np.ndarray) -> np.ndarray:
+    """Its place, in closed form."""
+    d = 0.5 * DAMPING / MASS
+    w = math.sqrt(STIFFNESS / MASS - d * d)
+    return REST + 0.01 * np.exp(-d * t) * (np.cos(w * t) + d / w * np.sin(w * t))
+
+
+def written(path, t, x, head="time (s), b.x (m)", noise=0.02, seed=1):
+    """A file of measured values."""
+    x = x + noise * x.std() * np.random.default_rng(seed).standard_normal(len(x))
+    path.write_text(head + "\n" + "\n".join(f"{a:.9g}, {b:.9g}" for a, b in zip(t, x, strict=True)) + "\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """A fit to a closed form with 2 % noise, through a trigger that came late, in millimetres and milliseconds."""
+    t = np.linspace(0.0, 1.2, 240)
+    path = written(tmp_path_factory.mktemp("fit") / "swing.csv", 1e3 * t, 1e3 * swing(t + 0.031), "time (ms), b.x [mm]")
+    return vfife.fit(oscillator(), path, BOUNDS, offset="0..60 ms", **QUICK)
+
+
+def test_a_closed_form_comes_back(found):
+    assert found["spring.k.stiffness"].value == pytest.approx(STIFFNESS, rel=5e-3)
+    assert found["spring.k.damping"].value == pytest.approx(DAMPING, rel=2e-2)
+    assert found.offset == pytest.approx(0.031, abs=2e-4) and found.status == "complete"
+    assert found.share == pytest.approx(0.02, rel=0.15), "what is left is the noise"
+    assert found.undetermined == [] and abs(found.autocorrelation) < 0.2
+
+
+def test_its_errors_are_those_of_the_closed_form(found):
+    """s^2 (J^T J)^-1 with J of the formula itself, the offset among its unknowns."""
+    t = np.linspace(0.0, 1.2, 240)
+
+    def form(k, c, late):
+        d = 0.5 * c / MASS
+        w = math.sqrt(k / MASS - d * d)
+        return 0.01 * np.exp(-d * (t + late)) * (np.cos(w * (t + late)) + d / w * np.sin(w * (t + late)))
+
+    at = np.array([STIFFNESS, DAMPING, 0.031])
+    rows = [(form(*(at + h)) - form(*(at - h))) / (2.0 * h.sum()) for h in np.diag(1e-5 * at)]
+    covariance = np.linalg.inv(np.array(rows) @ np.array(rows).T) * (0.02 * swing(t + 0.031).std()) ** 2
+    errors = np.sqrt(np.diag(covariance))
+    mine = [found["spring.k.stiffness"].error, found["spring.k.damping"].error, found.offset_error]
+    assert mine == pytest.approx(errors.tolist(), rel=0.25), "widened or not by what residuals happen to follow each other"
+    assert found.correlation[0, 1] == pytest.approx(covariance[0, 1] / errors[0] / errors[1], abs=0.1)
+    one = found["spring.k.stiffness"]
+    assert one.high - one.value == pytest.approx(1.97 * one.error, rel=5e-3) and one.low < STIFFNESS < one.high
+
+
+def test_it_is_written_drawn_and_set(found, tmp_path):
+    found.write_csv(tmp_path / "curves.csv")
+    found.write_json(tmp_path / "fit.json")
+    head = (tmp_path / "curves.csv").read_text().splitlines()[0]
+    assert head == "time [s],b.x measured [m],b.x model [m]"
+    told = json.loads((tmp_path / "fit.json").read_text())
+    assert told["parameters"][0]["paths"] == ["spring.k.stiffness"] and told["offset"]["unit"] == "s" and not math.isnan(told["residual"])
+    assert dict(found.set)["spring.k.damping"] == found["spring.k.damping"].value
+    assert len(found.plot().axes) == 3 and "oscillator" in repr(found)
+    with pytest.raises(KeyError, match="was not looked for"):
+        found["body.b.mass"]
+
+
+def test_what_acts_as_one_cannot_be_told_apart(tmp_path):
+    """Two springs side by side: their sum is known, and what one has more the other has less."""
+    m = oscillator(stiffness=300.0, damping=DAMPING)
+    m.spring("k2", "ground.O", "b.center", stiffness=150.0, free_length=REST)
+    t = np.linspace(0.0, 1.0, 150)
+    path = written(tmp_path / "swing.csv", t, swing(t))
+    found = vfife.fit(m, path, ["spring.k.stiffness=100..400", "spring.k2.stiffness=100..400"], **QUICK)
+    assert sum(value for _, value in found.set) == pytest.approx(STIFFNESS, rel=5e-3)
+    assert found.correlation[0, 1] < -0.99
+    assert len(found.undetermined) == 1 and "up with spring.k" in found.undetermined[0] and "down" in found.undetermined[0]
+    assert not found["spring.k.stiffness"].told
+
+
+def test_a_number_without_influence_is_named(tmp_path):
+    m = oscillator(stiffness=STIFFNESS)
+    m.rigid_body("idle", mass=1.0, inertia=1e-3, position=(1.0, 0.0))
+    t = np.linspace(0.0, 1.0, 150)
+    found = vfife.fit(m, written(tmp_path / "swing.csv", t, swing(t)), {"spring.k.damping": (1, 9), "body.idle.mass": (0.5, 2)}, **QUICK)
+    assert found["spring.k.damping"].value == pytest.approx(DAMPING, rel=3e-2)
+    assert any(one.startswith("body.idle.mass:") for one in found.undetermined)
+
+
+def test_a_microphone_is_only_proportional(tmp_path):
+    """Factor and level are found with the rest: the acceleration x'' as volts of some sensor."""
+    t = np.linspace(0.0, 1.0, 300)
+    x = swing(t)
+    volts = 0.4 - 3.0 * np.gradient(np.gradient(swing(np.linspace(-1e-2, 1.01, 10201)), 1e-4), 1e-4)
+    path = written(tmp_path / "mic.csv", t, np.interp(t, np.linspace(-1e-2, 1.01, 10201), volts), "time, mic (V)")
+    found = vfife.fit(oscillator(), path, BOUNDS, columns={"mic": "~b.center.acceleration_x"}, **QUICK)
+    assert found["spring.k.stiffness"].value == pytest.approx(STIFFNESS, rel=5e-3)
+    assert (found.curves[0].factor, found.curves[0].level) == (pytest.approx(-3.0, rel=0.02), pytest.approx(0.4, abs=0.05))
+    assert float(np.ptp(x)) > 0.0
+
+
+@pytest.mark.parametrize(("how", "close"), [("envelope", 0.05), ("spectrum", 0.02)])
+def test_envelopes_and_spectra_are_compared(tmp_path, how, close):
+    t = np.linspace(0.0, 1.5, 300)
+    found = vfife.fit(oscillator(), written(tmp_path / "s.csv", t, swing(t)), BOUNDS, compare=how, width="0.3 s", **QUICK)
+    assert found["spring.k.damping"].value == pytest.approx(DAMPING, rel=close) and found.compared == how
+
+
+def test_ctrl_c_tells_the_best_so_far(tmp_path):
+    t, seen = np.linspace(0.0, 1.0, 100), []
+
+    def interrupt(progress):
+        seen.append(progress)
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+
+    found = vfife.fit(oscillator(), written(tmp_path / "s.csv", t, swing(t)), BOUNDS, progress=interrupt, **QUICK)
+    assert found.status == "interrupted" and found.evaluations < 60
+    assert math.isnan(found["spring.k.damping"].error) and 0.5 <= found["spring.k.damping"].value <= 20.0
+
+
+def test_errors_of_a_straight_line_are_the_textbooks():
+    """y = a + b x: the standard errors of least squares in closed form, and limits by Student's t."""
+    x = np.linspace(0.0, 1.0, 12)
+    left = np.array([0.1, -0.2, 0.15, 0.0, -0.1, 0.2, -0.15, 0.05, 0.1, -0.2, 0.1, -0.05])
+    rows = np.stack([np.ones(12), x], axis=1)
+    left -= rows @ np.linalg.lstsq(rows, left, rcond=None)[0]
+    sought = [Sought(name, (name,), "1", 0.0, 1.0) for name in "ab"]
+    told = confident([left], sought, np.array([0.5, 0.5]), rows, 2, 0.95)
+    s = math.sqrt((left**2).sum() / 10)
+    follow = autocorrelation([left])
+    assert follow == 0.0, "they alternate, which narrows nothing"
+    spread = ((x - x.mean()) ** 2).sum()
+    assert told.errors == pytest.approx([s * math.sqrt(1.0 / 12 + x.mean() ** 2 / spread), s / math.sqrt(spread)], rel=1e-10)
+    assert told.limits[1][1] - 0.5 == pytest.approx(2.228139 * told.errors[1], rel=1e-6)
+    assert told.correlation[0, 1] == pytest.approx(-x.mean() / math.sqrt((x**2).mean()), rel=1e-10)
+
+
+# ------------------------------------------------------------------------------------------------------------------ laws
+
+
+def test_a_power_law_comes_back_from_its_curve(tmp_path):
+    d = np.linspace(1e-6, 1e-4, 80)
+    path = tmp_path / "press.csv"
+    noise = 1.0 + 0.02 * np.random.default_rng(3).standard_normal(len(d))
+    path.write_text("penetration (um), force (kN)\n" + "\n".join(f"{1e6 * a},{6.6e7 * a**1.4 * b}" for a, b in zip(d, noise, strict=True)))
+    found = fit_law("impact", path)
+    assert found["exponent"].value == pytest.approx(1.4, abs=3.0 * found["exponent"].error) and found["exponent"].error < 0.02
+    assert found["stiffness"].value == pytest.approx(6.6e10, rel=0.15) and found.correlation[0, 1] > 0.99, "they are told together only"
+    fixed = fit_law("impact", path, {"exponent": 1.4})
+    assert fixed["stiffness"].value == pytest.approx(6.6e10, rel=0.01)
+
+
+def test_a_loop_tells_the_restitution(tmp_path):
+    """Hunt and Crossley's F = K d^1.5 [1 + 3/2 (1 - e) d'/v], integrated by scipy, with e = 0.7."""
+    stiffness, given, speed = 1e10, 0.7, 0.8
+    force = lambda d, v: stiffness * max(d, 0.0) ** 1.5 * (1.0 + 1.5 * (1.0 - given) * v / speed)  # noqa: E731
+    parted = lambda _, y: y[0] if y[1] < 0.0 else 1.0  # noqa: E731
+    parted.terminal = True
+    run = solve_ivp(lambda _, y: (y[1], -force(*y)), (0.0, 1.0), (0.0, speed), events=parted, rtol=1e-9, atol=1e-12, max_step=2e-5)
+    rows = [(d, force(d, v)) for d, v in run.y.T if d > 0.0]
+    path = tmp_path / "loop.csv"
+    path.write_text("penetration [m], force [N]\n" + "\n".join(f"{d:.9g}, {f:.9g}" for d, f in rows[:: max(1, len(rows) // 40)]))
+    found = fit_law("hunt-crossley", path)
+    assert found["restitution"].value == pytest.approx(given, abs=5e-3) and found["stiffness"].value == pytest.approx(stiffness, rel=5e-3)
+    assert [one.channel for one in found.curves] == ["loading", "unloading"] and found.share < 0.01
+
+
+@pytest.mark.parametrize(("law", "text", "what"), [
+    ("hertzz", "penetration,force", 'did you mean "hertz"'), ("table", "penetration,force", "takes measured points as they are"),
+    ("pereira", "penetration,force", "no number that this curve could tell"), ("hertz", "depth,force", "a column is missing"),
+    ("hertz", "penetration (N),force", "its unit is that of"),
+])  # fmt: skip
+def test_laws_that_cannot_be_fitted_are_told(tmp_path, law, text, what):
+    path = tmp_path / "c.csv"
+    path.write_text(text + "\n" + "\n".join(f"{k}e-6,{k * k}" for k in range(1, 20)))
+    with pytest.raises(VfifeError) as told:
+        fit_law(law, path)
+    assert what in str(told.value), str(told.value)
+
+
+# ---------------------------------------------------------------------------------------------------------------- faults
+
+LINES = "\n".join(f"{0.01 * k:.3f}, {0.11 - 1e-4 * k:.5f}" for k in range(20))
+FAULTS = {
+    "no file": (None, BOUNDS, {}, "it cannot be read"),
+    "no time": ("when, b.x\n" + LINES, BOUNDS, {}, "no column says when"),
+    "no channel": ("time, bx\n" + LINES, BOUNDS, {}, "no column is a channel of the mechanism"),
+    "a column that is not there": ("time, b.x\n" + LINES, BOUNDS, {"columns": ["b.y"]}, 'there is no such column. Did you mean "b.x"'),
+    "a channel that is not there": ("time, acc\n" + LINES, BOUNDS, {"columns": ["acc=b.speeed"]}, "the mechanism has no such channel"),
+    "a unit": ("time, b.x (kN)\n" + LINES, BOUNDS, {}, "its unit is that of a force"),
+    "not a number": ("time, b.x\n" + LINES.replace("0.10950", "nan"), BOUNDS, {}, 'line 7, column 2 (b.x) = "nan": this is not a finite number'),
+    "a gap": ("time, b.x\n" + LINES.replace("0.10950", " "), BOUNDS, {}, "line 7, column 2 (b.x): there is no value"),
+    "a comma": ("time; b.x\n" + LINES.replace(",", ";").replace("0.10950", "0,1095"), BOUNDS, {}, "this is a text with a comma"),
+    "back in time": ("time, b.x\n" + LINES.replace("0.050", "0.150"), BOUNDS, {}, "is not after the one before it"),
+    "too few": ("time, b.x\n" + LINES[:80], BOUNDS, {}, "rows of numbers"),
+    "too few for so many": ("time, b.x\n" + "\n".join(LINES.splitlines()[:8]), BOUNDS, {}, "8 values are too few for 3 unknown numbers"),
+    "flat": ("time, b.x\n" + "\n".join(f"{k}, 1" for k in range(20)), BOUNDS, {}, "every value is the same"),
+    "by an angle": ("angle (deg), b.x\n" + LINES, BOUNDS, {}, "no driver turns one"),
+    "a path": ("time, b.x\n" + LINES, {"spring.k.stifness": (1, 2)}, {}, 'Did you mean "spring.k.stiffness"'),
+    "no bounds": ("time, b.x\n" + LINES, ["spring.k.stiffness=3"], {}, "two bounds are needed"),
+    "bounds that descend": ("time, b.x\n" + LINES, ["spring.k.stiffness=3..2"], {}, "the bounds do not ascend"),
+    "a bound beyond": ("time, b.x\n" + LINES, {"body.b.mass": (-1, 2)}, {}, "its bound:"),
+    "a bound's unit": ("time, b.x\n" + LINES, ["body.b.mass=1..2 mm"], {}, "its bound:"),
+    "twice": ("time, b.x\n" + LINES, ["body.b.mass=1..2", "body.*.mass=1..3"], {}, "is looked for by body.b.mass already"),
+    "nothing": ("time, b.x\n" + LINES, [], {}, "nothing is looked for"),
+    "free without turns": ("time, b.x\n" + LINES, BOUNDS, {"offset": "free"}, "nothing turns round"),
+    "an offset": ("time, b.x\n" + LINES, BOUNDS, {"offset": "2 mm"}, "offset"),
+    "a word": ("time, b.x\n" + LINES, BOUNDS, {"compare": "shape"}, '"curve"'),
+    "a weight": ("time, b.x\n" + LINES, BOUNDS, {"weights": {"b.y": 2.0}}, "no such column among those that count"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_what_cannot_be_fitted_is_told(tmp_path, name):
+    text, parameters, options, what = FAULTS[name]
+    path = tmp_path / "data.csv"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(VfifeError) as told:
+        vfife.fit(oscillator(), path, parameters, **{**QUICK, **options})
+    assert what in str(told.value), str(told.value)
+    assert isinstance(told.value, ModelError)
+
+
+def test_the_command_finds_writes_and_says_so(tmp_path):
+    t = np.linspace(0.0, 1.0, 120)
+    path, model, out = written(tmp_path / "s.csv", t, swing(t)), tmp_path / "m.toml", tmp_path / "fitted.toml"
+    model.write_text(dump(oscillator()))
+    options = ["-p", "spring.k.stiffness=0.2..1 kN/m", "-p", "spring.k.damping=0.5..20", "--screened", "8", "--starts", "1", "--step", "1 ms"]
+    more = ["--derivatives", "differences", "--csv", str(tmp_path / "c.csv"), "-o", str(out)]
+    answer = CliRunner().invoke(app, ["fit", str(model), str(path), *options, *more])
+    assert answer.exit_code == 0, answer.output
+    assert "spring.k.damping" in answer.output and "95 % confidence" in answer.output
+    assert vfife.load(out).springs["k"].stiffness == pytest.approx(STIFFNESS, rel=1e-2) and (tmp_path / "c.csv").exists()
+    again = CliRunner().invoke(app, ["fit", str(model), str(path), "-o", str(out)])
+    assert again.exit_code == 2 and "there is such a file" in again.output
+    told = CliRunner().invoke(app, ["fit", str(model), str(tmp_path / "t.csv"), *options])
+    assert told.exit_code == 2 and 'Did you mean "s.csv"' in told.output
+
+
+def test_the_papers_four_bar_gives_three_numbers_back(tmp_path):
+    """Two clearances and the drive speed from a force, a torque and an acceleration with 2 % noise, measured at another step, from somewhere in a
+    turn on. The full one, in wide bounds, is in tests/verification.
+    """
+    truth = {"joint.B.clearance": 2.3e-4, "joint.C.clearance": 1.7e-4, "driver.crank.speed": 152.0}
+    base = vfife.load(EXAMPLES / "four_bar.toml")
+    path = synthetic(tmp_path / "rig.csv", base, truth, 1.1e-6, turns=(2.37, 3.4), every=4, seed=5)
+    bounds = {"joint.B.clearance": ("0.15 mm", "0.3 mm"), "joint.C.clearance": ("0.1 mm", "0.25 mm"), "driver.crank.speed": (145.0, 165.0)}
+    found = vfife.fit(base, path, bounds, step=1.4e-6, skip=1, screened=8, starts=1, derivatives="differences")
+    for name, value in truth.items():
+        assert found[name].value == pytest.approx(value, rel=0.03), name
+    assert found.share < 0.03 and found.undetermined == []
