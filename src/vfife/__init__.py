@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from .study.stepped import Simulation
     from .study.studies import study
     from .study.waterfall import waterfall
-    from .study.wearing import read_wear, wear
+    from .study.wearing import load_wear, wear
     from .study.worn import Worn
 
 __version__ = "0.2.0"
@@ -83,7 +83,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
-    "read_wear": "study.wearing",
+    "load_wear": "study.wearing",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
     "waterfall": "study.waterfall",
@@ -210,10 +210,10 @@ __all__ = [
     "load_model",
     "load_result",
     "load_study",
+    "load_wear",
     "modes",
     "poincare_section",
     "quantity",
-    "read_wear",
     "resume",
     "save_model",
     "sensitivity",

@@ -105,3 +105,17 @@ def test_faults_of_starts_are_sentences(command):
         done = command("map", *words)
         assert done.exit_code == 2 and said in " ".join(done.stderr.split()), (words, done.stderr)
         assert "Traceback" not in done.stderr
+
+
+def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_path):
+    """Members that a file has are not counted; what takes hours is begun with --yes alone."""
+    over = "--over", "joint.pin.clearance=0.2..0.3mm"
+    words = ("map", PIN, *over, *BRIEF, "-o", "a.map")
+    assert "forecast: 2 values, some 18,852 steps each: " in command(*words).stderr
+    assert "forecast" not in command(*words).stderr and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
+    many = "--turns", 1_000_000, "--drop", 1, "-o", "c.map"
+    for command_, more in (((), over), (("section",), ()), (("basins",), (*over, "--over", "start.crank=0..90deg"))):
+        done = command("map", *command_, PIN, *more, *many)
+        said = " ".join(done.stderr.split())
+        assert done.exit_code == 2 and "add --yes" in said and "Nothing was begun" in said, (command_, said)
+    assert not (tmp_path / "c.map").exists()

@@ -19,10 +19,40 @@ def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
     assert {"measure": "pin.force.max", "number": "driver.crank.speed"}.items() <= rows[0].items()
 
 
-def test_measures_that_companions_part_in_are_marked(command):
-    done = command("sensitivity", CRANK, "--of", "block.angular_acceleration.max", "--turns", 1)
+def test_measures_that_companions_part_in_are_marked(command, tmp_path):
+    """In the table, the figure, JSON and a sentence."""
+    words = ("sensitivity", CRANK, "--of", "block.angular_acceleration.max", "--turns", 1)
+    done = command(*words, "--figure", "t.svg")
     assert done.exit_code == 0
     assert "mean nothing" in done.stderr
+    assert "forecast: a run of " in done.stderr and "numbers by which it has derivatives" in done.stderr
+    assert any(line.split()[0] == "block.angular_acceleration.max" and line.split()[-1] == "?" for line in done.stdout.splitlines() if line.strip())
+    assert "companions part" in (tmp_path / "t.svg").read_text()
+    rows = json.loads(command(*words, "--json").stdout)["rows"]
+    assert rows and all(row["meaningless"] for row in rows)
+
+
+def test_how_far_displaced_runs_lie_apart_is_told(command):
+    """A step at which reversals of friction are over before they are seen, and one run alone, which knows of nothing."""
+    words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", "--of", "C.force.max", "--to", "body.*")
+    done = command(*words)
+    assert done.exit_code == 0 and "displaced runs lie apart by up to" in " ".join(done.stderr.split())
+    done = command(*words, "--runs", 1)
+    assert done.exit_code == 0 and "apart" not in done.stderr
+    done = command(*words, "--runs", 9)
+    assert done.exit_code == 2 and "from 1 to 8" in done.stderr
+
+
+def test_a_step_that_is_too_large_may_be_forced(command):
+    words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", "--of", "C.force.max", "--to", "body.*.mass", "--turns", 0.1, "--step", "21.5 us")
+    done = command(*words)
+    assert done.exit_code == 2 and "--force-step" in done.stderr
+    assert command(*words, "--force-step").exit_code == 0
+
+
+def test_what_takes_hours_is_refused_without_yes(command):
+    done = command("sensitivity", CRANK, "--turns", 1_000_000)
+    assert done.exit_code == 2 and "add --yes" in done.stderr and "Nothing was begun" in done.stderr
 
 
 def test_faults_are_sentences(command, tmp_path):

@@ -16,7 +16,7 @@ from fake_card import FakeDriver, in_this_machine
 from study.studies import ASKED, Closed
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
-from vfife.study import carry, cluster
+from vfife.study import carry, cluster, more, studies
 
 Command = Callable[..., Any]
 SEARCHED = """
@@ -68,6 +68,16 @@ def test_values_points_and_what_was_broken_off_are_added(command: Command, close
     assert len(closed.computed) == 7
 
 
+def test_what_is_added_is_read_under_the_lock(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two that add at once: the second is refused before it has read what the first is about to change."""
+    command("study", "s.toml", "-o", "x.study", "-q")
+    with studies.locked(Path("x.study")):
+        read: list[object] = []
+        monkeypatch.setattr(more, "added", lambda *given: read.append(given))
+        done = command("study", "add", "x.study", "play=0.5 mm")
+    assert done.exit_code == 2 and not read and "writes this study" in done.stderr
+
+
 def test_a_study_of_another_text_of_the_step_is_not_added_to(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
     monkeypatch.setattr(carry, "sources_of_the_step", lambda: b"another text")
@@ -95,6 +105,14 @@ def test_a_member_that_fails_is_told_and_exit_code_3(command: Command, closed: C
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 3
     assert "2 of 6 members gave no measures; the first: diverged after 7 steps" in done.stderr
+    assert "study resume --retry x.study tries them again" in " ".join(done.stderr.split())
+    closed.computed.clear()
+    assert command("study", "resume", "x.study").exit_code == 3 and closed.computed == []
+    closed.fails = None
+    assert command("study", "resume", "x.study", "--retry").exit_code == 0 and len(closed.computed) == 2
+    assert "nothing is left" not in done.stderr
+    closed.fails = 2e-4
+    done = command("study", "s.toml", "-o", "y.study")
     assert "member 2: play 200 µm, speed 100 rad/s: diverged after 7 steps" in done.stdout
 
 

@@ -5,13 +5,28 @@ from pathlib import Path
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 CRANK = EXAMPLES / "slider_crank.toml"
-BRIEF = ("--over", "driver.crank.speed=500..1500rpm", "--count", "2", "--turns", "2", "--last", "1", "--outputs", "120", "--of", "pin.force")
+BRIEF = (
+    "--over",
+    "driver.crank.speed=500..1500rpm",
+    "--count",
+    "2",
+    "--turns",
+    "2",
+    "--last",
+    "1",
+    "--window",
+    "rectangular",
+    "--outputs",
+    "120",
+    "--of",
+    "pin.force",
+)
 
 
 def test_a_waterfall_is_kept_drawn_and_told(command: Callable) -> None:
     done = command("waterfall", CRANK, *BRIEF, "-o", "a.waterfall", "--csv", "a.csv", "--hertz", "--figure", "a.svg")
     assert done.exit_code == 0, done.stderr
-    assert "2 runs" in done.stdout and "Hann window over 1 turns, 1 dropped; resolution 1.5 orders; 120 outputs a turn" in " ".join(
+    assert "2 runs" in done.stdout and "rectangular window over 1 turns, 1 dropped; resolution 1 orders; 120 outputs a turn" in " ".join(
         done.stdout.split()
     )
     assert Path("a.svg").read_text().startswith("<?xml") and len(Path("a.csv").read_text().splitlines()) == 1 + 2 * 51

@@ -78,6 +78,15 @@ def test_joints_that_cannot_wear_are_told(command, tmp_path):
         assert done.exit_code == 2 and said in " ".join(done.stderr.split()), done.stderr
 
 
+def test_check_and_run_tell_the_wear(command, tmp_path):
+    """Coefficients with their sources, and what a turn takes."""
+    model = worn_pin(tmp_path)
+    told = " ".join(command("check", model).stdout.split())
+    assert "pin: bearing wears by 1e-15 1/Pa" in told and "mild steel on mild steel (Archard: Contact and rubbing of flat surfaces" in told
+    done = command("run", model, "--turns", 1, "--step", "10 us", "--companions", 0, "-o", "r")
+    assert done.exit_code == 0 and "Wear by Archard's law (last turn)" in done.stdout and "mm³" in done.stdout
+
+
 def test_two_writers_of_wear_are_kept_apart(command, tmp_path):
     model = worn_pin(tmp_path)
     with Lock(tmp_path, "a.wear.lock", "this wear"):

@@ -3,20 +3,24 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import mechanisms
 import vfife
+from differences import compared
 from vfife.analysis.measures import last_turn, over_turn
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.kernels.polynomial import polynomial
-from vfife.modelfile import dump
+from vfife.modelfile import dump, loads
+from vfife.modelfile.numbered import with_number
 from vfife.modelfile.numbers import numbers
-from vfife.solvers.tangents import changes
+from vfife.solvers.tangents import changes, displaced, jacobian
 from vfife.solvers.transient import run
 from vfife.study.derivatives import sensitivity
-from vfife.study.nearby import beside, placed
+from vfife.study.nearby import nearby
+from vfife.study.neighbours import NEAR, alike, beside, placed
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
@@ -68,6 +72,72 @@ def test_derivatives_are_differences_of_whole_runs(case_b):
             assert case_b.derivative(measure, path) * value / case_b.measures[measure] == pytest.approx(difference, rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    "name, to, length",
+    [
+        ("four_bar_case_c", ("joint.*.clearance", "body.coupler.*"), {"turns": 0.02, "step": 1e-6}),
+        ("slider_crank_loose_pin", ("joint.pin.*", "body.rod.*"), {"turns": 0.1}),
+        ("four_bar", ("joint.C.*", "body.coupler.*"), {"turns": 0.01}),
+    ],
+)
+def test_where_differences_are_known_derivatives_are_these(name, to, length):
+    """Onsets, reversals of friction, hysteresis, elements that bend; all models and numbers are in tests/verification."""
+    found = compared(vfife.load(f"{EXAMPLES}/{name}.toml"), to, **length)
+    sure = found.unknown < 1e-4
+    assert sure.mean() > 0.5
+    assert (found.apart[sure] <= 1e-4 + 2.0 * found.unknown[sure]).all()
+
+
+def test_what_play_adds_to_the_ideal_mechanism_takes_the_derivatives_of_both():
+    """(max - ideal) / ideal: the ideal force has none by the clearance, and goes with the mass as that of the ideal mechanism by itself."""
+    mechanism, to = vfife.load(f"{EXAMPLES}/four_bar_case_b.toml"), ["joint.C.clearance", "body.coupler.mass"]
+    found = sensitivity(mechanism, ["C.force.max", "C.force.lip"], to, turns=0.4, step=4e-6, companions=0)
+    alone = sensitivity(mechanism.ideal(), ["C.force.max"], to[1:], turns=1, companions=0)
+    ideal = found.measures["C.force.max"] / (1.0 + found.measures["C.force.lip"] / 100.0)
+    for path in to:
+        own = alone.derivative("C.force.max", path) * (1.0 + found.measures["C.force.lip"] / 100.0) if path == to[1] else 0.0
+        expected = 100.0 * (found.derivative("C.force.max", path) - own) / ideal
+        assert found.derivative("C.force.lip", path) == pytest.approx(expected, rel=1e-5)
+    assert alone.measures["C.force.max"] == pytest.approx(ideal, rel=1e-9)
+
+
+def test_a_series_has_its_jacobian():
+    """The force over time of a journal that meets its bearing, by two numbers: differences of whole runs."""
+    mechanism = vfife.load(f"{EXAMPLES}/journal_in_bearing.toml")
+    text, assembly = dump(mechanism), assemble(mechanism, 1e-6, duration=3e-4, force_step=True)
+    chosen = {path: value for path, value in numbers(text) if path in ("joint.O.contact.restitution", "body.journal.mass")}
+
+    def force(record):
+        return record.block("contact_normal_force")[:, 0]
+
+    values, found = jacobian(assembly, [beside(text, path, value, assembly) for path, value in chosen.items()], force)
+    assert values == pytest.approx(force(run(assembly)), rel=1e-9)
+    assert found.shape == (len(values), 2)
+    for k, (path, value) in enumerate(chosen.items()):
+        up, down = (force(run(placed(text, path, value, (1.0 + sign * 1e-5) * value, assembly))) for sign in (1.0, -1.0))
+        assert found[:, k] == pytest.approx((up - down) / (2e-5 * value), rel=1e-5, abs=1e-5 * np.abs(found[:, k]).max())
+
+
+def test_displaced_runs_stand_at_other_places_of_their_small_steps_too():
+    """Runs displaced by whole parts of a step would all have an onset at one place in its part."""
+    for count in range(1, 9):
+        shares = np.array(displaced(count, 8))
+        assert shares[0] == 0.0 and shares.max() < 1.0
+        assert len(set(np.round(shares, 9))) == len(set(np.round(8.0 * shares % 1.0, 9))) == count
+
+
+@pytest.mark.parametrize("name", ["four_bar_case_c", "elastic_pendulum", "slider_crank_loose_guide"])
+def test_a_number_replaced_in_the_nouns_is_one_that_was_read(name):
+    mechanism = vfife.load(f"{EXAMPLES}/{name}.toml")
+    text, seen = dump(mechanism), 0
+    for path, value in numbers(text):
+        if value and (found := with_number(mechanism, path, value, 1.01 * value)) is not None and seen < 24:
+            seen += 1
+            assert replace(found, source=None) == replace(loads(text, set=[(path, 1.01 * value)]), source=None)
+    assert seen > 4
+    assert with_number(mechanism, "gravity.0", 77.0, 78.0) is None
+
+
 def test_an_ideal_slider_crank_scales_as_its_laws_say():
     """Without weight all forces go with the square of the speed, and the pin's with the mass of the block alone, which nothing else accelerates."""
     found = sensitivity(vfife.load(f"{EXAMPLES}/slider_crank.toml"), ["*.force.max", "crank.torque.max"], turns=1)
@@ -107,7 +177,7 @@ def test_drives_of_every_kind_carry_their_derivatives():
             difference = (both[0] - both[1]) / (2e-5 * abs(one.value))
             seen += abs(one.value * difference) > 1e-3 * size
             assert one.values[measure] == pytest.approx(difference, rel=1e-5, abs=3e-4 * size / abs(one.value))
-    assert seen > 5
+    assert seen > 4
 
 
 def test_tables_whose_pieces_begin_later_change_as_their_values_do():
@@ -157,3 +227,18 @@ def test_a_table_has_every_measure_and_number(case_b, tmp_path):
     assert len(lines) == 1 + len(case_b.measures) * len(case_b.derivatives)
     first = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
     assert float(first["elasticity"]) == case_b.ranked(first["measure"])[0][1]
+
+
+def test_neighbours_are_what_they_are_alone():
+    """Those of a four-bar with play, assembled side by side, against each read and assembled by itself: start, tables, steps, to the bit."""
+    mechanism = vfife.load_model(f"{EXAMPLES}/four_bar_case_c.toml")
+    text, assembly = dump(mechanism), assemble(mechanism, turns=1)
+    known = {path: value for path, value in numbers(text) if value}
+    asked = [(path, value * (1.0 + NEAR)) for path, value in known.items() if not path.startswith("material")]
+    found = nearby(text, known, asked, assembly)
+    assert len(found) > 30 and None not in found
+    for change, one in list(zip(asked, found, strict=True))[::4]:
+        alone = alike(loads(text, set=[change]), assembly)
+        assert one.state.tobytes() == alone.state.tobytes() and one.tables.tobytes() == alone.tables.tobytes(), change
+        assert (one.topology, one.choice.steps, one.choice.outputs_every) == (alone.topology, alone.choice.steps, alone.choice.outputs_every)
+        assert one.choice.step == alone.choice.step

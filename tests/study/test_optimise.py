@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
 import pytest
 
 from vfife.errors import VfifeError
@@ -108,3 +109,20 @@ def test_without_optuna_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setitem(__import__("sys").modules, "optuna", None)
     with pytest.raises(VfifeError, match=r"vfife\[optimise\]"):
         optimise.imported()
+
+
+def test_a_front_of_what_shall_be_small_and_what_shall_be_large() -> None:
+    """Of x^2, to be small, and 4 x - x^2, to be large: both grow up to x = 2, where the front ends; brute force says which members are on it."""
+    values = [(float(x), {"a": x * x, "b": 4.0 * x - x * x}) for x in np.linspace(0.0, 3.0, 13)]
+    found = [Found(k, {"x": x}, one, True) for k, (x, one) in enumerate(values)]
+    search = Search((Axis("x", 0.0, 3.0),), ("a",), maximised=("b",))
+    assert [one.parameters["x"] for one in best(search, found)] == [x for x, _ in values if x <= 2.0]
+    (only,) = best(Search((Axis("x", 0.0, 3.0),), (), maximised=("b",)), found)
+    assert only.parameters["x"] == 2.0
+
+
+def test_the_largest_is_found() -> None:
+    search = Search((Axis("x", -2.0, 3.0),), (), members=48, seed=1, maximised=("g",))
+    members = searched(search, lambda asked: [{"g": 3.0 - (float(one["x"]) - 1.0) ** 2} for one in asked])
+    (found,) = best(search, members)
+    assert found.values is not None and found.values["g"] == pytest.approx(3.0, abs=0.02)

@@ -167,6 +167,18 @@ def test_a_member_that_fails_is_kept_with_its_reason_and_the_rest_finish(asked: 
     assert np.isfinite(found.data["C.force.max"].sel(play=[1e-4, 3e-4])).all()
 
 
+def test_members_that_failed_are_tried_again_where_that_is_asked_for(asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "s.study"
+    monkeypatch.setattr(carry, "run_members", Closed(fails=2e-4))
+    assert vfife.study(asked, file=path).counts["diverged"] == 2
+    closed = Closed()
+    monkeypatch.setattr(carry, "run_members", closed)
+    assert vfife.study(asked, file=path).counts["diverged"] == 2 and closed.computed == []
+    found = vfife.study(asked, file=path, retry=True)
+    assert [one["joint.C.clearance"] for one in closed.computed] == [2e-4, 2e-4]
+    assert found.counts == {"complete": 6, "diverged": 0, "left": 0} or found.counts == {"complete": 6, "left": 0}
+
+
 def test_interrupted_study_keeps_what_ended(asked: Path, tmp_path: Path, closed: Closed) -> None:
     def stop(done: int, of: int) -> None:
         if done == 2:

@@ -97,7 +97,13 @@ def test_a_table_and_a_picture_have_every_amplitude(tmp_path):
     ({"highest": 60.0}, "half the 96 outputs"),
     ({"series": ["block.xx"]}, "block.x"),
     ({"window": "han"}, "hann"),
+    ({"last": 1}, "an order runs into the next"),
 ])  # fmt: skip
 def test_what_cannot_be_is_told(words, said):
     with pytest.raises((ModelError, VfifeError), match=said):
-        waterfall(shaken(), SPEED, 6.0, 14.0, **{**GIVEN, **words})
+        waterfall(shaken(), SPEED, **{"low": 6.0, "high": 14.0, **GIVEN, **words})
+
+
+def test_a_crank_that_stands_still_is_told():
+    with pytest.raises(ModelError, match="no crank turns here"):
+        waterfall(turning("alone", 10.0), SPEED, 0.0, 10.0, count=2, turns=4, step=1e-3)

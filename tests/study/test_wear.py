@@ -12,7 +12,7 @@ from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError, VfifeError
 from vfife.model.wear import Wear, depth_at
 from vfife.modelfile import dump, loads
-from vfife.study.wearing import read_wear, wear
+from vfife.study.wearing import load_wear, wear
 from vfife.study.worn import ANGLES, PLACES, jackson, profiles, sharpness, smooth, surfaces_of, swing
 
 SOFT, HARD = 1e-15, 2e-16  # 1/Pa
@@ -153,7 +153,7 @@ def test_it_goes_on_where_it_was_broken_off(tmp_path):
     assert not part.complete and len(part.turns) == 2
     whole = wear(loose_pin(), 4e6, **GIVEN, file=path)
     assert np.array_equal(whole.depth, worn().depth) and np.array_equal(whole.force, worn().force) and whole.simulated == worn().simulated
-    assert np.array_equal(read_wear(path).depth, whole.depth)
+    assert np.array_equal(load_wear(path).depth, whole.depth)
     before = path.read_bytes()
     with pytest.raises(VfifeError, match="there is a wear file here that asks something else"):
         wear(loose_pin(), 5e6, **GIVEN, file=path)

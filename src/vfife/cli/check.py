@@ -138,6 +138,8 @@ def show_joints(console: Console, joints: list[dict[str, Any]], most: int | None
             row(table, joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force)
         for kind in ("contact", "friction") if clear else ():
             laws.setdefault(law(kind, joint[kind]), []).append(joint["name"])
+        for side, entry in joint.get("wear", {}).items():
+            laws.setdefault(wears(side, entry), []).append(joint["name"])
     console.print(table)
     left_out(console, len(joints), most, "joints")
     for text, names in laws.items():
@@ -163,6 +165,13 @@ def law(kind: str, entry: Mapping[str, Any]) -> str:
     if "modulus" in entry:
         derived += [f"exponent {entry['exponent']:.4g}", f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa"]
     return f"{kind} {entry['law']}" + (f" ({given})" if given else "") + (f"; {', '.join(derived)}" if derived else "")
+
+
+def wears(side: str, entry: Mapping[str, Any]) -> str:
+    """How a surface wears, and how much it has."""
+    pair = f", {entry['pair']} ({entry['source']}) over its hardness" if "pair" in entry else ""
+    worn = f"; worn already, up to {1e6 * entry['worn']:.4g} µm" if "worn" in entry else ""
+    return f"{side} wears by {entry['coefficient']:.4g} 1/Pa{pair}{worn}"
 
 
 def points(value: Any) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
 from ..solvers.status import Status
+from .membered import Device, Force, Quiet, StudyArgument, Target, Workers
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .signals import NOW
 from .terminal import command, grid, output, print_json, row, sentences, tell, writing
@@ -17,17 +18,13 @@ from .terminal import command, grid, output, print_json, row, sentences, tell, w
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..study.allocation import Allocated, Choice
+    from ..study.carry import Runner
     from ..study.growing import Growing
     from ..study.plan import Plan
     from ..study.searches import Allotment
 
 Work = TypeVar("Work")
 UNMET = 3  # exit code where nothing keeps the limits
-StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Study file in TOML.", show_default=False)]
-Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.study", help="Where to keep it.", show_default="runs/STUDY.study")]
-Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
-Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or processes of a local cluster.", show_default="one a core")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 
 
 def optimise(
@@ -37,10 +34,11 @@ def optimise(
     force: Force = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the parameters with which measures are least, within limits: what the table optimise of a study file asks for.
+    """Find the parameters with which measures are least, or largest, within limits: what the table optimise of a study file asks for.
 
     One measure has a best member, several have a Pareto front. Members are kept in one study file as they end, so the same command goes on after
     a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where no member keeps the limits.
@@ -48,12 +46,14 @@ def optimise(
     from ..report.study import quantity
 
     with sentences(str(file)):
+        from ..study.cluster import elsewhere
         from ..study.searches import load_search, optimised
 
         take_laws(laws)
+        run_on = elsewhere(cluster, device)
         plan, base, search = load_search(file)
     target = placed(file, output_, force)
-    found = grown(target, plan, base, file.stem, force, workers, cluster, quiet, search.members, lambda grow: optimised(grow, plan, search))
+    found = grown(target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search))
     from ..study.carry import units_of
     from ..study.optimise import best
 
@@ -61,15 +61,18 @@ def optimise(
     feasible = sum(one.feasible for one in found)
     if as_json:
         rows = [{"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})} for one in front]
-        print_json({"file": str(target), "members": len(found), "feasible": feasible, "minimised": list(search.minimised), "best": rows})
+        aims = {"minimised": list(search.minimised), "maximised": list(search.maximised)}
+        print_json({"file": str(target), "members": len(found), "feasible": feasible, **aims, "best": rows})
     elif not quiet and front:
         names = [one.name for one in plan.parameters]
         table = grid(*names, *units, right=tuple(range(len(names) + len(units))))
         for one in front:
             cells = [quantity(one.parameters[axis.name], axis.unit) for axis in plan.parameters]
             row(table, *cells, *(quantity((one.values or {}).get(name), unit) for name, unit in units.items()))
-        what = "the least of" if len(search.minimised) == 1 else "the Pareto front of"
-        output().print(f"{len(found):,} members, {feasible:,} within the limits; {what} {', '.join(search.minimised)}:")
+        one_way = "the least of" if search.minimised else "the most of"
+        sought = [*search.minimised, *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised)]
+        what = one_way if len(search.aims) == 1 else "the Pareto front of"
+        output().print(f"{len(found):,} members, {feasible:,} within the limits; {what} {', '.join(sought)}:")
         output().print(table)
     if not front:
         tell("failed", f"none of {len(found):,} members keeps the limits; widen them, or what is varied, or ask for more members", "bold red")
@@ -83,6 +86,7 @@ def allocate(
     force: Force = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
+    device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -93,12 +97,14 @@ def allocate(
     """
     with sentences(str(file)):
         from ..study.carry import units_of
+        from ..study.cluster import elsewhere
         from ..study.searches import allotted, load_allotment
 
         take_laws(laws)
+        run_on = elsewhere(cluster, device)
         plan, base, task = load_allotment(file)
     target = placed(file, output_, force)
-    found = grown(target, plan, base, file.stem, force, workers, cluster, quiet, None, lambda grow: allotted(grow, task))
+    found = grown(target, plan, base, file.stem, force, workers, cluster, run_on, quiet, None, lambda grow: allotted(grow, task))
     if as_json:
         print_json({"file": str(target), **allocated(task, found)})
     elif not quiet and found.choice is not None:
@@ -167,6 +173,7 @@ def grown(
     force: bool,
     workers: int | None,
     cluster: str | None,
+    run_on: Runner | None,
     quiet: bool,
     of: int | None,
     work: Callable[[Growing], Work],
@@ -186,7 +193,7 @@ def grown(
         with locked(target) as lock:
             NOW.last.append(lock.release)
             NOW.saved = kept
-            with joined(cluster, workers) as runner, made(target, plan, base, name, replace=force) as file, ProgressLine(quiet) as line:
+            with joined(cluster, workers, run_on) as runner, made(target, plan, base, name, replace=force) as file, ProgressLine(quiet) as line:
                 show = Line(line)
                 told = (lambda done, many, outcome: show(done, max(many, of), outcome)) if of is not None else show
                 try:

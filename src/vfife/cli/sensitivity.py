@@ -9,7 +9,8 @@ import typer
 
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model
 from .progress import ProgressLine
-from .run import Companions, Duration, ForceStep, Quiet, Step, Turns
+from .run import Companions, Duration, ForceStep, Quiet, Step, Turns, Yes
+from .slopecost import told_of
 from .terminal import grid, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ def sensitivity(
     force_step: ForceStep = False,
     figure: Figure = None,
     csv: Table = None,
+    yes: Yes = False,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -61,6 +63,7 @@ def sensitivity(
                 what = f"ending in {' or '.join(endings)}, in a folder that is there"
                 raise ValueError(f"{option} {path}: this is no file {what}; name one")
         mechanism = read_model(model, set_, laws)
+        told_of(mechanism, to or ["*"], step, turns, duration, runs, force_step, yes, quiet)
         from ..study.derivatives import sensitivity as sensitive
 
         length: dict[str, Any] = {"turns": turns, "duration": duration, "step": step}

@@ -141,7 +141,7 @@ def show(found: list[Any], name: str) -> None:
     for one in found:
         of = getattr(one, "spectrum", one)
         sizes = of.amplitudes.max(axis=0) if timed else of.amplitudes
-        for n, k in enumerate(strongest(sizes)):
+        for n, k in enumerate(strongest(sizes, of.window)):
             when = (f"{1e3 * of.times[int(np.argmax(of.amplitudes[:, k]))]:.4g}",) if timed else ()
             order = (f"{of.orders[k]:.4g}",) if turning else ()
             row(table, of.name if n == 0 else "", *order, f"{of.frequencies[k]:.5g}", f"{sizes[k]:.4g} {of.unit}", *when)
@@ -149,7 +149,9 @@ def show(found: list[Any], name: str) -> None:
     console.print(Text(f"{found[0].words[0].upper()}{found[0].words[1:]}."))
 
 
-def strongest(sizes: Any) -> list[int]:
-    """Places of the highest of those that are higher than both beside them, the mean left out."""
+def strongest(sizes: Any, window: str) -> list[int]:
+    """Places of the highest of those that are higher than both beside them, without the mean and the places over which the window spreads it."""
+    from ..analysis.spectral import COSINES
+
     inside = np.flatnonzero((sizes[1:-1] >= sizes[:-2]) & (sizes[1:-1] > sizes[2:])) + 1
-    return sorted(map(int, inside), key=lambda k: -sizes[k])[:PEAKS]
+    return sorted((int(k) for k in inside if k >= len(COSINES[window])), key=lambda k: -sizes[k])[:PEAKS]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..results.lock import holder
+from .membered import FileArgument as FileArgument
 from .options import JsonOption
 from .terminal import amount_of_bytes, counted, errors, grid, output, print_json, row, sentences, writing
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from ..results.studied import Study
 
 MOST_SHOWN = 10
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a study was kept in.", show_default=False)]
+
 Members = Annotated[bool, typer.Option("--members", help="Every member with what it came to.")]
 
 
@@ -142,17 +143,27 @@ def export(
 FiguresOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="FILE-figures")]
 FigureOption = Annotated[list[str] | None, typer.Option("--figure", metavar="NAME", help="maps, curves, parallel or fronts; all unless named.")]
 MeasureOption = Annotated[list[str] | None, typer.Option("--measure", metavar="NAME", help="A measure to draw, in this order; all unless named.")]
+LargerOption = Annotated[
+    list[str] | None, typer.Option("--maximise", metavar="NAME", help="A measure that is better the larger it is; may be repeated.")
+]
 Kind = Annotated[str, typer.Option("--kind", metavar="KIND", help="png, svg or pdf.")]
 
 
-def plot(file: FileArgument, folder: FiguresOption = None, figure: FigureOption = None, measure: MeasureOption = None, kind: Kind = "png") -> None:
-    """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the better)."""
+def plot(
+    file: FileArgument,
+    folder: FiguresOption = None,
+    figure: FigureOption = None,
+    measure: MeasureOption = None,
+    maximise: LargerOption = None,
+    kind: Kind = "png",
+) -> None:
+    """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the better, unless --maximise says not)."""
     found = read(file)
     target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
     with sentences(str(file)), writing(str(target), "The study is as it was."):
         from ..plots.study import drawn
 
         target.mkdir(parents=True, exist_ok=True)
-        paths = drawn(found, target, figure or (), measure or (), f".{kind.lower().removeprefix('.')}")
+        paths = drawn(found, target, figure or (), measure or (), f".{kind.lower().removeprefix('.')}", maximise or ())
     for path in paths:
         typer.echo(path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from ..solvers.status import Status
+from .membered import Device, FileArgument, Force, Quiet, Retry, StudyArgument, Target, Workers, Yes
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .plainly import Command, Plainly
 from .sampled import indices, tolerance
@@ -23,21 +25,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..model.mechanism import Mechanism
+    from ..results.lock import Lock
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
     from ..study.carry import Runner
     from ..study.engine import Outcome
 
 RUN = "run"
-StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Study file in TOML.", show_default=False)]
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a study was kept in.", show_default=False)]
-Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.study", help="Where to keep it.", show_default="runs/STUDY.study")]
-Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
-Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
-Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or processes of a local cluster.", show_default="one a core")]
-ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
-Device = Annotated[str | None, typer.Option(metavar="cuda", help=ON_CARD, show_default="the processor")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 Added = Annotated[
     list[str] | None,
     typer.Argument(metavar="NAME=VALUE,VALUE", help='Values to add, as in play="0.3 mm, 0.4 mm"; they are combined with all others.'),
@@ -74,6 +68,7 @@ def run(
     laws: LawsOption = None,
     force: Force = False,
     yes: Yes = False,
+    retry: Retry = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
     device: Device = None,
@@ -83,7 +78,8 @@ def run(
     """Run a study; `run` itself may be left out.
 
     A forecast of time and bytes comes first. Members that the file has already are not computed again, so the same command goes on after a kill,
-    and computes what was added to STUDY.toml. A member that fails is kept with its reason. Exit codes: 2 for input that cannot be used, 3 where a
+    and computes what was added to STUDY.toml. A member that fails is kept with its reason, and tried again with --retry
+    alone. Exit codes: 2 for input that cannot be used, 3 where a
     member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
     """
     with sentences(str(file)):
@@ -101,7 +97,7 @@ def run(
         run_on = elsewhere(cluster, device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
-    told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet, anew=force)
+    told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet, anew=force, retry=retry)
 
     def opened() -> StudyFile:
         from ..study.carry import opened as made
@@ -109,21 +105,22 @@ def run(
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
         return made(target, plan, base, file.stem, replace=force)
 
-    carried(target, opened, base, workers, cluster, run_on, as_json, quiet)
+    carried(target, opened, base, workers, cluster, run_on, as_json, quiet, retry)
 
 
 @study.command(cls=Command)
 def resume(
     file: FileArgument,
     laws: LawsOption = None,
+    retry: Retry = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
     device: Device = None,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
-    """Go on with a study that was interrupted or killed, from its file alone."""
-    add(file, None, None, None, laws, True, workers, cluster, device, as_json, quiet)
+    """Go on with a study that was interrupted or killed, from its file alone. Members that failed are tried again with --retry."""
+    add(file, None, None, None, laws, True, retry, workers, cluster, device, as_json, quiet)
 
 
 @study.command(cls=Command)
@@ -134,6 +131,7 @@ def add(
     count: Count = None,
     laws: LawsOption = None,
     yes: Yes = False,
+    retry: Retry = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
     device: Device = None,
@@ -141,22 +139,25 @@ def add(
     quiet: Quiet = False,
 ) -> None:
     """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
-    with sentences(str(file)):
-        from ..study.cluster import elsewhere
-        from ..study.more import added, split
+    with ExitStack() as held:
+        with sentences(str(file)):
+            from ..study.cluster import elsewhere
+            from ..study.more import added, split
+            from ..study.studies import locked
 
-        take_laws(laws)
-        run_on = elsewhere(cluster, device)
-        items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
-        plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
-    told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet)
+            take_laws(laws)
+            run_on = elsewhere(cluster, device)
+            items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
+            lock = held.enter_context(locked(file)) if file.exists() else None  # two that add at once would lose what one of them asks for
+            plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
+        told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, retry=retry)
 
-    def opened() -> StudyFile:
-        from ..study.carry import taken_up
+        def opened() -> StudyFile:
+            from ..study.carry import taken_up
 
-        return taken_up(file, plan, asked)
+            return taken_up(file, plan, asked)
 
-    carried(file, opened, base, workers, cluster, run_on, as_json, quiet)
+        carried(file, opened, base, workers, cluster, run_on, as_json, quiet, retry, lock)
 
 
 study.command(cls=Command)(show)
@@ -175,7 +176,9 @@ def refuse_foreign(target: Path, force: bool) -> None:
         raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
 
 
-def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: Path, yes: bool, quiet: bool, anew: bool = False) -> None:
+def told_of(
+    numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: Path, yes: bool, quiet: bool, anew: bool = False, retry: bool = False
+) -> None:
     """The forecast, and the end of what nobody can mean; ``anew``: what is there already gives way."""
     from .forecast import forecast, groups, too_much
 
@@ -190,6 +193,8 @@ def told_of(numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: 
         if not yes:
             fail(f"this study takes {much}; add --yes if that is meant, or ask for fewer members or turns. Nothing was begun.")
     if quiet:
+        return
+    if not found["members"] and retry:
         return
     if not found["members"]:
         tell("note", f"nothing is left to compute: all {found['done']:,} members are in {target}.")
@@ -214,8 +219,10 @@ def carried(
     run_on: Runner | None,
     as_json: bool,
     quiet: bool,
+    retry: bool = False,
+    held: Lock | None = None,
 ) -> None:
-    """Computes what is left; says what was kept, and ends with the exit code of that."""
+    """Computes what is left; says what was kept, and ends with the exit code of that. ``held``: the right to write, where it was taken before."""
     from .progress import ProgressLine
 
     went_on = f"Members that ended are kept in {target}; the same command goes on after them."
@@ -226,12 +233,12 @@ def carried(
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
-        with locked(target) as lock:
+        with held or locked(target) as lock:
             NOW.last.append(lock.release)
             NOW.saved = went_on
             with joined(cluster, workers, run_on) as runner, opened() as file:  # a cluster that cannot be had costs no file
                 with ProgressLine(quiet) as line:
-                    whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner)
+                    whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner, retry=retry)
                 found = read_back(file)
     if as_json:
         from .studied import payload
@@ -252,7 +259,8 @@ def ended(found: Study) -> None:
     """The exit code of members that failed, which are told."""
     bad = [reason for one, reason in found.failed if found.outcomes[one.number]["status"] != Status.COMPLETE]
     if bad:
-        tell("failed", f"{len(bad):,} of {len(found.members):,} members gave no measures; the first: {bad[0]}", "bold red")
+        again = f"; {command()} study resume --retry {shlex.quote(str(found.path))} tries them again" if found.path else ""
+        tell("failed", f"{len(bad):,} of {len(found.members):,} members gave no measures; the first: {bad[0]}{again}", "bold red")
         raise typer.Exit(DIVERGED)
 
 

@@ -61,11 +61,11 @@ def wear(
     place = model if kept else target if target is not None else Path("runs") / f"{model.stem}.wear"
     with sentences(str(model)):
         drawn = places(place, figure, csv, target is None and not kept, "wear")
-        from ..study.wearing import read_wear
+        from ..study.wearing import load_wear
         from ..study.wearing import wear as worn_over
 
         if kept:
-            found = read_wear(model)
+            found = load_wear(model)
         else:
             mechanism = read_model(model, set_, laws)
             sizes = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
 MOST = 3  # pairs of measures
 
 
-def fronts(study: Study, measures: list[str]) -> Figure | None:
-    """The first measure against each of the next, smaller being better; None with fewer than two measures."""
+def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> Figure | None:
+    """The first measure against each of the next, smaller being better but for those of which ``larger`` is; None with fewer than two."""
     pairs = [(measures[0], other) for other in measures[1 : MOST + 1]]
     known = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
     if not known:
@@ -30,12 +31,14 @@ def fronts(study: Study, measures: list[str]) -> Figure | None:
         both = both[np.isfinite(both).all(axis=1)]
         scales = [unit_for(both[:, k], study.measures[pair[k]]) for k in (0, 1)]
         x, y = (both[:, k] * scales[k][0] for k in (0, 1))
-        best = front(both)
+        signs = np.array([-1.0 if name in larger else 1.0 for name in pair])
+        best = front(both * signs)
         ax.scatter(x[~best], y[~best], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="members")
-        order = np.flatnonzero(best)[np.argsort(x[best], kind="stable")]
+        order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
         ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
-        ax.scatter(x[order], y[order], s=22.0, color=VERMILION, edgecolor=FAINT, lw=0.4, zorder=3, label="front: none is smaller in both")
-        ax.set(xlabel=titled(pair[0], scales[0][1]), ylabel=titled(pair[1], scales[1][1]))
+        ax.scatter(x[order], y[order], s=22.0, color=VERMILION, edgecolor=FAINT, lw=0.4, zorder=3, label="front: none is better in both")
+        names = [titled(name, scale[1]) + (", large" if name in larger else "") for name, scale in zip(pair, scales, strict=True)]
+        ax.set(xlabel=names[0], ylabel=names[1])
     one_legend(figure, axes)
     heading(figure, study.model)
     return figure

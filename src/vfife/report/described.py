@@ -6,10 +6,15 @@ import dataclasses
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ..laws.wear import PAIRS, coefficient
+from ..model.wear import deepest
+
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
+    from ..laws import Pair
     from ..model.drivers import Driver
     from ..model.joints import Joint
+    from ..model.wear import Wear
 
 
 def bodies(assembly: Assembly) -> list[dict[str, Any]]:
@@ -62,7 +67,21 @@ def contact(assembly: Assembly, joint: Joint) -> dict[str, Any]:
     sizes = {key: getattr(noun, key) for key in (*noun.sizes, *SIZES) if getattr(noun, key, None) is not None}
     found = sizes | {kind: law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
     found["contact"] |= {"modulus": pair.composite_modulus, "exponent": noun.contact.exponent_at(noun.landing, pair)}
-    return found | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
+    worn = {} if noun.wear is None else {"wear": wear(noun.wear, pair)}
+    return found | worn | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
+
+
+def wear(noun: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
+    """Of bearing and journal the coefficient of wear (1/Pa), the pair of materials that it is of, with its source, and the deepest place (m) that
+    each has from the start.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for side in ("bearing", "journal"):
+        named = getattr(noun, side)
+        source = {"pair": named, "source": PAIRS[named][1]} if isinstance(named, str) else {}
+        depth = {"worn": deepest(profile)} if (profile := getattr(noun, f"{side}_profile")) else {}
+        found[side] = {"coefficient": coefficient(named, getattr(pair, side)), **source, **depth}
+    return found
 
 
 def couplings(assembly: Assembly) -> list[dict[str, str]]:

@@ -15,7 +15,7 @@ from .digits import amount, percent, prefixed, spread_of
 from .trust import lines, verdict
 from .turns import lines as turn_lines
 from .turns import several
-from .wear import CONFORMAL, machine_lines, wear_table, worn
+from .wear import CONFORMAL, archard_table, machine_lines, wear_table, worn, worn_off
 
 SHOWN = 1e-4  # of a measure: what turns have to differ by to be shown
 NOISE = 1e-6  # of the largest angular acceleration
@@ -56,6 +56,7 @@ def found_tables(told: dict[str, Any]) -> Iterable[tuple[str, Table]]:
         (f"Largest reactions ({told['part']})", bool(told["joints"]), _joint_table),
         ("Contact (whole run)", contact, _contact_table),
         (f"Losses and pressures ({told['part']})", bool(worn(told)), wear_table),
+        (f"Wear by Archard's law ({told['part']})", bool(worn_off(told)), archard_table),
         (f"Largest angular accelerations ({told['part']})", turning, _body_table),
     ):
         if there:

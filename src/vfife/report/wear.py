@@ -30,6 +30,26 @@ def wear_table(told: dict[str, Any]) -> Table:
     return table
 
 
+def archard_table(told: dict[str, Any]) -> Table:
+    """What bearing and journal lose: volume, and depth of the place that loses most."""
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for k, heading in enumerate(("joint", "bearing, volume", "deepest", "journal, volume", "deepest")):
+        table.add_column(heading, justify="right" if k else "left")
+    for name in worn_off(told):
+        cells = []
+        for side in ("bearing", "journal"):
+            depth = told["measures"].get(f"{name}.{side}_wear_depth.max")
+            cells += [f"{1e9 * told['measures'][f'{name}.{side}_wear.total']:.3g} mm³", "" if depth is None else f"{1e9 * depth:.3g} nm"]
+        table.add_row(Text(name), *cells)
+    return table
+
+
+def worn_off(told: dict[str, Any]) -> list[str]:
+    """Joints of which wear is kept."""
+    ending = ".bearing_wear.total"
+    return [name.removesuffix(ending) for name in told["measures"] if name.endswith(ending)]
+
+
 def worn(told: dict[str, Any]) -> list[str]:
     """Joints of which losses are known."""
     ending = ".friction_power.mean"

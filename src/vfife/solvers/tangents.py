@@ -99,7 +99,7 @@ def displaced(count: int, parts: int) -> tuple[float, ...]:
 
     An onset falls elsewhere in its step in each of them; runs displaced by whole parts would all have it at one place in its part.
     """
-    return tuple(k * (1.0 + 1.0 / max(parts, count)) / count for k in range(count))
+    return tuple((k * parts // count + k / count) / parts for k in range(count))
 
 
 def tangents(

@@ -87,15 +87,18 @@ def carry_out(
     lanes: int | None = None,
     told: Told | None = None,
     runner: Runner | None = None,
+    retry: bool = False,
 ) -> bool:
     """Computes what the file has no outcome of; whether all of it was computed. What ended is kept, whatever ends this.
+
+    ``retry``: members that failed are computed again.
 
     ``runner``: what runs members, as :func:`~vfife.study.engine.run_members` does; outcomes may come in any order, and twice. ``told`` hears after
     each member how many have ended, of how many, and what it came to. Raises StorageError where nothing can be written.
     """
     wanted = Wanted(**{**file.meta[WHAT]["wanted"], "measures": tuple(file.meta[WHAT]["wanted"]["measures"])})
     members, ended = file.members(), file.outcomes()
-    left = alike_first([one for one in members if ended.get(one.number, {}).get("hash") != one.hash])
+    left = alike_first([one for one in members if not done(one, ended.get(one.number), retry)])
     ended_now, before, stop = set[int](), len(members) - len(left), threading.Event()
     found = (runner or run_members)(base, [one.numbers for one in left], wanted, workers=workers, lanes=lanes, stop=stop)
     try:
@@ -114,6 +117,11 @@ def carry_out(
     whole = before + len(ended_now) == len(members)
     file.finish(Status.COMPLETE.value if whole else Status.INTERRUPTED.value)
     return whole
+
+
+def done(member: Kept, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
+    """Whether nothing of a member is left to compute."""
+    return outcome is not None and outcome["hash"] == member.hash and not (retry and outcome["status"] != Status.COMPLETE)
 
 
 def alike_first(members: list[Kept]) -> list[Kept]:

@@ -28,7 +28,7 @@ from ..solvers.progress import Progress
 from ..solvers.record import Record
 from ..solvers.tangents import Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
-from .nearby import Way, beside, neighbours
+from .neighbours import Way, beside, neighbours
 from .wanted import known_measures
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")

@@ -1,87 +1,63 @@
-"""The models to both sides of a number: what the derivative of a run by it begins with."""
+"""A model with one other number each, assembled side by side: the neighbours of a run in every direction that somebody asks for."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import suppress
-from dataclasses import dataclass, replace
+import tomllib
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..assembly.assemble import assemble, refitted
+import numpy as np
+
 from ..assembly.assembled import Assembly
-from ..errors import VfifeError
+from ..assembly.together import Together
+from ..fields.members import Differing, members
 from ..model.functions import turn_of
-from ..model.mechanism import Mechanism
 from ..modelfile import loads
-from ..modelfile.numbered import with_number
-from ..solvers.tangents import Neighbours
+from .batches import TROUBLE
+from .columns import Column, Unfit, column, together
 
-NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
-
-
-@dataclass(frozen=True)
-class Way:
-    """A number of the model, its value (SI) and the models to both sides."""
-
-    path: str
-    value: float
-    near: Neighbours
+Change = tuple[str, float]  # a path, and the number (SI) there
+FEW = 2
 
 
-def neighbours(text: str, chosen: Mapping[str, float], assembly: Assembly) -> tuple[list[Way], dict[str, str]]:
-    """The models to both sides of each number; and of those that cannot be assembled, why."""
-    ways, refused = [], {}
-    for path, value in chosen.items():
-        if value == 0.0:
-            refused[path] = "zero, of which there is no small part"
-            continue
-        try:
-            ways.append(Way(path, value, beside(text, path, value, assembly)))
-        except VfifeError as error:
-            refused[path] = str(error).strip().splitlines()[-1].strip()
-    return ways, refused
+def nearby(text: str, known: Mapping[str, float], changes: Sequence[Change], base: Assembly) -> list[Assembly | None]:
+    """The model of a text with each of ``changes``, assembled for as many steps as ``base``, each the same part of a turn.
 
+    ``known`` has the numbers (SI) of the text by their paths.
 
-def beside(text: str, path: str, value: float, assembly: Assembly, *, ideal: bool = False) -> Neighbours:
-    """A number a little larger and a little smaller; where only one of them is a mechanism, that and the model itself.
-
-    ``ideal``: of the mechanism without its play, which ``assembly`` is then of, while ``text`` has it.
+    None stands for one that has to be assembled by itself: see :mod:`vfife.assembly.together`. What limits the step of each is not looked at.
     """
-    models: list[tuple[float, Assembly]] = []
-    trouble: VfifeError | None = None
-    for sign in (1.0, -1.0):
+    raw, mechanism = tomllib.loads(text), loads(text)
+    columns: dict[str, Column | None] = {}
+    for path, _ in changes:
+        if path not in columns:
+            try:
+                columns[path] = column(mechanism, raw, path)
+            except Unfit:
+                columns[path] = None
+    found: list[Assembly | None] = [None] * len(changes)
+    run: dict[str, Any] = {"outputs": base.mechanism.settings.outputs, "force_step": True}
+    choice, met = base.choice, {}  # type: ignore[var-annotated]
+    run |= {"duration": choice.step * choice.steps} if choice.turn is None else {"turns": choice.steps * choice.step / choice.turn}
+    kit = Together(base, None, met, **run)
+    contacts = dict.fromkeys(base.contacts, 1.0)
+
+    def made(which: Sequence[int]) -> None:
+        if len(which) < FEW:
+            return
         try:
-            models.append((sign, placed(text, path, value, value + sign * NEAR * abs(value), assembly, ideal=ideal)))
-        except VfifeError as error:
-            trouble = error
-    if trouble is not None and not models:
-        raise trouble
-    if trouble is not None:
-        models.append((0.0, assembly))
-        models.sort(key=lambda one: -one[0])
-    (above, up), (below, down) = models
-    return Neighbours(up, down, (above - below) * NEAR * abs(value))
+            paths = list(dict.fromkeys(changes[k][0] for k in which))
+            values = np.array([[changes[k][1] if changes[k][0] == path else known[path] for path in paths] for k in which])
+            model, one_of = together(mechanism, [one for path in paths if (one := columns[path]) is not None], values)
+            turn = turn_of(model)
+            scale = 1.0 if turn is None or choice.turn is None else turn / choice.turn
+            steps = members(np.broadcast_to(choice.step * np.asarray(scale), (len(which),)))
+            for k, assembly in zip(which, kit.assembled(model, len(which), contacts, steps, one_of), strict=True):
+                found[k] = assembly
+        except (Differing, *TROUBLE):
+            middle = len(which) // 2
+            made(which[:middle])
+            made(which[middle:])
 
-
-def placed(text: str, path: str, was: float, value: float, assembly: Assembly, *, ideal: bool = False) -> Assembly:
-    """The model with another number, assembled for as many steps, each the same part of a turn."""
-    mechanism = with_number(assembly.mechanism, path, was, value)
-    if mechanism is None:
-        mechanism = loads(text, set=[(path, value)])
-        mechanism = mechanism.ideal() if ideal else mechanism
-    elif path.startswith("joint.") and path.split(".")[1] in assembly.contacts:
-        with suppress(ValueError):  # numbers of play reach the rows of their contact alone, in most mechanisms
-            return refitted(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
-    return alike(mechanism, assembly)
-
-
-def alike(mechanism: Mechanism, assembly: Assembly) -> Assembly:
-    """A mechanism assembled for as many steps as another one, each the same part of a turn."""
-    choice, turn = assembly.choice, turn_of(mechanism)
-    scale = turn / choice.turn if turn is not None and choice.turn is not None else 1.0
-    length: dict[str, Any] = {"duration": choice.step * scale * choice.steps} if choice.turn is None else {
-        "turns": choice.steps * choice.step / choice.turn
-    }  # fmt: skip
-    outputs = assembly.mechanism.settings.outputs
-    found = assemble(mechanism, choice.step * scale, outputs=outputs, force_step=True, **length)
-    return replace(found, layout=assembly.layout) if found.topology == assembly.topology else found
+    made([k for k, (path, value) in enumerate(changes) if (one := columns[path]) is not None and one.held.allows(value)])
+    return found

@@ -38,7 +38,8 @@ class Axis:
 
 @dataclass(frozen=True)
 class Search:
-    """What is searched for: the least of ``minimised`` measures over ``axes``, within ``bounds``, in so many ``members``."""
+    """What is searched for: the least of ``minimised`` and the most of ``maximised`` measures over ``axes``, within ``bounds``, in so many
+    ``members``."""
 
     axes: tuple[Axis, ...]
     minimised: tuple[str, ...]
@@ -46,6 +47,12 @@ class Search:
     members: int = 200
     seed: int = 0
     batch: int = BATCH
+    maximised: tuple[str, ...] = ()
+
+    @property
+    def aims(self) -> tuple[tuple[str, float], ...]:
+        """Measures, each with what multiplies it so that less is better."""
+        return (*((name, 1.0) for name in self.minimised), *((name, -1.0) for name in self.maximised))
 
 
 @dataclass(frozen=True)
@@ -73,7 +80,8 @@ def searched(search: Search, ask: Ask, told: Callable[[list[Found]], None] | Non
     def constraints(trial: Any) -> list[float]:
         return excess[trial.number]
 
-    study = optuna.create_study(directions=["minimize"] * len(search.minimised), sampler=sampler(optuna, search, constraints))
+    directions = ["minimize" if sign > 0.0 else "maximize" for _, sign in search.aims]
+    study = optuna.create_study(directions=directions, sampler=sampler(optuna, search, constraints))
     spaces, found = {one.name: space(optuna, one) for one in search.axes}, list[Found]()
     while len(found) < search.members:
         trials = [study.ask(spaces) for _ in range(min(search.batch, search.members - len(found)))]
@@ -82,7 +90,7 @@ def searched(search: Search, ask: Ask, told: Callable[[list[Found]], None] | Non
             one = judged(search, trial.number, dict(trial.params), values)
             # Rounded: a sampler may compare what it is told, and the excess of a member that failed has to be a number.
             excess[trial.number] = [min(bound.excess((values or {}).get(bound.measure, math.nan)), 1e300) for bound in search.bounds]
-            objectives = [(values or {}).get(name, math.nan) for name in search.minimised]
+            objectives = [(values or {}).get(name, math.nan) for name, _ in search.aims]
             if all(map(math.isfinite, objectives)):
                 study.tell(trial, objectives)
             else:
@@ -95,21 +103,22 @@ def searched(search: Search, ask: Ask, told: Callable[[list[Found]], None] | Non
 
 
 def judged(search: Search, number: int, parameters: Numbers, values: Values | None) -> Found:
-    """A member with whether it has all that is minimised, within the limits."""
+    """A member with whether it has all that is sought, within the limits."""
     known = values or {}
-    whole = all(math.isfinite(known.get(name, math.nan)) for name in search.minimised)
+    whole = all(math.isfinite(known.get(name, math.nan)) for name, _ in search.aims)
     return Found(number, parameters, values, whole and all(bound.excess(known.get(bound.measure, math.nan)) <= 0.0 for bound in search.bounds))
 
 
 def best(search: Search, found: Sequence[Found]) -> list[Found]:
-    """The Pareto front: members within the limits than which no other is as good in every minimised measure and better in one, sorted by the first.
+    """The Pareto front: members within the limits than which no other is as good in every measure sought and better in one, the best of the
+    first measure first.
 
-    Of one measure that is the least. Of members with equal measures the first is told.
+    Of one measure that is the best. Of members with equal measures the first is told.
     """
     kept: dict[tuple[float, ...], Found] = {}
     for one in found:
         if one.feasible and one.values is not None:
-            kept.setdefault(tuple(one.values[name] for name in search.minimised), one)
+            kept.setdefault(tuple(sign * one.values[name] for name, sign in search.aims), one)
     front = [at for at in sorted(kept) if not any(dominates(other, at) for other in kept)]
     return [kept[at] for at in front]
 
@@ -131,7 +140,7 @@ def sampler(optuna: ModuleType, search: Search, constraints: Callable[[Any], lis
     limited = constraints if search.bounds else None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        if len(search.minimised) == 1:
+        if len(search.aims) == 1:
             return optuna.samplers.TPESampler(
                 seed=search.seed, n_startup_trials=STARTUP * search.batch, multivariate=True, constant_liar=True, constraints_func=limited
             )

@@ -33,7 +33,8 @@ OPTIMISE, ALLOCATION, COST, LIMIT = "optimise", "allocation", "cost", "limit"
 class Optimised:
     """The table ``[optimise]``."""
 
-    minimise: tuple[str, ...] = described(Many(Text()), "measures that shall be as small as possible; of several the Pareto front is told")
+    minimise: tuple[str, ...] = described(Many(Text()), "measures that shall be as small as possible; of several the Pareto front is told", ())
+    maximise: tuple[str, ...] = described(Many(Text()), "measures that shall be as large as possible", ())
     members: int = described(Whole(1, MOST_MEMBERS), "how many members are computed", 200)
     seed: int = described(Whole(0, 2**31 - 1), "which members the search asks for: the same seed, the same search", 1)
     batch: int = described(Whole(1, 4096), "members that are asked for at once", BATCH)
@@ -67,11 +68,15 @@ def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
     by = Written()
     asked = by.table((OPTIMISE,), Optimised, raw[OPTIMISE])
     bounds = read_bounds(raw.get(LIMIT, {}), units, by)
-    for k, name in enumerate(asked.minimise or ()):
-        if name not in units:
-            by.tell((OPTIMISE, "minimise", k), Refused("it is not measured", shown(name), "", suggestion(name, units, "name one of the measures")))
-    if asked.minimise == ():
-        by.tell((OPTIMISE, "minimise"), Refused("an empty list", "[]", "one measure or more", "name one"))
+    sought = {key: getattr(asked, key) or () for key in ("minimise", "maximise")}
+    for key, names in sought.items():
+        for k, name in enumerate(names):
+            if name not in units:
+                by.tell((OPTIMISE, key, k), Refused("it is not measured", shown(name), "", suggestion(name, units, "name one of the measures")))
+            elif key == "maximise" and name in sought["minimise"]:
+                by.tell((OPTIMISE, key, k), Refused("it shall be small as well", shown(name), "", "leave it out of one of both"))
+    if asked.minimise == () == asked.maximise:
+        by.tell((OPTIMISE, "minimise"), Refused("nothing is sought", "[]", "one measure or more, here or in maximise", "name one"))
     axes = []
     for one in plan.parameters:
         if one.values is None and not isinstance(one.distribution, Uniform):
@@ -82,7 +87,7 @@ def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
         else:
             axes.append(Axis(one.name, *one.distribution.limits))
     finished(by, path)
-    return plan, base, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch)
+    return plan, base, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch, tuple(asked.maximise))
 
 
 def load_allotment(path: str | Path) -> tuple[Plan, Mechanism, Allotment]:

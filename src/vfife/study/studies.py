@@ -32,6 +32,7 @@ def study(
     lanes: int | None = None,
     cluster: str | None = None,
     device: str | None = None,
+    retry: bool = False,
     progress: Callable[[int, int], None] | None = None,
     **more: Any,
 ) -> Study:
@@ -44,7 +45,8 @@ def study(
     as in "mean(C.force)". ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``, ``count``, ``seed``,
     ``set``. ``file``: the study file to keep it in; what is in it already is not computed again, and where another study is there it gives way to
     ``force`` alone. ``workers``, ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place, or the
-    address of a scheduler of dask.distributed; ``device``: "cuda" steps them on an NVIDIA card. ``progress`` hears how many of how many members
+    address of a scheduler of dask.distributed; ``device``: "cuda" steps them on an NVIDIA card; ``retry``: members that
+    failed before are tried again. ``progress`` hears how many of how many members
     have ended. Ctrl-C ends it with what has. Raises ModelError with all faults, HeldError where another process writes the file, StorageError where
     it cannot be written, DeviceError for a card that cannot be used.
     """
@@ -52,10 +54,10 @@ def study(
     run = elsewhere(cluster, device)
     if file is None:
         with tempfile.TemporaryDirectory() as folder:
-            found = made(Path(folder) / f"s{ENDING}", plan, base, name, force, workers, lanes, progress, cluster, run)
+            found = made(Path(folder) / f"s{ENDING}", plan, base, name, force, workers, lanes, progress, cluster, run, retry)
         found.path = None
         return found
-    return made(Path(file), plan, base, name, force, workers, lanes, progress, cluster, run)
+    return made(Path(file), plan, base, name, force, workers, lanes, progress, cluster, run, retry)
 
 
 def made(
@@ -69,11 +71,12 @@ def made(
     progress: Callable[[int, int], None] | None = None,
     cluster: str | None = None,
     otherwise: Runner | None = None,
+    retry: bool = False,
 ) -> Study:
     """A plan carried out into its file."""
     told = None if progress is None else lambda done, of, _: progress(done, of)
     with locked(path), joined(cluster, workers, otherwise) as runner, opened(path, plan, base, name, replace=force) as file:
-        carry_out(file, base, workers=workers, lanes=lanes, told=told, runner=runner)
+        carry_out(file, base, workers=workers, lanes=lanes, told=told, runner=runner, retry=retry)
         return read_back(file)
 
 

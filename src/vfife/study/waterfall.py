@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.spectral import resolution_of, window_of
+from ..analysis.spectral import COSINES, resolution_of, window_of
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, suggestion
 from ..model.functions import turn_of
@@ -27,7 +27,7 @@ from ..simulation import prepare
 from ..solvers.arguments import Asked
 from ..solvers.ensemble import placed
 from ..solvers.streaming import stepped
-from .looks import kept_in, tupled, unit_at, unit_of
+from .looks import kept_in, refuse_large_frame, tupled, unit_at, unit_of
 from .spectral import Spectral
 
 if TYPE_CHECKING:
@@ -188,20 +188,30 @@ def planned(
         faults.append(Fault("driver", "no crank turns at constant speed, so there are no orders", "", "", "drive a body"))
     if not 1 <= last <= turns:
         faults.append(Fault("last", "so many turns are not made", str(last), f"1 to {turns}", "transform fewer, or make more turns"))
+    if last < (least := len(COSINES[window])):
+        faults.append(Fault("last", f"under the window {window} an order runs into the next", str(last), f"at least {least}", "take more turns"))
     if not 0.0 < highest <= 0.5 * outputs:
         faults.append(Fault("highest", "no such order is seen", f"{highest:g}", f"up to half the {outputs} outputs of a turn", "ask for more"))
     if faults:
         raise ModelError(faults, mechanism.name)
     text = dump(mechanism)
     models = [loads(text, set=[(path, float(value))]) for value in values]
+    still = [float(value) for value, model in zip(values, models, strict=True) if turn_of(model) is None]
+    if still:
+        raise ModelError(
+            [Fault(path, "no crank turns here, so there are no orders", f"{still[0]:g}", "", "leave it out of the range")], mechanism.name
+        )
     if step is None:
         step = min(prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step for model in (models[0], models[-1]))
     assemblies = [placed(model, step, turns, outputs) for model in models]
+    refuse_large_frame(assemblies[0])
     start = standing(assemblies[0])
     series = series or usual(assemblies[0], list(start.series))
     if wrong := [name for name in series if name not in start.series]:
         told = [Fault("series", "the mechanism has none of this name", name, "", suggestion(name, start.series, "name one")) for name in wrong]
         raise ModelError(told, mechanism.name)
+    if not series:
+        raise ModelError([Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")], mechanism.name)
     units = tuple(unit_of(start, name) for name in series)
     return Fallen(
         text, path, unit_at(mechanism, path), tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step

@@ -78,7 +78,7 @@ def wear(
     return worn_of(mechanism.name, asked, points)
 
 
-def read_wear(path: str | Path) -> Worn:
+def load_wear(path: str | Path) -> Worn:
     """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
     with WearFile.open(Path(path)) as file:
         said = file.asked

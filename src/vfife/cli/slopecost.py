@@ -1,0 +1,48 @@
+"""What derivatives of a run will cost before it is begun: a run, and its steps with derivatives by each number."""
+
+from __future__ import annotations
+
+import os
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .options import positive
+from .terminal import counted, fail, span, tell
+
+if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
+
+EACH = 1.6  # of a lane's time for its own steps, that a number takes
+
+
+def told_of(
+    mechanism: Mechanism, to: list[str], step: str | None, turns: float | None, duration: str | None, runs: int | None, force_step: bool,
+    yes: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """The forecast: a run, and its steps with derivatives by each number; and the end of what nobody can mean."""
+    from ..assembly.assemble import assemble
+    from ..codegen.native import widest
+    from ..errors import VfifeError
+    from ..modelfile import dump
+    from ..modelfile.numbers import numbers
+    from .cost import estimate, too_much
+
+    asked: dict[str, Any] = {"turns": turns, "duration": None if duration is None else positive("--duration", duration, "s")}
+    size = step if step in (None, "auto") else positive("--step", str(step), "s")
+    try:
+        assembly = assemble(mechanism, size, force_step=force_step, **asked)
+    except VfifeError:  # told when it is run
+        return
+    count = sum(any(fnmatchcase(path, pattern) for pattern in to) for path, value in numbers(dump(mechanism)) if value)
+    cores, lanes = os.cpu_count() or 1, widest()
+    alone, displaced = estimate(assembly), runs or 2 if assembly.contacts else 1
+    seconds = alone["seconds"] * (1.0 + EACH * count * displaced / (lanes * cores))
+    said = f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has derivatives"
+    much = too_much({"seconds": seconds, "memory": alone["memory"], "disk": 0.0}, Path())
+    if much and not yes:
+        remedy = "add --yes if that is meant, or ask for fewer numbers (--to) or turns"
+        fail(f"{much}, for {said}; {remedy}. Nothing was begun.")
+    if not quiet:
+        automatic = ", more where an automatic step is halved" if assembly.choice.automatic else ""
+        tell("forecast", f"{said}: {span(seconds)} with {counted(cores, 'thread')} of {lanes} lanes{automatic}.", "bold")
