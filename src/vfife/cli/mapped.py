@@ -164,7 +164,7 @@ def tell_diagram(found: Bifurcation) -> None:
         row(table, kind, *(str(one[kind]) for one in counts))
     console.print(table)
     print_line(f"{asked.turns} turns at each value, {asked.dropped} of them dropped, {asked.steps:,} steps a turn; {found.laws}.")
-    print_line("A period is told within 0.1 % of the range, chaos by an exponent above zero in both halves of the turns.")
+    print_line("A period is told within 0.1 % of the range, chaos where a small difference grows more than e-fold in each half of the turns.")
     print_line(f"Companions: {found.told or 'none.'}")
 
 
