@@ -45,7 +45,7 @@ def study(
     ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of values, or by any name a table as a
     study file has it (``path``, ``values``, ``from`` and ``to`` ...). ``measures``: names of measures, or max, min, mean, rms, range of a channel,
     as in "mean(C.force)". ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``, ``count``, ``seed``,
-    ``set``. ``file``: the study file to keep it in; what is in it already is not computed again, and where another study is there it gives way to
+    ``set``; counts and depths of landings, speeds of approach and shares of contact are of the whole run, whatever ``last`` is. ``file``: the study file to keep it in; what is in it already is not computed again, and where another study is there it gives way to
     ``force`` alone. ``workers``, ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place, or the
     address of a scheduler of dask.distributed; ``device``: "cuda" steps them on an NVIDIA card; ``retry``: members that
     failed before are tried again. ``progress`` hears how many of how many members
