@@ -42,15 +42,15 @@ def study(
 
     >>> vfife.study(model, {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}, ["C.force.max"], turns=10).data  # doctest: +SKIP
 
-    ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of values, or by any name a table as a
-    study file has it (``path``, ``values``, ``from`` and ``to`` ...). ``measures``: names of measures, or max, min, mean, rms, range of a channel,
-    as in "mean(C.force)". ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``, ``count``, ``seed``,
-    ``set``; counts and depths of landings, speeds of approach and shares of contact are of the whole run, whatever ``last`` is. ``file``: the study file to keep it in; what is in it already is not computed again, and where another study is there it gives way to
-    ``force`` alone. ``workers``, ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place, or the
-    address of a scheduler of dask.distributed; ``device``: "cuda" steps them on an NVIDIA card; ``retry``: members that
-    failed before are tried again. ``progress`` hears how many of how many members
-    have ended. Ctrl-C ends it with what has. Raises ModelError with all faults, HeldError where another process writes the file, StorageError where
-    it cannot be written, DeviceError for a card that cannot be used.
+    ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of values, or by any name a table as a study
+    file has it (``path``, ``values``, ``from`` and ``to`` ...). ``measures``: names of measures, or max, min, mean, rms, range of a channel, as in
+    "mean(C.force)". ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``, ``count``, ``seed``,
+    ``set``; counts and depths of landings, speeds of approach and shares of contact are of the whole run, whatever ``last`` is. ``file``: the study
+    file to keep it in; what is in it already is not computed again, and where another study is there it gives way to ``force`` alone. ``workers``,
+    ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place, or the address of a scheduler of
+    dask.distributed; ``device``: "cuda" steps them on an NVIDIA card; ``retry``: members that failed before are tried again. ``progress`` hears how
+    many of how many members have ended. Ctrl-C ends it with what has. Raises ModelError with all faults, HeldError where another process writes the
+    file, StorageError where it cannot be written, DeviceError for a card that cannot be used.
     """
     plan, base, name = asked_in_python(model, vary, measures, more)
     run = elsewhere(cluster, device)
