@@ -13,7 +13,7 @@ from typing import Any
 FOLDER = "api"
 GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at its head
     "running": ("Simulate", "A mechanism goes in, a result comes out; or it is stepped from outside."),
-    "studies": ("Studies", "Many runs of one question, kept in one file; derivatives; bifurcations, sections and basins; wear."),
+    "studies": ("Studies", "Many runs of one question, kept in one file; tolerances, searches, slopes; bifurcations, sections and basins; wear."),
     "mechanism": ("Mechanism and bodies", "What a mechanism is built of. Its builders take numbers in SI units, or texts with their unit."),
     "joints": ("Joints", "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance`` and so on make them."),
     "loads": ("Springs, drivers and loads", "What holds, drives and loads the bodies."),

@@ -44,12 +44,15 @@ if TYPE_CHECKING:
     from .study.basins import basins
     from .study.compare import compare
     from .study.derivatives import sensitivity
+    from .study.designs import indices
     from .study.identification import fit
     from .study.kept import load_map
     from .study.maps import bifurcation
+    from .study.searching import allocate, optimise
     from .study.sections import poincare_section
     from .study.stepped import Simulation
     from .study.studies import study
+    from .study.tolerance import tolerance
     from .study.waterfall import waterfall
     from .study.wearing import load_wear, wear
     from .study.worn import Worn
@@ -63,6 +66,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
+    "allocate": "study.searching",
     "basins": "study.basins",
     "bifurcation": "study.maps",
     "compare": "study.compare",
@@ -71,6 +75,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "errors": "",
     "fit": "study.identification",
     "gallery": "",
+    "indices": "study.designs",
     "load": "modelfile.files",
     "load_laws": "laws.user",
     "load_map": "study.kept",
@@ -78,6 +83,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load_result": "result",
     "load_study": "results.studied",
     "modes": "analysis.modes",
+    "optimise": "study.searching",
     "poincare_section": "study.sections",
     "resume": "simulation",
     "save_model": "modelfile.files",
@@ -86,6 +92,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load_wear": "study.wearing",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
+    "tolerance": "study.tolerance",
     "waterfall": "study.waterfall",
     "study": "",  # the room, which can be called
     "wear": "study.wearing",
@@ -196,6 +203,7 @@ __all__ = [
     "VfifeError",
     "Wear",
     "Worn",
+    "allocate",
     "basins",
     "bifurcation",
     "compare",
@@ -204,6 +212,7 @@ __all__ = [
     "errors",
     "fit",
     "gallery",
+    "indices",
     "load",
     "load_laws",
     "load_map",
@@ -212,6 +221,7 @@ __all__ = [
     "load_study",
     "load_wear",
     "modes",
+    "optimise",
     "poincare_section",
     "quantity",
     "resume",
@@ -221,6 +231,7 @@ __all__ = [
     "spectrogram",
     "spectrum",
     "study",
+    "tolerance",
     "waterfall",
     "wear",
 ]

@@ -225,3 +225,23 @@ def test_what_has_no_sample_or_no_cluster_is_a_sentence(command: Command, closed
     done = command("study", "s.toml", "--cluster", "nowhere:0", "--force")
     assert done.exit_code == 2
     assert "cluster" in done.stderr
+
+
+def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(command: Command, closed: Closed, tmp_path: Path) -> None:
+    """16 members are asked for; 29 machines show 90 % with 95 %, 0.9^29 < 0.05, and 8 are reckoned for each of 6 other choices."""
+    long, play = HEAD.replace("turns = 2", "turns = 1000000"), '[vary.play]\npath = "joint.C.clearance"\nvalues = ["0.1 mm", "0.2 mm"]\n'
+    (tmp_path / "o.toml").write_text(long + play + SPEED + SEARCH.replace("48", "16"))
+    (tmp_path / "a.toml").write_text(long + PLAY + ALLOCATION.format(limit=0.5) + "share = 0.9\n")
+    for words, members in ((("optimise", "o.toml"), 16), (("study", "allocate", "a.toml"), 29 + 6 * 8)):
+        done = command(*words)
+        assert (done.exit_code, f"for {members} members of" in done.stderr) == (2, True), done.stderr
+        assert "this search takes some" in done.stderr and "add --yes if that is meant" in done.stderr
+        assert not closed.computed and not (tmp_path / "runs" / f"{words[-1][0]}.study").exists()
+        done = command(*words, "--yes")
+        assert (done.exit_code, f"forecast: {members} members, some " in done.stderr) == (0, True), done.stderr
+        assert "threads of" in done.stderr and f"kB in runs/{words[-1][0]}.study" in done.stderr
+        assert f"forecast: {members} members" not in command(*words, "--yes").stderr, "what the file has is not computed again"
+        closed.computed.clear()
+    (tmp_path / "o.toml").write_text(HEAD + play + SPEED + SEARCH.replace("48", "50000"))
+    done = command("optimise", "o.toml", "-o", "many.study")
+    assert (done.exit_code, "for 50,000 members of" in done.stderr) == (2, True), "choosing them takes hours by itself"

@@ -256,3 +256,14 @@ def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> N
     page = Path("x-report.html").read_text()
     assert "6 members: 6 complete" in page and "12 N" in page and "<iframe" not in page
     assert command("report", "x.study").exit_code == 2, "a file that is there stays"
+
+
+def test_measures_of_the_whole_run_are_told_beside_the_turns_that_are_chosen(command: Command, closed: Closed, tmp_path: Path) -> None:
+    for last, told in ((1, False), (2, True)):
+        (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", f"turns = 2\nlast = {last}"))
+        said = " ".join(command("study", "s.toml", "--force").stderr.split())
+        assert ("note: C.impacts is of the whole run, from its first turn on; last = 2 does not change that." in said) is told, said
+    (tmp_path / "s.toml").write_text(
+        ASKED.replace('"C.impacts"', '"C.impacts", "C.approach_speed.max"').replace("turns = 2", "turns = 2\nlast = 2")
+    )
+    assert "C.impacts, C.approach_speed.max are of the whole run" in command("study", "s.toml", "--force").stderr

@@ -35,6 +35,11 @@ COUNTED = (
 BY_TURN: tuple[Measure, ...] = (*PEAKS, losses, worn_volumes)  # what the largest of extremes and the last of all else in a turn tell
 
 
+def of_whole_runs(names: Sequence[str]) -> list[str]:
+    """Those names that measures of a whole run have, whichever of its turns are looked at."""
+    return [name for name in names if name.endswith(COUNTED) and "(" not in name]
+
+
 class WantedMeasures:
     """Measures by ``names``, all without any; ``beside`` gives more of turns that are recorded output by output."""
 

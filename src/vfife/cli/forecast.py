@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
     from ..model.mechanism import Mechanism
+    from ..study.plan import Plan
 
 LOOKED_AT = 5  # members that are assembled for a forecast
 SHARED = 0.75  # of the lanes' speed that is had
@@ -19,11 +20,6 @@ MOST_KINDS = 12
 
 def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, target: Path, anew: bool = False) -> dict[str, Any]:
     """Members to compute, steps of each, seconds, bytes; estimates, and called so."""
-    from ..codegen.native import widest
-    from ..errors import VfifeError
-    from ..results.tables import free_bytes
-    from .cost import estimate
-
     left = list(numbers)
     if target.is_file() and not anew:
         from ..results.studied import Study
@@ -32,6 +28,30 @@ def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, tar
         there = {one.hash for one in Study.open(target).done}
         left = [one for one in left if hash_of(one) not in there]
     chosen = [left[k * (len(left) - 1) // max(LOOKED_AT - 1, 1)] for k in range(min(LOOKED_AT, len(left)))]
+    return expected(chosen, len(left), len(numbers) - len(left), base, turns, target)
+
+
+def sought(
+    chosen: Sequence[dict[str, Any]], members: int, at_once: int, base: Mechanism, turns: int, target: Path, anew: bool = False
+) -> dict[str, Any]:
+    """The same of a search for so many members, some of which are ``chosen``; those that end in its file already are taken for its own."""
+    done = 0
+    if target.is_file() and not anew:
+        from ..results.studied import Study
+
+        done = min(len(Study.open(target).done), members)
+    return expected(chosen, members - done, done, base, turns, target, at_once)
+
+
+def expected(
+    chosen: Sequence[dict[str, Any]], left: int, done: int, base: Mechanism, turns: int, target: Path, at_once: float = float("inf")
+) -> dict[str, Any]:
+    """What so many members will cost that are ``left``, from those ``chosen`` of them; ``at_once`` are asked for together."""
+    from ..codegen.native import widest
+    from ..errors import VfifeError
+    from ..results.tables import free_bytes
+    from .cost import estimate
+
     seconds, steps = [0.0], [0]
     for one in chosen:
         try:
@@ -45,11 +65,11 @@ def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, tar
     free = free_bytes(target)
     first, more = BYTES
     return {
-        "members": len(left),
-        "done": len(numbers) - len(left),
+        "members": left,
+        "done": done,
         "steps": sum(steps) / count,
-        "seconds": each / count * len(left) / (cores * max(1.0, SHARED * lanes)),
-        "bytes": len(left) * (first + more * len(next(iter(numbers), {}))),
+        "seconds": each / count * left / min(cores * max(1.0, SHARED * lanes), at_once),
+        "bytes": left * (first + more * len(next(iter(chosen), {}))),
         "free": float("inf") if free is None else free,
         "workers": cores,
         "lanes": lanes,
@@ -75,6 +95,33 @@ def too_much(found: dict[str, Any], place: Path) -> str:
     if found["bytes"] > SHARE * found["free"]:
         said.append(f"some {amount_of_bytes(found['bytes'])} on a disk that has {amount_of_bytes(found['free'])} left")
     return " and ".join(said)
+
+
+def refuse_absurd(found: dict[str, Any], place: Path, yes: bool, what: str = "study") -> None:
+    """The end of what nobody can mean, before anything is begun."""
+    from .terminal import STORAGE, fail
+
+    if much := too_much(found, place):
+        if found["bytes"] > found["free"]:
+            fail(f"{place}: this {what} takes {much}. Nothing was begun, and nothing is touched.", STORAGE)
+        if not yes:
+            fail(f"this {what} takes {much}; add --yes if that is meant, or ask for fewer members or turns. Nothing was begun.")
+
+
+def tell_forecast(found: dict[str, Any], place: Path, plan: Plan) -> None:
+    """The forecast in a line, and what of the measures does not heed the turns that are chosen."""
+    from ..study.wanted import beside_last
+    from .terminal import amount_of_bytes, counted, span, tell
+
+    done = f" beside {found['done']:,} that are there" if found["done"] else ""
+    tell(
+        "forecast",
+        f"{counted(found['members'], 'member')}{done}, some {found['steps']:,.0f} steps each: {span(found['seconds'])} with "
+        f"{found['workers']} threads of {found['lanes']} lanes, {amount_of_bytes(found['bytes'])} in {place}.",
+        "bold",
+    )
+    if said := beside_last(plan.asked):
+        tell("note", said)
 
 
 def groups(numbers: Sequence[dict[str, Any]], base: Mechanism) -> list[str]:

@@ -115,23 +115,15 @@ def index_table(one: Any) -> Any:
 
 def bounds_of(found: Study, given: Any) -> tuple[Bound, ...]:
     """Limits of the command line, or else those of the study file. Raises ModelError, ValueError."""
-    from ..errors import ModelError
-    from ..study.limits import read_bounds
-    from ..study.planfile import Written
+    from ..study import tolerance as room
 
-    raw: Any = found.asked["raw"].get("limit", {})
-    if given:
-        raw = {}
-        for text in given:
-            measure, sign, value = text.partition("=")
-            if not sign:
-                raise ValueError(f'--limit {text}: this is not MEASURE=VALUE; write it as in --limit C.force.max="2 kN"')
-            raw[measure.strip()] = number_or_text(value.strip())
-    by = Written()
-    bounds = read_bounds(raw, found.measures, by)
-    if by.refused:
-        raise ModelError(by.faults, str(found.path))
-    return bounds
+    limit: dict[str, float | str] = {}
+    for text in given:
+        measure, sign, value = text.partition("=")
+        if not sign:
+            raise ValueError(f'--limit {text}: this is not MEASURE=VALUE; write it as in --limit C.force.max="2 kN"')
+        limit[measure.strip()] = number_or_text(value.strip())
+    return room.bounds_of(found, limit)
 
 
 def number_or_text(text: str) -> float | str:

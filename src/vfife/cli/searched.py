@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import typer
 
 from ..solvers.status import Status
-from .membered import Device, Force, Quiet, StudyArgument, Target, Workers
+from .membered import Device, Force, Quiet, StudyArgument, Target, Workers, Yes
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
+from .searchcost import told_of_allotment, told_of_search
 from .signals import NOW
 from .terminal import command, grid, output, print_json, row, sentences, tell, writing
 
@@ -32,6 +33,7 @@ def optimise(
     output_: Target = None,
     laws: LawsOption = None,
     force: Force = False,
+    yes: Yes = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
     device: Device = None,
@@ -40,8 +42,9 @@ def optimise(
 ) -> None:
     """Find the parameters with which measures are least, or largest, within limits: what the table optimise of a study file asks for.
 
-    One measure has a best member, several have a Pareto front. Members are kept in one study file as they end, so the same command goes on after
-    a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where no member keeps the limits.
+    A forecast of time and bytes comes first. One measure has a best member, several have a Pareto front. Members are kept in one study file as they
+    end, so the same command goes on after a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where no member
+    keeps the limits.
     """
     from ..report.study import quantity
 
@@ -53,6 +56,7 @@ def optimise(
         run_on = elsewhere(cluster, device)
         plan, base, search = load_search(file)
     target = placed(file, output_, force)
+    told_of_search(plan, base, search, target, yes, quiet, force)
     found = grown(target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search))
     from ..study.carry import units_of
     from ..study.optimise import best
@@ -84,6 +88,7 @@ def allocate(
     output_: Target = None,
     laws: LawsOption = None,
     force: Force = False,
+    yes: Yes = False,
     workers: Workers = None,
     cluster: ClusterOption = None,
     device: Device = None,
@@ -92,8 +97,9 @@ def allocate(
 ) -> None:
     """Find the cheapest fits with which nearly all machines keep a limit: what the tables allocation and cost of a study file ask for.
 
-    Choices of fits are tried from the cheapest on, each until more machines are beyond the limit than may be. Members are kept in one study file,
-    so the same command goes on after a kill. Exit codes as of `vfife study`; 3 where no choice keeps the limit.
+    A forecast of time and bytes comes first. Choices of fits are tried from the cheapest on, each until more machines are beyond the limit than may
+    be. Members are kept in one study file, so the same command goes on after a kill. Exit codes as of `vfife study`; 3 where no choice keeps the
+    limit.
     """
     with sentences(str(file)):
         from ..study.carry import units_of
@@ -104,6 +110,7 @@ def allocate(
         run_on = elsewhere(cluster, device)
         plan, base, task = load_allotment(file)
     target = placed(file, output_, force)
+    told_of_allotment(plan, base, task, target, yes, quiet, force)
     found = grown(target, plan, base, file.stem, force, workers, cluster, run_on, quiet, None, lambda grow: allotted(grow, task))
     if as_json:
         print_json({"file": str(target), **allocated(task, found)})

@@ -19,7 +19,7 @@ from .sampled import indices, tolerance
 from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
-from .terminal import DIVERGED, amount_of_bytes, command, counted, fail, print_json, sentences, span, tell, writing
+from .terminal import DIVERGED, command, print_json, sentences, span, tell, writing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ..results.studyfile import StudyFile
     from ..study.carry import Runner
     from ..study.engine import Outcome
+    from ..study.plan import Plan
 
 RUN = "run"
 Added = Annotated[
@@ -97,7 +98,7 @@ def run(
         run_on = elsewhere(cluster, device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
-    told_of(plan.numbers(), base, plan.asked.turns, target, yes, quiet, anew=force, retry=retry)
+    told_of(plan, base, target, yes, quiet, anew=force, retry=retry)
 
     def opened() -> StudyFile:
         from ..study.carry import opened as made
@@ -150,7 +151,7 @@ def add(
             items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
             lock = held.enter_context(locked(file)) if file.exists() else None  # two that add at once would lose what one of them asks for
             plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
-        told_of(plan.numbers(), base, plan.asked.turns, file, yes, quiet, retry=retry)
+        told_of(plan, base, file, yes, quiet, retry=retry)
 
         def opened() -> StudyFile:
             from ..study.carry import taken_up
@@ -176,22 +177,15 @@ def refuse_foreign(target: Path, force: bool) -> None:
         raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
 
 
-def told_of(
-    numbers: list[dict[str, Any]], base: Mechanism, turns: int, target: Path, yes: bool, quiet: bool, anew: bool = False, retry: bool = False
-) -> None:
+def told_of(plan: Plan, base: Mechanism, target: Path, yes: bool, quiet: bool, anew: bool = False, retry: bool = False) -> None:
     """The forecast, and the end of what nobody can mean; ``anew``: what is there already gives way."""
-    from .forecast import forecast, groups, too_much
+    from .forecast import forecast, groups, refuse_absurd, tell_forecast
 
     with sentences(str(target)):
-        found = forecast(numbers, base, turns, target, anew)
+        numbers = plan.numbers()
+        found = forecast(numbers, base, plan.asked.turns, target, anew)
         kinds = groups(numbers, base)
-    if much := too_much(found, target):
-        if found["bytes"] > found["free"]:
-            from .terminal import STORAGE
-
-            fail(f"{target}: this study takes {much}. Nothing was begun, and nothing is touched.", STORAGE)
-        if not yes:
-            fail(f"this study takes {much}; add --yes if that is meant, or ask for fewer members or turns. Nothing was begun.")
+    refuse_absurd(found, target, yes)
     if quiet:
         return
     if not found["members"] and retry:
@@ -199,13 +193,7 @@ def told_of(
     if not found["members"]:
         tell("note", f"nothing is left to compute: all {found['done']:,} members are in {target}.")
         return
-    done = f" beside {found['done']:,} that are there" if found["done"] else ""
-    tell(
-        "forecast",
-        f"{counted(found['members'], 'member')}{done}, some {found['steps']:,.0f} steps each: {span(found['seconds'])} with "
-        f"{found['workers']} threads of {found['lanes']} lanes, {amount_of_bytes(found['bytes'])} in {target}.",
-        "bold",
-    )
+    tell_forecast(found, target, plan)
     for text in kinds:
         tell("note", text)
 

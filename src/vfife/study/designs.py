@@ -6,6 +6,7 @@ import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -31,6 +32,27 @@ class Sensitivity:
     unit: str
     rows: Sequence[Index] | Sequence[Effect]
     left_out: int
+
+
+def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> list[Sensitivity]:
+    """What each measure of a study hangs on, over all that is varied: Sobol' indices, or elementary effects of Morris; by SALib.
+
+    >>> vfife.indices("runs/crank.study", "C.force.max")[0].rows  # doctest: +SKIP
+
+    ``study``: what :func:`vfife.study` gave, or a study file, its members planned by ``method`` "saltelli" or "morris"; ``measures``: some of
+    them, or all. Each has ``unit``, ``rows``, one for each parameter, and ``left_out``, the groups of the design with a member without a value.
+
+    Of "saltelli" a row has, as shares of the variance V of the measure y (1), ``first`` = V(E(y | x)) / V, what the parameter x makes alone
+    (Saltelli, Comput. Phys. Comm. 181, 2010), and ``total`` = E(V(y | all but x)) / V, with all that it acts together with (Jansen, Comput. Phys.
+    Comm. 117, 1999), each with its ``_margin`` at 95 %. Of "morris" (Technometrics 33, 1991) a row has, in the unit of the measure, ``mean`` μ,
+    ``size`` μ* of the absolute values (Campolongo, 2007), ``size_margin`` and ``deviation`` σ of the effects y(x + Δ) - y(x), Δ being half of the
+    parameter's range of quantiles.
+
+    Raises VfifeError without SALib (extra ``sensitivity``), for a study that no design planned, with fewer than eight whole groups, for a measure
+    that was not wanted or is the same in all members; RunFileError for what is no study file.
+    """
+    found = study if isinstance(study, Study) else Study.open(study)
+    return sensitivities(found, [measures] if isinstance(measures, str) else measures)
 
 
 def sensitivities(found: Study, measures: Sequence[str] = ()) -> list[Sensitivity]:

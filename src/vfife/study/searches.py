@@ -64,7 +64,12 @@ class Allotment:
 
 def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
     """The search of a study file with ``[optimise]``. Raises ModelError with every fault."""
-    raw, plan, base, units = opened(path, OPTIMISE, 'minimise = ["C.force.max"]')
+    return search_of(raw_of(text_of(Path(path)), str(path)), str(path), Path(path).parent)
+
+
+def search_of(raw: Mapping[str, Any], known_as: str, folder: Path | None = None, base: Mechanism | None = None) -> tuple[Plan, Mechanism, Search]:
+    """The search of the tables of a study file; ``base`` is the model where it is at hand. Raises ModelError with every fault."""
+    plan, base, units = opened(raw, known_as, folder, base, OPTIMISE, 'minimise = ["C.force.max"]')
     by = Written()
     asked = by.table((OPTIMISE,), Optimised, raw[OPTIMISE])
     bounds = read_bounds(raw.get(LIMIT, {}), units, by)
@@ -86,13 +91,20 @@ def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
             axes.append(Axis(one.name, values=one.values))
         else:
             axes.append(Axis(one.name, *one.distribution.limits))
-    finished(by, path)
+    finished(by, known_as)
     return plan, base, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch, tuple(asked.maximise))
 
 
 def load_allotment(path: str | Path) -> tuple[Plan, Mechanism, Allotment]:
     """The allocation of a study file with ``[allocation]`` and ``[cost]``. Raises ModelError with every fault."""
-    raw, plan, base, units = opened(path, ALLOCATION, 'measure = "C.force.max"')
+    return allotment_of(raw_of(text_of(Path(path)), str(path)), str(path), Path(path).parent)
+
+
+def allotment_of(
+    raw: Mapping[str, Any], known_as: str, folder: Path | None = None, base: Mechanism | None = None
+) -> tuple[Plan, Mechanism, Allotment]:
+    """The allocation of the tables of a study file; ``base`` is the model where it is at hand. Raises ModelError with every fault."""
+    plan, base, units = opened(raw, known_as, folder, base, ALLOCATION, 'measure = "C.force.max"')
     by = Written()
     asked = by.table((ALLOCATION,), Allotted, raw[ALLOCATION])
     bounds = {one.measure: one for one in read_bounds(raw.get(LIMIT, {}), units, by)}
@@ -114,9 +126,9 @@ def load_allotment(path: str | Path) -> tuple[Plan, Mechanism, Allotment]:
         remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
         by.tell((COST, ""), Refused("no fit has costs, so there is nothing to choose", "", "", remedy))
     bound = bounds.get(asked.measure or "")
-    finished(by, path)
+    finished(by, known_as)
     if bound is None:  # told above
-        raise ModelError(by.faults, str(path))
+        raise ModelError(by.faults, known_as)
     return plan, base, Allotment(plan.parameters, tuple(options), bound, asked, tuple(one.name in costs for one in plan.parameters))
 
 
@@ -150,22 +162,22 @@ def options_at(one: Parameter, costs: Any, by: Written) -> tuple[Option, ...]:
         return ()
 
 
-def opened(path: str | Path, table: str, example: str) -> tuple[dict[str, Any], Plan, Mechanism, Mapping[str, str]]:
-    """The tables of a file, its plan without members of its own, the model, units of the measures. Raises ModelError."""
-    path = Path(path)
-    raw = raw_of(text_of(path), str(path))
+def opened(
+    raw: Mapping[str, Any], known_as: str, folder: Path | None, base: Mechanism | None, table: str, example: str
+) -> tuple[Plan, Mechanism, Mapping[str, str]]:
+    """The plan of tables without members of its own, the model, units of the measures. Raises ModelError."""
     by = Written()
     if not isinstance(raw.get(table), dict):
         by.tell((table, ""), Refused("this table is missing", "", "what the search is for", f"add it, as in {example}"))
-        finished(by, path)
-    plan, base = understood({**{key: value for key, value in raw.items() if key != "count"}, "method": SEARCH}, str(path), path.parent)
-    return raw, plan, base, units_of(plan.asked.measures, base)
+        finished(by, known_as)
+    plan, base = understood({**{key: value for key, value in raw.items() if key != "count"}, "method": SEARCH}, known_as, folder, base)
+    return plan, base, units_of(plan.asked.measures, base)
 
 
-def finished(by: Written, path: str | Path) -> None:
+def finished(by: Written, known_as: str) -> None:
     """Raises ModelError with what was refused."""
     if by.refused:
-        raise ModelError(by.faults, str(path))
+        raise ModelError(by.faults, known_as)
 
 
 def numbers_at(parameters: Sequence[Parameter], values: Mapping[str, float | str]) -> dict[str, float | str]:

@@ -6,14 +6,15 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import VfifeError
+from ..errors import ModelError, VfifeError
 from ..results.studied import Study
 from .designs import value_of
-from .limits import Bound
+from .limits import Bound, read_bounds
 from .more import base_of
 from .planfile import Written, understood
 from .points import planned
@@ -36,6 +37,46 @@ class Spread:
     quantiles: Mapping[float, Estimate]
     bound: Bound | None
     failing: Estimate | None
+
+
+def tolerance(
+    study: Study | str | Path,
+    limit: Mapping[str, Any] | None = None,
+    *,
+    quantiles: Sequence[float] = SHARES,
+    confidence: float = CONFIDENCE,
+) -> list[Spread]:
+    """What the machines of a study say of all that are made to its fits and tolerances: a spread for each measure, in SI units.
+
+    >>> vfife.tolerance("runs/crank.study", {"C.force.max": "2 kN"})[0].failing  # doctest: +SKIP
+
+    ``study``: what :func:`vfife.study` gave, or a study file; its members have to be drawn (``method`` "random", "latin" or "sobol"). ``limit``: by
+    measure the most that is allowed, a number in SI units or a text with a unit, or a mapping of ``low`` and ``high``; unless given, the table
+    ``limit`` of the study. ``quantiles``: shares between 0 and 1; ``confidence``: that of all limits, between 0 and 1.
+
+    A spread has ``mean`` = Σ x / n and ``deviation`` = √(Σ (x - mean)² / (n - 1)) of the ``count`` machines that have the measure, its
+    ``quantiles`` by share, and ``failing``, the share p = k / n of the ``machines`` beyond the limit, one without the measure among them. Each
+    estimate has ``value``, ``low`` and ``high``: of a quantile these are values of the sample of such ranks that the binomial number of draws
+    below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a share those of Wilson (1927); infinite where the sample is too
+    small.
+
+    Raises VfifeError where members were chosen and not drawn or fewer than two have ended, ModelError for a limit that cannot be read, ValueError
+    for a share or a confidence that is none, RunFileError for what is no study file.
+    """
+    for name, one in (*(("quantiles", one) for one in quantiles), ("confidence", confidence)):
+        if not 0.0 < one < 1.0:
+            raise ValueError(f"{name} = {one:g}: it is not between 0 and 1; write 99 % as 0.99")
+    found = study if isinstance(study, Study) else Study.open(study)
+    return spreads(found, bounds_of(found, limit), tuple(quantiles), confidence)
+
+
+def bounds_of(found: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
+    """Limits as given, or else those of the study. Raises ModelError."""
+    by = Written()
+    bounds = read_bounds(dict(limit) if limit else found.asked["raw"].get("limit", {}), found.measures, by)
+    if by.refused:
+        raise ModelError(by.faults, str(found.path or "this study"))
+    return bounds
 
 
 def spreads(found: Study, bounds: Sequence[Bound] = (), shares: Sequence[float] = SHARES, confidence: float = CONFIDENCE) -> list[Spread]:

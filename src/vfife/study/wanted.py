@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..analysis.wanted import of_whole_runs
 from ..assembly.assemble import assemble
 from ..errors import StepError, VfifeError, shown, suggestion
 from ..fields import Reading, Refused
@@ -20,6 +21,15 @@ def wanted_of(asked: Asked) -> Wanted:
     """What the engine is asked for."""
     step = None if asked.step == "auto" else float(asked.step)
     return Wanted(tuple(asked.measures), asked.turns, asked.settle, asked.last, step)
+
+
+def beside_last(asked: Asked) -> str:
+    """What of the measures does not heed the ``last`` turns asked for, in a sentence; empty where nothing is."""
+    names = of_whole_runs(asked.measures) if asked.last > 1 else []
+    if not names:
+        return ""
+    of = "is of the whole run" if len(names) == 1 else "are of the whole run"
+    return f"{', '.join(names)} {of}, from its first turn on; last = {asked.last} does not change that."
 
 
 def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) -> None:
