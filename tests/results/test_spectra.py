@@ -134,3 +134,9 @@ def test_tables_hold_what_was_found(run, tmp_path):
 def test_what_cannot_be_is_told(run, call, said):
     with pytest.raises(VfifeError, match=said):
         call(run)
+
+
+@pytest.mark.parametrize("turns", [float("nan"), float("inf"), 0.0, -1.0])
+def test_windows_are_of_finite_turns(run, turns):
+    with pytest.raises(vfife.VfifeError, match="give a finite number above 0"):
+        run.spectrum("C.force", turns=turns)

@@ -11,6 +11,7 @@ from .mapcost import Work, told_of
 from .mapped import Csv, Drop, Figured, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_range
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .run import Quiet
+from .targets import refuse_inputs
 from .terminal import sentences
 
 MOST_TURNS, MOST_VALUES = 1_000_000, 2_000
@@ -52,6 +53,7 @@ def basins(
     place = target if target is not None else Path("runs") / f"{model.stem}-basins.map"
     with sentences(str(model)):
         drawn = places(place, figure, csv, target is None)
+        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
         mechanism = read_model(model, set_, laws)
         from ..study.basins import basins as made
 

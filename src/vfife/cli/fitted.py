@@ -13,6 +13,7 @@ from .options import JsonOption, LawsOption, SetOption, overrides, read_model, t
 from .progress import ProgressLine
 from .run import Quiet, Step
 from .signals import NOW
+from .targets import refuse_inputs
 from .terminal import grid, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
@@ -94,7 +95,9 @@ def fit(
     """
     with sentences(str(files[-1])):
         check_targets(figure, csv, out)
+        refuse_inputs((("--figure", figure), ("--csv", csv), ("-o", out)), (*files, *(laws or ())))
         if law is not None:
+            refuse_beside_law(parameter, column, weight, offset, out)
             found: Any = of_law(files, law, set_, laws, confidence / 100.0, seed)
         else:
             if len(files) != 2:
@@ -132,6 +135,16 @@ def of_law(files: list[Path], law: str, set_: list[str] | None, laws: list[Path]
         raise ValueError("with --law name the measured curve alone: vfife fit --law NAME CURVE.csv")
     take_laws(laws)
     return fit_law(law, files[0], dict(overrides(set_)), confidence=confidence, seed=seed)
+
+
+def refuse_beside_law(
+    parameter: list[str] | None, column: list[str] | None, weight: list[str] | None, offset: str | None, out: Path | None
+) -> None:
+    """Raises ValueError for options that the fit of a law has no use for."""
+    given = {"--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "-o": out}
+    idle = [option for option, value in given.items() if value is not None]
+    if idle:
+        raise ValueError(f"{', '.join(idle)}: a law is fitted without; leave it out (numbers of a law are fixed by --set NAME=VALUE)")
 
 
 def check_targets(figure: Path | None, csv: Path | None, out: Path | None) -> None:

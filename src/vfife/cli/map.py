@@ -15,6 +15,7 @@ from .options import LawsOption, ModelArgument, SetOption, read_model
 from .plainly import Command, Plainly
 from .run import Quiet
 from .sections import section
+from .targets import refuse_inputs
 from .terminal import sentences
 
 SWEEP = "sweep"
@@ -76,6 +77,7 @@ def sweep(
     place = target if target is not None else Path("runs") / f"{model.stem}.map"
     with sentences(str(model)):
         drawn = places(place, figure, csv, target is None)
+        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
         mechanism = read_model(model, set_, laws)
         from ..live.sliders import asked_slides
         from ..study.maps import bifurcation
@@ -106,5 +108,6 @@ def show(file: Kept, figure: Figured = None, csv: Csv = None) -> None:
     with sentences(str(file)):
         from ..study.kept import load_map
 
+        refuse_inputs((("--figure", figure), ("--csv", csv)), (file,))
         found = load_map(file)
     drawn_and_told(found, file, figure, csv, False, whole=False)

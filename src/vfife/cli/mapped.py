@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
+from ..results.folder import is_own
 from .options import positive
 from .sensitivity import ENDINGS
 from .signals import NOW
@@ -45,6 +46,8 @@ def places(place: Path, figure: Path | None, csv: Path | None, own: bool, kind: 
     for option, path, endings in (("--figure", drawn, ENDINGS), ("--csv", csv, (".csv",))):
         if path is not None and path.suffix.lower() not in endings:
             raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
+    if figure is None and drawn.is_file() and not is_own(drawn, None):
+        raise ValueError(f"{drawn}: a picture that vfife did not draw is where one would be drawn; name another place with --figure")
     for option, path in (("-o", place), ("--figure", drawn), ("--csv", csv)):
         if path is not None and not path.absolute().parent.is_dir() and not (own and path.parent == place.parent):
             raise ValueError(f"{option} {path}: there is no folder {path.absolute().parent}; make it first")

@@ -11,6 +11,7 @@ from .mapcost import Work, told_of
 from .mapped import Csv, Drop, Figured, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .run import Quiet
+from .targets import refuse_inputs
 from .terminal import sentences
 
 MOST_TURNS = 10_000_000
@@ -46,6 +47,7 @@ def section(
     place = target if target is not None else Path("runs") / f"{model.stem}-section.map"
     with sentences(str(model)):
         drawn = places(place, figure, csv, target is None)
+        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
         mechanism = read_model(model, set_, laws)
         from ..study.sections import poincare_section as made
 

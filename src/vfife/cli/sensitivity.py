@@ -11,6 +11,7 @@ from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_mode
 from .progress import ProgressLine
 from .run import Companions, Duration, ForceStep, Quiet, Step, Turns, Yes
 from .slopecost import told_of
+from .targets import refuse_inputs
 from .terminal import grid, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def sensitivity(
             if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
                 what = f"ending in {' or '.join(endings)}, in a folder that is there"
                 raise ValueError(f"{option} {path}: this is no file {what}; name one")
+        refuse_inputs((("--figure", figure), ("--csv", csv)), (model, *(laws or ())))
         mechanism = read_model(model, set_, laws)
         told_of(mechanism, to or ["*"], step, turns, duration, runs, force_step, yes, quiet)
         from ..study.derivatives import sensitivity as sensitive

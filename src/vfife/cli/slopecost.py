@@ -32,7 +32,7 @@ def told_of(
     size = step if step in (None, "auto") else positive("--step", str(step), "s")
     try:
         assembly = assemble(mechanism, size, force_step=force_step, **asked)
-    except VfifeError:  # told when it is run
+    except (VfifeError, ValueError, ArithmeticError):  # told when it is run
         return
     count = sum(any(fnmatchcase(path, pattern) for pattern in to) for path, value in numbers(dump(mechanism)) if value)
     cores, lanes = os.cpu_count() or 1, widest()

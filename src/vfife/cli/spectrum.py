@@ -11,6 +11,7 @@ import typer
 
 from .options import RunArgument, positive
 from .sensitivity import ENDINGS
+from .targets import refuse_inputs
 from .terminal import grid, output, row, sentences, writing
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def spectrum(
     """
     with sentences(str(run)):
         refuse_places(figure, csv)
+        refuse_inputs((("--figure", figure), ("--csv", csv)), ())
         seconds, within = None if length is None else positive("--length", length, "s"), banded(band)
         result, names = series(run, of)
         if kind not in KINDS:

@@ -10,6 +10,7 @@ import typer
 from .mapped import carried_out, drawn_and_told, places, quantity_at
 from .options import LawsOption, ModelArgument, SetOption, read_model
 from .run import Quiet
+from .targets import refuse_inputs
 from .terminal import sentences, writing
 
 OVER = "The number, from and to, as in driver.crank.speed=500..3000rpm."
@@ -56,6 +57,7 @@ def waterfall(
     place = target if target is not None else Path("runs") / f"{model.stem}.waterfall"
     with sentences(str(model)):
         drawn = places(place, figure, csv, target is None, "waterfall")
+        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
         mechanism = read_model(model, set_, laws)
         from ..live.sliders import asked_slides
         from ..study.waterfall import waterfall as computed

@@ -13,6 +13,7 @@ from .mapped import Step, places
 from .options import LawsOption, SetOption, positive, read_model
 from .run import Quiet
 from .signals import NOW
+from .targets import refuse_inputs
 from .terminal import grid, output, row, sentences, span, tell, writing
 
 if TYPE_CHECKING:
@@ -61,6 +62,9 @@ def wear(
     place = model if kept else target if target is not None else Path("runs") / f"{model.stem}.wear"
     with sentences(str(model)):
         drawn = places(place, figure, csv, target is None and not kept, "wear")
+        refuse_worn(saved)
+        targets = (("--figure", drawn), ("--csv", csv), ("--worn", saved), *((("-o", place),) if not kept else ()))
+        refuse_inputs(targets, (model, *(laws or ())))
         from ..study.wearing import load_wear
         from ..study.wearing import wear as worn_over
 
@@ -85,6 +89,14 @@ def wear(
     if not found.complete and not kept:
         tell("interrupted", f"{NOW.by}: {found.turns[-1]:,.0f} of {turns:,.0f} turns are known and kept in {place}; the same command goes on.")
         raise typer.Exit(NOW.code)
+
+
+def refuse_worn(saved: Path | None) -> None:
+    """Raises ValueError for a worn model that cannot be written."""
+    if saved is None:
+        return
+    if saved.suffix.lower() != ".toml" or not saved.absolute().parent.is_dir():
+        raise ValueError(f"--worn {saved}: this is no file ending in .toml, in a folder that is there; name one")
 
 
 class Line:
@@ -114,7 +126,7 @@ def keep(found: Worn, drawn: Path, csv: Path | None, saved: Path | None) -> None
     if saved is not None:
         from ..modelfile.files import save_model
 
-        with writing(str(saved)):
+        with sentences(str(saved)):
             save_model(found.mechanism(), saved)
 
 

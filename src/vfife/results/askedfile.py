@@ -76,6 +76,8 @@ class AskedFile:
     def own(cls, path: Path) -> Path:
         """The path of a file of this kind. Raises RunFileError for any other, and for one that a newer version wrote."""
         head = head_with(path, cls.application)
+        if head is None and not path.exists():
+            raise RunFileError(f"{path}: there is no such file; name a file that vfife {cls.kind} left")
         if head is None:
             raise RunFileError(f"{path}: this is no {cls.kind} file of vfife; name a file that vfife {cls.kind} left")
         if int.from_bytes(head[60:64], "big") > cls.version:

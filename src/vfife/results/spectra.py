@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -208,6 +209,8 @@ def length_of(one: Sampled, seconds: float | None, turns: float | None) -> int |
     if seconds is not None and turns is not None:
         raise VfifeError("a window has a length in seconds or in turns, not both")
     if turns is not None:
+        if not 0.0 < turns < math.inf:
+            raise VfifeError(f"a window of {turns:g} turns: give a finite number above 0")
         if one.turn is None:
             raise VfifeError("no crank turns at constant speed; give the length of the windows in seconds")
         seconds = turns * one.turn

@@ -200,6 +200,8 @@ def planned(
             units.append(unit_of_start(mechanism, path))
         except ValueError as error:
             raise ModelError([Fault(name, str(error))], mechanism.name) from None
+    if x[0] == y[0]:
+        raise ModelError([Fault("y", "this is the number that x is", x[0], "two numbers", "name another one")], mechanism.name)
     text = dump(mechanism)
     rest = [(path, ends) for path, *ends in (x, y) if not path.startswith("start.")]
     models = [loads(text, set=[(path, ends[k]) for path, ends in rest]) for k in (0, 1)] if rest else [mechanism]

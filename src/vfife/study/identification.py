@@ -41,6 +41,7 @@ APART = 0.05  # of the diagonal of the bounds: how far apart starts lie
 CLOSE = 1e-6  # relative change of cost and of the parameters at which a search ends
 PATIENT, HOPELESS = 8, 30.0  # evaluations after which a search is left whose cost is so many times the best
 UNSETTLED = 0.25  # of what is left, from which on turns that differ are told
+MOST_SKIPPED = 100_000  # turns
 ROUNDS = 40  # evaluations of one local search, at the most
 GUESS = 8  # of them, as a search usually takes: for the progress line alone
 
@@ -91,6 +92,8 @@ def fit(
             given.fault(name, "this is none of the words", word, " or ".join(f'"{one}"' for one in words), "name one of them")
     if not 0.0 < confidence < 1.0:
         given.fault("confidence", "this is no share", confidence, "above 0 and below 1", "write 0.95 for 95 per cent")
+    if not 0.0 <= skip < MOST_SKIPPED:
+        given.fault("skip", "out of range", skip, f"0 to {MOST_SKIPPED:,} turns", "give fewer")
     given.callable("progress", progress)
     given.tell()
     if mechanism.settings.analysis == "static":

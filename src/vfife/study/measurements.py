@@ -159,6 +159,8 @@ def choice(
     """Which columns count, by their numbers."""
     names = [name for name, _ in columns]
     if asked is None:
+        for name in dict.fromkeys(one for one in names if one in units and names.count(one) > 1):
+            faults.append(Fault(f"column {name}", "there are several columns of this name", "", "one", "rename all but one of them"))
         return {k: Asked(name) for k, name in enumerate(names) if name in units}
     found = {}
     for name, one in asked.items():
@@ -170,6 +172,8 @@ def choice(
                 Fault(f"column {name}", "the mechanism has no such channel", shown(one.channel), "", suggestion(one.channel, units, near))
             )
         else:
+            if names.count(name) > 1:
+                faults.append(Fault(f"column {name}", "there are several columns of this name", "", "one", "rename all but one of them"))
             found[names.index(name)] = one
     return found
 
