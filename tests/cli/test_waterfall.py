@@ -31,7 +31,7 @@ def test_a_waterfall_is_kept_drawn_and_told(command: Callable) -> None:
     )
     assert Path("a.svg").read_text().startswith("<?xml") and len(Path("a.csv").read_text().splitlines()) == 1 + 2 * 51
     again = command("waterfall", CRANK, *BRIEF, "-o", "a.waterfall", "-q")
-    assert again.exit_code == 0 and not again.stdout and Path("a.png").exists()
+    assert again.exit_code == 0 and not again.stdout and Path("a-waterfall.png").exists()
 
 
 def test_faults_are_sentences(command: Callable) -> None:

@@ -41,7 +41,8 @@ def places(place: Path, figure: Path | None, csv: Path | None, own: bool, kind: 
     """Where the picture goes; ``own``: the folder of the map is made. Raises ValueError for a place that cannot be, or that is of another file."""
     if place.is_dir() or place.suffix.lower() in (*ENDINGS, ".csv"):
         raise ValueError(f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.{kind}")
-    drawn = figure if figure is not None else place.with_suffix(".png")
+    own_name = place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")  # each kind its own: a model has several
+    drawn = figure if figure is not None else own_name
     for option, path, endings in (("--figure", drawn, ENDINGS), ("--csv", csv, (".csv",))):
         if path is not None and path.suffix.lower() not in endings:
             raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
@@ -100,7 +101,7 @@ def carried_out(place: Path, quiet: bool, what: str, make: Callable[[Callable[[i
 
     def progress(done: int, of_all: int) -> None:
         if not quiet and (done == of_all or done % max(1, of_all // 20) == 0):
-            tell("map", f"{done:,} of {of_all:,} {what}", "bold")
+            tell("waterfall" if place.suffix == ".waterfall" else "map", f"{done:,} of {of_all:,} {what}", "bold")
 
     with writing(str(place)):
         return make(progress)
@@ -189,7 +190,8 @@ def tell_section(found: PoincareSection) -> None:
     print_line(f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}.")
     for name, one in found.struck.items():
         fastest = f", the fastest at {one['speed'].max():.4g} m/s" if len(one["speed"]) else ""
-        print_line(f"{name}: {len(one['speed']):,} contacts began{fastest}.")
+        count = len(one["speed"])
+        print_line(f"{name}: {count:,} contact{'' if count == 1 else 's'} began{fastest}.")
     print_line(f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn; {found.laws}.")
 
 
