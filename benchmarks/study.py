@@ -9,6 +9,7 @@ import tempfile
 import time
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from vfife.codegen.native import widest
 from vfife.codegen.runner import Runner
 from vfife.solvers.record import recorded_rows
 from vfife.study.engine import Wanted, run_members
-from vfife.study.preparing import Preparing
+from vfife.study.preparing import FIRST, Preparing
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")
@@ -70,11 +71,11 @@ class Study:
 
 
 def assembly_time(numbers: list[dict[str, float | str]]) -> float:
-    """Time of the processor (s) a member of making what goes into a lane, when one of its kind is there."""
-    preparing = Preparing(load_model(MODEL), Wanted(WANTED, 1))
-    preparing.member(0, numbers[0])
+    """Time of the processor (s) a member of making what goes into a lane, when the first batch is there."""
+    made = Preparing(load_model(MODEL), Wanted(WANTED, 1)).each([*numbers[:FIRST], *numbers])
+    deque(islice(made, FIRST), maxlen=0)
     began = time.process_time()
-    deque(map(preparing.member, range(len(numbers)), numbers), maxlen=0)
+    deque(made, maxlen=0)
     return (time.process_time() - began) / len(numbers)
 
 

@@ -19,7 +19,7 @@ from ..model.mechanism import Mechanism
 from ..solvers.arguments import Loop
 from ..solvers.companions import measured_rows
 from ..solvers.record import Columns, Record, places, recorded_rows
-from ..solvers.repeating import Settling, outputs_of_a_turn
+from ..solvers.repeating import Settling, outputs_of_a_turn, whole_outputs
 from ..solvers.transient import choose_loop
 
 Array = NDArray[np.float64]
@@ -85,7 +85,7 @@ class Stepped:
 
     def __post_init__(self) -> None:
         assembly, plan = self.assembly, self.plan
-        self.per = outputs_of_a_turn(assembly) or 1
+        self.per = whole_outputs(assembly.choice) or 1  # its nouns, which are made when somebody asks for them, are not needed for that
         self.handed, every = plan.handed, assembly.choice.outputs_every
         self.rows, self.every = (self.per, every) if plan.fine else (1, every * self.per)  # of a turn, steps between two
         self.settling: Settling | None = None

@@ -48,8 +48,8 @@ class Made:
     plan: Plan
     reference: Mapping[str, float] | None
     again: Callable[[Mechanism, float], Assembly]
-    ideal: Assembly | None
-    through: bool
+    ideal: Assembly | None = None
+    through: bool = False
 
     @property
     def assembly(self) -> Assembly:
