@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from ..study.basins import Basins
     from ..study.diagram import Bifurcation
     from ..study.sections import PoincareSection
-    from ..study.waterfall import Waterfall
+    from ..study.waterfall import Fallen, Waterfall
 
 Found = TypeVar("Found")
 Drop = Annotated[int, typer.Option("--drop", metavar="N", min=0, help="So many of them are not looked at.")]
@@ -195,10 +196,18 @@ def tell_section(found: PoincareSection) -> None:
     print_line(f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn; {found.laws}.")
 
 
+def turning(asked: Fallen) -> str:
+    """Speeds as the axis of the figure has them, in brackets; nothing of other numbers."""
+    low, high = (30.0 / math.pi * asked.values[end] for end in (0, -1))
+    return f" ({low:.4g} to {high:.4g} rpm)" if asked.unit == "rad/s" else ""
+
+
 def tell_waterfall(found: Waterfall) -> None:
     """What was swept, and how it was transformed."""
     asked = found.asked
-    print_line(f"{found.name}: {', '.join(asked.series)} over {asked.path} from {asked.values[0]:g} to {asked.values[-1]:g} {asked.unit}")
+    print_line(
+        f"{found.name}: {', '.join(asked.series)} over {asked.path} from {asked.values[0]:g} to {asked.values[-1]:g} {asked.unit}{turning(asked)}"
+    )
     print_line(f"{found.done:,} runs. {found.words}. Without companions; each run begins at the model's own start.")
     if found.diverged:
         print_line(f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged.")

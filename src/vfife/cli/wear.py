@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
 CLEAR = 0.8  # of what the deepest places lost, the least that play may follow unremarked
 Model = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Model file, or a wear file to be shown.", show_default=False)]
-Turns = Annotated[float, typer.Option("--turns", metavar="N", min=1.0, max=MOST_TURNS, help="Turns of the crank, as in 1e7.")]
+Turns = Annotated[float, typer.Option("--turns", metavar="N", min=1, help="Turns of the crank, as in 1e7.", show_default="1e6")]
 Block = Annotated[int, typer.Option("--block", metavar="N", min=1, max=MOST_BLOCK, help="Turns that are simulated for a rate.")]
 Settle = Annotated[int, typer.Option("--settle", metavar="N", min=1, max=MOST_BLOCK, help="Turns before them that are not looked at.")]
 Tolerance = Annotated[float, typer.Option("--tolerance", metavar="SHARE", help="Most error of a jump, as a share of the smallest clearance.")]
@@ -62,6 +62,8 @@ def wear(
     kept = head_with(model, WEAR_APPLICATION) is not None
     place = model if kept else target if target is not None else Path("runs") / f"{model.stem}.wear"
     with sentences(str(model)):
+        if not turns <= MOST_TURNS:  # not a bound of the option: its help would be widened by all its zeros
+            raise ValueError(f"--turns {turns:g}: more than can be counted; allowed: 1 to {MOST_TURNS:g}")
         drawn = places(place, figure, csv, target is None and not kept, "wear")
         from ..study.wearing import load_wear
         from ..study.wearing import wear as worn_over
