@@ -1,5 +1,6 @@
 """``vfife wear``: a figure, a table, the worn model, a file that goes on and is shown; sentences."""
 
+import re
 from pathlib import Path
 
 import vfife
@@ -28,7 +29,7 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path):
     said = " ".join(done.stdout.split())
     assert "pin bearing 1e-15" in said and "pin journal 4.38e-12" in said
     assert "steps a turn, without companions; friction: pin ambrosio" in said
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
+    assert (tmp_path / "a-wear.png").read_bytes().startswith(b"\x89PNG") and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
     assert len(vfife.load_model(tmp_path / "worn.toml").contacts["pin"].wear.bearing_profile) == 15
     assert "2,000 of 2,000 turns" in done.stderr
     again = command(*words)
@@ -37,6 +38,22 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path):
     assert shown.exit_code == 0 and "pin journal" in shown.stdout and (tmp_path / "b.svg").exists()
     other = command("info", "a.wear")
     assert other.exit_code == 2 and "this is a wear file, of many turns; see vfife wear" in other.stderr
+
+
+def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_path):
+    """Life is more than the turns that were asked for; the later one is the last slope of the play over turns, drawn on."""
+    done = command("wear", worn_pin(tmp_path), *BRIEF, "--clearance", "0.8 mm", "-o", "a.wear")
+    assert done.exit_code == 0, done.stderr
+    found = vfife.load_wear("a.wear")
+    left = (0.8e-3 - found.play[-1, 0]) / (found.play[-1, 0] - found.play[-2, 0]) * (found.turns[-1] - found.turns[-2])
+    said = " ".join(done.stdout.split())
+    assert "Life: more than 2,000 turns; no limit was reached" in said
+    assert f"joint pin would come to 0.8 mm after some {found.turns[-1] + left:.2g} turns." in said
+    grown, lost = (
+        float(f) for f in re.search(r"The play of pin grew by (\S+) µm where its deepest places lost (\S+) µm: 8 harmonics", said).groups()
+    )
+    assert 0.0 < grown < 0.8 * lost
+    assert "at most" in done.stderr
 
 
 def test_faults_are_sentences(command, tmp_path):
@@ -50,6 +67,7 @@ def test_faults_are_sentences(command, tmp_path):
     for words, said in (
         ((PIN,), "no journal in a bearing wears"),
         ((model, "--turns", "0"), "greater than or equal to 1"),
+        ((model, "--turns", "1e16"), "--turns 1e+16: more than can be counted"),
         ((model, "--tolerance", "2"), "a share above 0 and up to 1"),
         ((model, "--clearance", "0.1 mm"), "as much play from the start"),
         ((model, "--clearance", "1 s"), "--clearance 1 s"),

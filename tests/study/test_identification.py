@@ -117,6 +117,16 @@ def test_a_number_without_influence_is_named(tmp_path):
     assert any(one.startswith("body.idle.mass:") for one in found.undetermined)
 
 
+@pytest.mark.parametrize("noise, told", [(0.1, False), (0.5, True)])
+def test_what_the_model_misses_is_told_where_it_is_much(tmp_path, noise, told):
+    """Noise of half the deviation leaves 1/sqrt(5) of that of the file; the errors alone would look good."""
+    t = np.linspace(0.0, 1.0, 150)
+    path = written(tmp_path / "swing.csv", t, swing(t), noise=noise)
+    found = vfife.fit(oscillator(stiffness=STIFFNESS), path, {"spring.k.damping": (1, 9)}, offset=0.0, **QUICK)
+    assert found.share == pytest.approx(noise / math.hypot(1.0, noise), rel=0.15)
+    assert any(f"the model misses the data by {100.0 * found.share:.3g} %" in note for note in found.notes) is told
+
+
 def test_a_microphone_is_only_proportional(tmp_path):
     """Factor and level are found with the rest: the acceleration x'' as volts of some sensor."""
     t = np.linspace(0.0, 1.0, 300)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from ..study.basins import Basins
     from ..study.diagram import Bifurcation
     from ..study.sections import PoincareSection
-    from ..study.waterfall import Waterfall
+    from ..study.waterfall import Fallen, Waterfall
 
 Found = TypeVar("Found")
 Drop = Annotated[int, typer.Option("--drop", metavar="N", min=0, help="So many of them are not looked at.")]
@@ -42,7 +43,8 @@ def places(place: Path, figure: Path | None, csv: Path | None, own: bool, kind: 
     """Where the picture goes; ``own``: the folder of the map is made. Raises ValueError for a place that cannot be, or that is of another file."""
     if place.is_dir() or place.suffix.lower() in (*ENDINGS, ".csv"):
         raise ValueError(f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.{kind}")
-    drawn = figure if figure is not None else place.with_suffix(".png")
+    own_name = place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")  # each kind its own: a model has several
+    drawn = figure if figure is not None else own_name
     for option, path, endings in (("--figure", drawn, ENDINGS), ("--csv", csv, (".csv",))):
         if path is not None and path.suffix.lower() not in endings:
             raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
@@ -103,7 +105,7 @@ def carried_out(place: Path, quiet: bool, what: str, make: Callable[[Callable[[i
 
     def progress(done: int, of_all: int) -> None:
         if not quiet and (done == of_all or done % max(1, of_all // 20) == 0):
-            tell("map", f"{done:,} of {of_all:,} {what}", "bold")
+            tell("waterfall" if place.suffix == ".waterfall" else "map", f"{done:,} of {of_all:,} {what}", "bold")
 
     with writing(str(place)):
         return make(progress)
@@ -192,14 +194,23 @@ def tell_section(found: PoincareSection) -> None:
     print_line(f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}.")
     for name, one in found.struck.items():
         fastest = f", the fastest at {one['speed'].max():.4g} m/s" if len(one["speed"]) else ""
-        print_line(f"{name}: {len(one['speed']):,} contacts began{fastest}.")
+        count = len(one["speed"])
+        print_line(f"{name}: {count:,} contact{'' if count == 1 else 's'} began{fastest}.")
     print_line(f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn; {found.laws}.")
+
+
+def turning(asked: Fallen) -> str:
+    """Speeds as the axis of the figure has them, in brackets; nothing of other numbers."""
+    low, high = (30.0 / math.pi * asked.values[end] for end in (0, -1))
+    return f" ({low:.4g} to {high:.4g} rpm)" if asked.unit == "rad/s" else ""
 
 
 def tell_waterfall(found: Waterfall) -> None:
     """What was swept, and how it was transformed."""
     asked = found.asked
-    print_line(f"{found.name}: {', '.join(asked.series)} over {asked.path} from {asked.values[0]:g} to {asked.values[-1]:g} {asked.unit}")
+    print_line(
+        f"{found.name}: {', '.join(asked.series)} over {asked.path} from {asked.values[0]:g} to {asked.values[-1]:g} {asked.unit}{turning(asked)}"
+    )
     print_line(f"{found.done:,} runs. {found.words}. Without companions; each run begins at the model's own start.")
     if found.diverged:
         print_line(f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged.")

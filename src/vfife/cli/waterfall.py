@@ -27,7 +27,7 @@ Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help="Time s
 Target = Annotated[
     Path | None, typer.Option("-o", "--output", metavar="FILE.waterfall", help="Where to keep it.", show_default="runs/MODEL.waterfall")
 ]
-Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE.png")]
+Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE-waterfall.png")]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All amplitudes as a table.", show_default=False)]
 
 

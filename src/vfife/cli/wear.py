@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
     from ..study.worn import Worn
 
 MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
+CLEAR = 0.8  # of what the deepest places lost, the least that play may follow unremarked
 Model = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Model file, or a wear file to be shown.", show_default=False)]
-Turns = Annotated[float, typer.Option("--turns", metavar="N", min=1.0, max=MOST_TURNS, help="Turns of the crank, as in 1e7.")]
+Turns = Annotated[float, typer.Option("--turns", metavar="N", min=1, help="Turns of the crank, as in 1e7.", show_default="1e6")]
 Block = Annotated[int, typer.Option("--block", metavar="N", min=1, max=MOST_BLOCK, help="Turns that are simulated for a rate.")]
 Settle = Annotated[int, typer.Option("--settle", metavar="N", min=1, max=MOST_BLOCK, help="Turns before them that are not looked at.")]
 Tolerance = Annotated[float, typer.Option("--tolerance", metavar="SHARE", help="Most error of a jump, as a share of the smallest clearance.")]
@@ -31,7 +33,7 @@ Harmonics = Annotated[
 Play = Annotated[str | None, typer.Option("--clearance", metavar="LENGTH", help="Play of a joint that ends its life.", show_default=False)]
 Force = Annotated[str | None, typer.Option("--force", metavar="FORCE", help="Force of a joint that ends its life.", show_default=False)]
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.wear", help="Where to keep it.", show_default="runs/MODEL.wear")]
-Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The figure.", show_default="FILE.png")]
+Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The figure.", show_default="FILE-wear.png")]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All depths as a table.", show_default=False)]
 Saved = Annotated[Path | None, typer.Option("--worn", metavar="WORN.toml", help="The model as it is worn in the end.", show_default=False)]
 
@@ -61,6 +63,8 @@ def wear(
     kept = head_with(model, WEAR_APPLICATION) is not None
     place = model if kept else target if target is not None else Path("runs") / f"{model.stem}.wear"
     with sentences(str(model)):
+        if not turns <= MOST_TURNS:  # not a bound of the option: its help would be widened by all its zeros
+            raise ValueError(f"--turns {turns:g}: more than can be counted; allowed: 1 to {MOST_TURNS:g}")
         drawn = places(place, figure, csv, target is None and not kept, "wear")
         refuse_worn(saved)
         targets = (("--figure", drawn), ("--csv", csv), ("--worn", saved), *((("-o", place),) if not kept else ()))
@@ -81,7 +85,7 @@ def wear(
             with writing(str(place)):
                 found = worn_over(
                     mechanism, turns, block=block, settle=settle, tolerance=tolerance, harmonics=harmonics, clearance=sizes[0], force=sizes[1],
-                    step=sizes[2], file=place, progress=None if quiet else Line(),
+                    step=sizes[2], file=place, progress=None if quiet else Line(any(size is not None for size in sizes[:2])),
                 )  # fmt: skip
     keep(found, drawn, csv, saved)
     if not quiet:
@@ -100,16 +104,16 @@ def refuse_worn(saved: Path | None) -> None:
 
 
 class Line:
-    """Where the wear stands, after each jump, with the time that is left if it goes on like that."""
+    """Where the wear stands, after each jump, with the time that is left if it goes on like that and no limit ends it before."""
 
-    def __init__(self) -> None:
-        self.began, self.first = time.monotonic(), 0.0
+    def __init__(self, limited: bool) -> None:
+        self.began, self.first, self.most = time.monotonic(), 0.0, "at most " if limited else ""
 
     def __call__(self, known: float, turns: float, simulated: int) -> None:
         """Says it."""
         spent = time.monotonic() - self.began
         gone = known - self.first
-        left = f", {span(spent * (turns - known) / gone)} left" if gone > 0.0 and known < turns else ""
+        left = f", {self.most}{span(spent * (turns - known) / gone)} left" if gone > 0.0 and known < turns else ""
         self.first = known if spent < 1e-3 else self.first
         tell("wear", f"{known:,.0f} of {turns:,.0f} turns, {simulated:,} simulated{left}", "bold")
 
@@ -174,8 +178,39 @@ def said(found: Worn) -> list[str]:
         sentences.append(
             "Profiles bend more sharply than the journal, which would rest on the edges of what it wore: depths are more than there would be."
         )
+    if 0 < asked.harmonics < MOST_HARMONICS:
+        sentences.extend(blurred(found))
     if found.ended:
         sentences.append(
             f"Life: {found.ended['turns']:,.0f} turns, until joint {found.ended['joint']} reaches the limit of its {found.ended['by']}."
         )
+    elif asked.clearance is not None or asked.force is not None:
+        sentences.append(f"Life: more than {found.turns[-1]:,.0f} turns; no limit was reached{later(found)}.")
     return sentences
+
+
+def blurred(found: Worn) -> Iterator[str]:
+    """Of each joint whose play follows much less than its deepest places, since the harmonics of its profiles blur them: both."""
+    for k, joint in enumerate(found.joints):
+        here = [place for place, one in enumerate(found.surfaces) if one.joint == joint]
+        lost = float((found.depth[-1, here] - found.depth[0, here]).max(axis=1).sum())
+        more = float(found.play[-1, k] - found.play[0, k])
+        if more < CLEAR * lost:
+            yield (
+                f"The play of {joint} grew by {1e6 * more:.4g} µm where its deepest places lost {1e6 * lost:.4g} µm: "
+                f"{found.asked.harmonics} harmonics blur what is narrow; see how far more of them (--harmonics "
+                f"{min(2 * found.asked.harmonics, MOST_HARMONICS)}) change it."
+            )
+
+
+def later(found: Worn) -> str:
+    """When the first joint would reach the limit of its play at the rate of the last jump; nothing where it has no limit or does not grow."""
+    limit = found.asked.clearance
+    if limit is None or len(found.turns) < 2:
+        return ""
+    rate = (found.play[-1] - found.play[-2]) / (found.turns[-1] - found.turns[-2])
+    left = [((limit - play) / slope, joint) for play, slope, joint in zip(found.play[-1], rate, found.joints, strict=True) if slope > 0.0]
+    if not left:
+        return ""
+    turns, joint = min(left)
+    return f", and as fast as it wears now joint {joint} would come to {1e3 * limit:.4g} mm after some {found.turns[-1] + turns:.2g} turns"

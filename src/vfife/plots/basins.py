@@ -41,10 +41,11 @@ def basins(found: Basins) -> Figure:
         mesh = np.ma.masked_invalid(found.labels)
         norm = BoundaryNorm(np.arange(len(colour) + 1) - 0.5, len(colour)) if len(colour) > 1 else None
         ax.pcolormesh(x, y, mesh, cmap=ListedColormap(colour), norm=norm, shading="nearest", rasterized=True)
+    crosses = []
     differ = [one for one in found.companions if one.number in found.verdicts and one.kind != found.verdicts[one.number].kind]
     if differ:
         columns, rows = np.array([(one.number % len(x), one.number // len(x)) for one in differ]).T
-        ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0)
+        crosses.append(ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0, label="another with another step"))
     ax.set_xlabel(f"{asked.paths[0]} ({scales[0][1]})")
     ax.set_ylabel(f"{asked.paths[1]} ({scales[1][1]})")
     ax.grid(visible=False)
@@ -52,7 +53,7 @@ def basins(found: Basins) -> Figure:
     of_all = max(len(found.verdicts), 1)
     told = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in found.attractors]
     shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, told, strict=True)]
-    figure.legend(handles=shares, loc="outside lower center", ncols=3)
+    figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
     said = f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped}, {asked.steps:,} steps a turn"
     heading(figure, f"{found.name}: {said}; {found.laws}")
     return figure

@@ -54,7 +54,7 @@ def laid(ax: Axes, one: Laid, found: Fit, first: bool) -> None:
     ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
     ax.set(title=one.channel, xlabel=label, ylabel=unit if one.unit != "1" else "")
     if first:
-        ax.legend(loc="best", markerscale=3.0)
+        ax.figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0)  # curves fill the axes
 
 
 def residual(ax: Axes, one: Laid, found: Fit) -> None:

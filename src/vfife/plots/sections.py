@@ -78,7 +78,7 @@ def strikes(left: Axes, right: Axes, found: PoincareSection, name: str) -> None:
         if ax is right or not np.isfinite(place).any():
             ax.scatter(crank, high, s=MARK, c=BLUE, lw=0.0)
             ax.set_ylabel(f"speed of approach ({unit})")
-    left.set_title(f"{name}: {len(crank):,} contacts began")
+    left.set_title(f"{name}: {len(crank):,} contact{'' if len(crank) == 1 else 's'} began")
     if np.isfinite(place).any():
         drawn = left.scatter(crank, place, s=MARK, c=scale * one["speed"], cmap="viridis", lw=0.0)
         left.set_ylim(0.0, 360.0)

@@ -42,6 +42,7 @@ CLOSE = 1e-6  # relative change of cost and of the parameters at which a search 
 PATIENT, HOPELESS = 8, 30.0  # evaluations after which a search is left whose cost is so many times the best
 UNSETTLED = 0.25  # of what is left, from which on turns that differ are told
 MOST_SKIPPED = 100_000  # turns
+MISSED = 0.25  # of the data's deviation, from which on what is left is told: ± knows of noise alone
 ROUNDS = 40  # evaluations of one local search, at the most
 GUESS = 8  # of them, as a search usually takes: for the progress line alone
 
@@ -268,6 +269,10 @@ class Search:
             said = f"the model's turns do not repeat after those that are skipped (they differ by {100.0 * apart:.2g} % of the curves' deviations)"
             remedy = "skip more, measure a motion that repeats, or give the offset from the start"
             self.notes.append(f"{said}: numbers that rule how it settles may be wrong; {remedy}")
+        if (left := self.misfit_share(one)) > MISSED:
+            causes = "much noise, another minimum, a motion that does not repeat, or a model that is wrong"
+            said = f"the model misses the data by {100.0 * left:.3g} % of their deviation"
+            self.notes.append(f"{said}, by {causes}: of these the errors know only noise")
         by = "derivatives of the steps" if self.tangents else "differences of runs"
         return Fit(
             self.mechanism.name, self.seen.name, status, values, told.correlation, told.directions, self.where(one),
