@@ -162,7 +162,7 @@ def interrupt_at(monkeypatch: pytest.MonkeyPatch, call: int) -> None:
 
 
 def test_interrupted_run_is_kept(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    interrupt_at(monkeypatch, 4)
+    interrupt_at(monkeypatch, 3)
     done = command("run", pendulum, "--json")
     said = json.loads(done.stdout)
     assert (done.exit_code, said["status"]) == (130, "interrupted")
