@@ -71,9 +71,9 @@ def test_what_is_wrong_is_told_with_a_next_step(command, tmp_path, case):
     rows = "".join(f"{k}e-4,{k % 5},{k}\n" for k in range(12))
     (tmp_path / "data.csv").write_text(f"time (s), pin.force (N), x\n{rows}")
     (tmp_path / "twice.csv").write_text(f"time (s), pin.force (N), pin.force (kN)\n{rows}")
-    (tmp_path / "mine.png").write_bytes(b"\x89PNG, drawn by hand")
+    (tmp_path / "mine-wear.png").write_bytes(b"\x89PNG, drawn by hand")
     words, said = SAID[case]
     done = command(*words)
     text = " ".join(done.stderr.split())
     assert done.exit_code == 2 and said in text and "cannot convert" not in text and "Traceback" not in text, text
-    assert (tmp_path / "mine.png").read_bytes() == b"\x89PNG, drawn by hand" and not (tmp_path / "mine.wear").exists()
+    assert (tmp_path / "mine-wear.png").read_bytes() == b"\x89PNG, drawn by hand" and not (tmp_path / "mine.wear").exists()
