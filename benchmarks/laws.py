@@ -29,13 +29,14 @@ LIBRARY = HERE / "limit" / "library.c"
 REFERENCE = "lankarani-nikravesh"
 LANES = (1, 4)
 # Parameters without a default, by their names.
-GIVEN = {"stiffness": 1e9, "exponent": 1.5, "damping_coefficient": 1e3, "full_damping_depth": 1e-5}
+MEASURED = tuple((1e-6 * k, 1e9 * (1e-6 * k) ** 1.5) for k in range(9))  # m, N
+GIVEN = {"stiffness": 1e9, "exponent": 1.5, "damping_coefficient": 1e3, "full_damping_depth": 1e-5, "loading": MEASURED}
 
 
 def law_of(law: type[ContactLaw]) -> ContactLaw:
     """A law with its defaults, and a value for what has none."""
     needed = (field.name for field in dataclasses.fields(law) if field.default is dataclasses.MISSING)
-    return law(**{name: GIVEN[name] for name in needed})
+    return law(**{name: GIVEN[name] for name in needed})  # type: ignore[arg-type]
 
 
 def journal(law: ContactLaw) -> Mechanism:

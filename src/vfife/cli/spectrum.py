@@ -6,7 +6,6 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import numpy as np
 import typer
 
 from .options import RunArgument, positive
@@ -144,7 +143,7 @@ def show(found: list[Any], name: str) -> None:
         of = getattr(one, "spectrum", one)
         sizes = of.amplitudes.max(axis=0) if timed else of.amplitudes
         for n, k in enumerate(strongest(sizes, of.window)):
-            when = (f"{1e3 * of.times[int(np.argmax(of.amplitudes[:, k]))]:.4g}",) if timed else ()
+            when = (f"{1e3 * of.times[int(of.amplitudes[:, k].argmax())]:.4g}",) if timed else ()
             order = (f"{of.orders[k]:.4g}",) if turning else ()
             row(table, of.name if n == 0 else "", *order, f"{of.frequencies[k]:.5g}", f"{sizes[k]:.4g} {of.unit}", *when)
     console.print(table)
@@ -155,5 +154,5 @@ def strongest(sizes: Any, window: str) -> list[int]:
     """Places of the highest of those that are higher than both beside them, without the mean and the places over which the window spreads it."""
     from ..analysis.spectral import COSINES
 
-    inside = np.flatnonzero((sizes[1:-1] >= sizes[:-2]) & (sizes[1:-1] > sizes[2:])) + 1
+    inside = ((sizes[1:-1] >= sizes[:-2]) & (sizes[1:-1] > sizes[2:])).nonzero()[0] + 1
     return sorted((int(k) for k in inside if k >= len(COSINES[window])), key=lambda k: -sizes[k])[:PEAKS]
