@@ -81,13 +81,16 @@ class DampedStep:
             raise Differing(np.isin(np.arange(len(which)), np.flatnonzero(which)[counts == rank]))
         across = np.ascontiguousarray(turned(left)[:, :rank])
         parts = [size[:, :rank], times(across, error[which]), right[:, :rank]]
-        if self.parts and not which.all():
-            if self.parts[0].shape[-1] != rank:
-                raise Differing(which)
-            for known, found in zip(self.parts, parts, strict=True):
-                known[which] = found
-        else:
+        if which.all():
             self.parts = [np.ascontiguousarray(one) for one in parts]
+            return
+        if not self.parts:  # the others need no step, and have none: some members may be closed before the first
+            self.parts = [np.ones((len(which), *one.shape[1:])) for one in parts]
+            self.parts[1][:] = 0.0
+        elif self.parts[0].shape[-1] != rank:
+            raise Differing(which)
+        for known, found in zip(self.parts, parts, strict=True):
+            known[which] = found
 
     def some(self, which: Any) -> DampedStep:
         """That of some of them."""
