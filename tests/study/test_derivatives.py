@@ -18,7 +18,7 @@ from vfife.modelfile.numbered import with_number
 from vfife.modelfile.numbers import numbers
 from vfife.solvers.tangents import changes, displaced, jacobian
 from vfife.solvers.transient import run
-from vfife.study.derivatives import sensitivity
+from vfife.study.derivatives import rounding, sensitivity
 from vfife.study.nearby import nearby
 from vfife.study.neighbours import NEAR, alike, beside, placed
 
@@ -214,6 +214,16 @@ def replace_name(mechanism: vfife.Mechanism) -> vfife.Mechanism:
     """A shorter run."""
     mechanism.settings = replace(mechanism.settings, turns=1.0)
     return mechanism
+
+
+def test_what_rounding_leaves_stands_beside_the_largest_of_its_unit():
+    """Moments beside torques, and the influence of an acceleration beside that; what changes by more, or has no unit, is none."""
+    found = {"guide.moment.max": 2.8e-45, "crank.torque.max": 5.0, "a.torque.mean": 1e-12, "b.torque.mean": 1e-12, "pin.impacts": 0.0,
+             "block.angular_acceleration.max": 2.8e-41, "rod.angular_acceleration.max": 4e3, "block.angular_acceleration.lip": 30.0}  # fmt: skip
+    nothing = {"guide.moment.max", "b.torque.mean", "block.angular_acceleration.max", "block.angular_acceleration.lip"}
+    assert rounding(found, {"a.torque.mean": 0.1}) == nothing
+    assert rounding({"guide.moment.max": 2.8e-45}) == frozenset()
+    assert rounding({"guide.1.penetration.max": 1e-5, "guide.2.penetration.max": 0.0}) == {"guide.2.penetration.max"}
 
 
 def test_zeros_and_what_nothing_depends_on_are_left_out(case_b):
