@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,8 @@ class Swept:
         return tuple(spoken(one) or "own start" for one in self.starts) or CHAINS
 
 
-class Spell(NamedTuple):
+@dataclass(frozen=True)
+class Spell:
     """A motion in words, the ``first`` and the ``last`` of the values at which it is found, and how many they are."""
 
     kind: str
