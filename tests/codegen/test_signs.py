@@ -14,7 +14,7 @@ FUNCTIONS = {
     "sum": (lambda x, y, z: (-x) + z, 0),
     "sum from the right": (lambda x, y, z: z + (-x), 0),
     "difference": (lambda x, y, z: z - (-x), 0),
-    "difference of an opposite": (lambda x, y, z: z - (-x - y), 0),
+    "difference of an opposite": (lambda x, y, z: z - -(x + y), 0),
     "product": (lambda x, y, z: z + (-x) * y, 0),
     "product from the right": (lambda x, y, z: z - x * (-y), 0),
     "both factors": (lambda x, y, z: (-x) * (-y), 0),
@@ -44,4 +44,4 @@ def test_signs_go_to_sums_and_change_no_bit(name):
 def test_a_step_has_next_to_no_signs_of_its_own():
     """Levers of joints have one each, and all their products; a sum takes in each of them."""
     operations = trace(assemble(four_bar(""), 1e-4).topology).operations
-    assert sum(operation.operator == "neg" for operation in operations) < 0.01 * len(operations)
+    assert sum(operation.operator == "neg" for operation in operations) < 0.02 * len(operations)

@@ -134,8 +134,8 @@ def _add(a: Any, b: Any) -> Any:
 def _subtract(a: Any, b: Any) -> Any:
     if _zero(a) or _zero(b):
         return a if _zero(b) else -b
-    first, second = _opposite(a), _opposite(b)
-    return a + second if second is not None else -(first + b) if first is not None else None
+    second = _opposite(b)
+    return a + second if second is not None else None
 
 
 def _multiply(a: Any, b: Any) -> Any:

@@ -30,10 +30,10 @@ def sincos(angle):
     q = 2.48015872894767294178e-05 + z * -2.75573143513906633035e-07
     c = (1.0 - 0.5 * z) + z2 * ((p + z2 * q) + z4 * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))
     m = k - 4.0 * nearest(k * 0.25)  # quarter turns, from -2 to 2
-    f = 1.0 - abs(m)  # their cosine, and then their sine
-    g = m * (1.0 + f)
-    sine = f * s + g * c
-    cosine = f * c - g * s
+    odd = abs(m) == 1.0
+    sign = 1.0 - abs(m)
+    sine = m * c if odd else sign * s
+    cosine = -(m * s) if odd else sign * c
     return sine, cosine
 
 
