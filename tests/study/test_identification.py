@@ -144,6 +144,15 @@ def test_envelopes_and_spectra_are_compared(tmp_path, how, close):
     t = np.linspace(0.0, 1.5, 300)
     found = vfife.fit(oscillator(), written(tmp_path / "s.csv", t, swing(t)), BOUNDS, compare=how, width="0.3 s", **QUICK)
     assert found["spring.k.damping"].value == pytest.approx(DAMPING, rel=close) and found.compared == how
+    found.write_csv(tmp_path / "curves.csv")
+    head, *rows = (tmp_path / "curves.csv").read_text().splitlines()
+    peak = found.curves[0].places[np.argmax(found.curves[0].measured)]
+    if how == "envelope":
+        assert head == "time [s],b.x measured [m],b.x model [m]" and float(rows[0].split(",")[0]) == pytest.approx(0.15, abs=0.01)
+    else:  # the line nearest to sqrt(k/m) / 2 pi, of those that lie 1/T apart
+        assert head == "frequency [Hz],b.x measured [m],b.x model [m]"
+        assert peak == pytest.approx(math.sqrt(STIFFNESS / MASS) / 2.0 / math.pi, abs=0.5 / 1.5)
+    assert found.plot().axes[0].get_xlabel() == ("time (ms)" if how == "envelope" else "frequency (Hz)")
 
 
 def test_ctrl_c_tells_the_best_so_far(tmp_path):
@@ -232,7 +241,7 @@ FAULTS = {
     "not a number": ("time, b.x\n" + LINES.replace("0.10950", "nan"), BOUNDS, {}, 'line 7, column 2 (b.x) = "nan": this is not a finite number'),
     "a gap": ("time, b.x\n" + LINES.replace("0.10950", " "), BOUNDS, {}, "line 7, column 2 (b.x): there is no value"),
     "a comma": ("time; b.x\n" + LINES.replace(",", ";").replace("0.10950", "0,1095"), BOUNDS, {}, "this is a text with a comma"),
-    "back in time": ("time, b.x\n" + LINES.replace("0.050", "0.150"), BOUNDS, {}, "is not after the one before it"),
+    "back in time": ("time, b.x\n" + LINES.replace("0.050", "0.150"), BOUNDS, {}, "it is not after line 7"),
     "too few": ("time, b.x\n" + LINES[:80], BOUNDS, {}, "rows of numbers"),
     "too few for so many": ("time, b.x\n" + "\n".join(LINES.splitlines()[:8]), BOUNDS, {}, "8 values are too few for 3 unknown numbers"),
     "flat": ("time, b.x\n" + "\n".join(f"{k}, 1" for k in range(20)), BOUNDS, {}, "every value is the same"),
@@ -261,6 +270,24 @@ def test_what_cannot_be_fitted_is_told(tmp_path, name):
         vfife.fit(oscillator(), path, parameters, **{**QUICK, **options})
     assert what in str(told.value), str(told.value)
     assert isinstance(told.value, ModelError)
+
+
+def test_all_faults_of_a_file_are_told_at_once(tmp_path):
+    """Cells, lines and units of all columns; of many of a kind the first ten and a count."""
+    rows = [[f"{0.01 * k:.3f}", f"{0.11 - 1e-4 * k:.5f}", "1"] for k in range(60)]
+    for k in range(5, 35):
+        rows[k][1] = "x"
+    rows[3][0], rows[40][0], rows[50] = "0.005", "", ["1", "2"]
+    path = tmp_path / "data.csv"
+    path.write_text("time, b.x, b.y (kg)\n" + "\n".join(",".join(row) for row in rows))
+    with pytest.raises(ModelError) as told:
+        vfife.fit(oscillator(), path, BOUNDS, **QUICK)
+    said = [str(one) for one in told.value.faults]
+    assert said[0].startswith("line 52: it has 2 values") and "its unit is that of a mass" in said[1]
+    cells = [one for one in said if "this is no number" in one]
+    assert len(cells) == 10 and cells[0].startswith('line 7, column 2 (b.x) = "x"') and "file: 21 more cells are no numbers." in said
+    assert any(one.startswith("line 5, column time = 0.005 after 0.02: it is not after line 4") for one in said)
+    assert any(one.startswith("column b.y (kg): every value is the same") for one in said) and len(said) == 15
 
 
 def test_the_command_finds_writes_and_says_so(tmp_path):

@@ -35,7 +35,8 @@ class Sensitivity:
     """Derivatives of ``measures`` (SI) by numbers of a model.
 
     ``refused`` are numbers without derivatives, and why; ``doubtful`` measures that the run's companions do not agree on: what they depend on the
-    steps decide, so that their derivatives mean nothing. ``part``: of the run that the measures are of.
+    steps decide, so that their derivatives mean nothing. ``rounding``: measures that are left out, being rounding beside the largest of their unit.
+    ``part``: of the run that the measures are of.
     """
 
     mechanism: str
@@ -43,6 +44,7 @@ class Sensitivity:
     derivatives: list[Derivative] = field(default_factory=list)
     refused: Mapping[str, str] = field(default_factory=dict)
     doubtful: frozenset[str] = frozenset()
+    rounding: frozenset[str] = frozenset()
     part: str = "last turn"
 
     def __repr__(self) -> str:

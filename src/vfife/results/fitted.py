@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 TELLS = 0.25  # of the way between its bounds: a confidence wider than that on either side, the data cannot tell
 PART = 0.3  # of a direction's length from which a parameter is named in it
-UNITS = {"time": "s", "angle": "rad", "penetration": "m"}  # of places
+UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of places
 CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
 
 
@@ -65,7 +65,10 @@ class Value:
 
 @dataclass(frozen=True)
 class Laid:
-    """A measured curve and the model's: ``places`` (s or rad), both in ``unit``, residuals over the measured deviation; factor and level."""
+    """A measured curve and the model's at ``places`` (s, rad, m; of spectra Hz, or orders: cycles a turn), both in ``unit``; factor and level.
+
+    ``over`` says what the places are: "time", "angle", "penetration", "frequency", "order".
+    """
 
     channel: str
     head: str
@@ -184,12 +187,12 @@ class Fit:
         }  # fmt: skip
 
     def write_csv(self, path: str | Path) -> None:
-        """The curves: place, and of each measured and model's values. Raises OSError."""
+        """The curves: place (of a spectrum frequency or order), and of each measured and model's values. Raises OSError."""
         stream = io.StringIO(newline="")
         lines = csv.writer(stream)
         for one in self.curves[:1]:
-            unit = UNITS[one.over] if self.compared != "spectrum" else "1"
-            lines.writerow([f"{one.over} [{unit}]", *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
+            place = f"{one.over} [{UNITS[one.over]}]"
+            lines.writerow([place, *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
             lines.writerows(zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True))
         written(Path(path), stream.getvalue())
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from statistics import fmean
+from types import MappingProxyType
 
 from ..analysis.measures import OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
 from ..analysis.ranges import ranged
@@ -19,7 +20,7 @@ from ..modelfile.numbered import with_number
 from ..modelfile.numbers import numbers
 from ..result import Result
 from ..results.derivatives import Derivative, Sensitivity
-from ..results.studied import UNITS
+from ..results.studied import UNITS, unit_of
 from ..results.view import standing
 from ..simulation import simulate
 from ..solvers.arguments import Arguments
@@ -33,6 +34,8 @@ from .wanted import known_measures
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
+ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
+PURE = "1", "%"
 MOST_RUNS = 8  # that go side by side in the widest vector
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
@@ -86,9 +89,26 @@ def sensitivity(
         derivatives(way, pair, names, every, ideals.get(way.path, (reference, reference)))
         for way, pair in paired(record.assembly, ways, count, every)
     ]
-    told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every))
-    told.derivatives = [one for one in found if any(abs(told.elasticity(name, one.path)) > NOTHING for name in one.values)]
+    nothing = rounding(whole, {name: max((abs(one.value * one.values.get(name, 0.0)) for one in found), default=0.0) for name in names})
+    asked, names = frozenset(names), {name: value for name, value in names.items() if name not in nothing}
+    told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every), nothing & asked)
+    told.derivatives = [one for one in found if any(abs(told.elasticity(name, one.path)) > NOTHING for name in names if name in one.values)]
     return told
+
+
+def rounding(measures: Mapping[str, float], changes: Mapping[str, float] = MappingProxyType({})) -> frozenset[str]:
+    """Measures that are what rounding leaves of nothing, beside the largest of their unit: forces beside forces, moments beside torques.
+
+    ``changes``: by how much of a measure (SI) all of a number would change it, at the most; what crosses zero is no rounding. Influence is that
+    of its measure; shares and counts have nothing to stand beside.
+    """
+    sizes = {name: max(abs(value), changes.get(name, 0.0)) for name, value in measures.items()}
+    units = {name: unit_of(name) for name in measures}
+    largest: dict[str, float] = {}
+    for name, size in sizes.items():
+        largest[units[name]] = max(largest.get(units[name], 0.0), size)
+    small = {name for name, size in sizes.items() if units[name] not in PURE and size <= ROUNDING * largest[units[name]]}
+    return frozenset(small | {name for name in measures if name.endswith(INFLUENCE) and f"{name.removesuffix('lip')}max" in small})
 
 
 def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:

@@ -289,13 +289,11 @@ class Search:
     def curves_of(self, one: Fitted, units: Mapping[str, str]) -> list[Laid]:
         """Measured and model's curves."""
         wanted, found = self.misfit.wanted, []
-        places = self.seen.places if self.misfit.how == "curve" else np.arange(len(wanted), dtype=float)
-        if self.misfit.how == "envelope":
-            places = self.seen.places[self.misfit.window // 2 :][: len(wanted)]
+        over, places = self.misfit.places()
         for k, curve in enumerate(self.seen.curves):
             factor, level = (float(value) for value in one.gains[:, k])
             unit = units.get(curve.channel, "") if not curve.proportional else "1"
-            found.append(Laid(curve.channel, curve.head, unit, self.seen.over, places, wanted[:, k], one.values[:, k], factor, level))
+            found.append(Laid(curve.channel, curve.head, unit, over, places, wanted[:, k], one.values[:, k], factor, level))
         return found
 
 

@@ -93,6 +93,14 @@ class Misfit:
             return np.asarray(np.abs(np.fft.rfft(resampled * window, axis=0))[1:] * (2.0 / window.sum()))
         return values
 
+    def places(self) -> tuple[str, Array]:
+        """What the places of what is compared are, and where: times (s), angles (rad); of spectra frequencies (Hz), orders (cycles a turn)."""
+        seen, count = self.measured, len(self.wanted)
+        if self.how == "spectrum":
+            lines = np.arange(1, count + 1) * (len(seen.places) - 1) / (len(seen.places) * seen.span)
+            return ("order", 2.0 * math.pi * lines) if seen.over == "angle" else ("frequency", lines)
+        return seen.over, seen.places[self.window // 2 :][:count]
+
     def origin(self, trace: Trace) -> float:
         """Where a run's samples may begin: after what is skipped, in whole turns; a fixed offset counts from the begin."""
         if not self.offset.free:
