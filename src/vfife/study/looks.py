@@ -32,6 +32,7 @@ from ..solvers.tangents import Neighbours
 from ..solvers.transient import choose_loop
 
 Array = NDArray[np.float64]
+DROPPED = 2 / 3  # of the turns, that are not looked at unless said
 NEAR = 1e-6  # of a number, by which the difference begins that is watched
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")  # numbers that move no pin, the first first
 
@@ -39,6 +40,12 @@ LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness"
 def stepped(model: Mechanism, steps: int) -> Assembly:
     """A model assembled with so many steps in a turn."""
     return assemble(model, (turn_of(model) or 0.0) / steps, turns=1, outputs=1, force_step=True)
+
+
+def models_along(mechanism: Mechanism, ranges: Sequence[tuple[str, float, float]]) -> list[Mechanism]:
+    """The model with all numbers of ``ranges`` (path, from, to) at their lower, and at their upper ends; itself where there are none of it."""
+    text, own = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
+    return [loads(text, set=[(one[0], one[end]) for one in own]) for end in (1, 2)] if own else [mechanism]
 
 
 def refuse_idle(mechanism: Mechanism, turns: int, dropped: int) -> None:
@@ -59,13 +66,21 @@ def refuse_large_frame(assembly: Assembly) -> None:
         raise ModelError([fault], assembly.mechanism.name)
 
 
-def step_count(models: Sequence[Mechanism], step: float | None) -> int:
-    """Steps in a turn, enough for all models. Raises ModelError for a step that is too large for one of them."""
+def left_out(dropped: int | None, turns: int, share: float = DROPPED) -> int:
+    """Turns that are not looked at, of so many: a share of them unless said, so that one is left."""
+    return turns - max(1, round((1.0 - share) * turns)) if dropped is None else dropped
+
+
+def step_count(models: Sequence[Mechanism], step: float | None, companions: int = 0) -> int:
+    """Steps in a turn, enough for all models: with ``companions``, which look whether they will do, as few as a run tries first.
+
+    Raises ModelError for a step that is too large for one of them.
+    """
     counts = []
     for model in models:
         if step is not None:
             refuse_large(model, step)
-        size = prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step if step is None else step
+        size = prepare(model, Asked(turns=1.0, companions=min(companions, 1))).assembly.choice.step if step is None else step
         counts.append(math.ceil((turn_of(model) or 0.0) / size * (1.0 - 1e-9)))
     return max(counts)
 
