@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from collections.abc import Mapping
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.above import answered
+from .csvtable import write_rows
 from .folder import written
 
 if TYPE_CHECKING:
@@ -190,13 +189,12 @@ class Fit:
 
     def write_csv(self, path: str | Path) -> None:
         """The curves: place (of a spectrum frequency or order), and of each measured and model's values. Raises OSError."""
-        stream = io.StringIO(newline="")
-        lines = csv.writer(stream)
+        rows: list[Any] = []
         for one in self.curves[:1]:
             place = f"{one.over} [{UNITS[one.over]}]"
-            lines.writerow([place, *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
-            lines.writerows(zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True))
-        written(Path(path), stream.getvalue())
+            rows.append([place, *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
+            rows += zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True)
+        write_rows(path, rows)
 
     def write_json(self, path: str | Path) -> None:
         """What :meth:`json` has. Raises OSError."""
