@@ -19,13 +19,26 @@ from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
 from ..solvers.sectioning import Sectioning
 from ..solvers.strikes import COLUMNS
-from .looks import chosen_series, kept_in, law_words, looked, refuse_idle, refuse_large_frame, refuse_unknown, seed, step_count, stepped, tupled
+from .looks import (
+    chosen_series,
+    kept_in,
+    law_words,
+    left_out,
+    looked,
+    refuse_idle,
+    refuse_large_frame,
+    refuse_unknown,
+    seed,
+    step_count,
+    stepped,
+    tupled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-WHAT = "section"
+WHAT, DROPPED = "section", 1 / 3
 
 
 @dataclass(frozen=True)
@@ -97,7 +110,7 @@ def poincare_section(
     mechanism: Mechanism,
     *,
     turns: int = 300,
-    dropped: int = 100,
+    dropped: int | None = None,
     series: Sequence[str] = (),
     phase: float = 0.0,
     joints: Sequence[str] = (),
@@ -105,13 +118,14 @@ def poincare_section(
     file: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> PoincareSection:
-    """The Poincaré section of a mechanism's motion: ``turns`` turns, of which ``dropped`` are not looked at.
+    """The Poincaré section of a mechanism's motion: ``turns`` turns, of which ``dropped`` are not looked at, a third unless said.
 
     ``series``: what is looked at once a turn, at a ``phase`` (1) of it, by its name in ``result.series``; the penetration and the largest force of
     the first contact unless said. ``joints`` with play: of these every contact that begins. ``step`` (s): the automatic one unless said, a whole
     number of them in a turn. With a ``file`` what is known is kept in it every fifty turns, and the same call goes on there, to the bit. Ctrl-C
     leaves what is complete. Raises ModelError for what cannot be looked at so, HeldError where another process writes the file.
     """
+    dropped = left_out(dropped, turns, DROPPED)
     refuse_idle(mechanism, turns, dropped)
     steps = step_count([mechanism], step)
     first = stepped(mechanism, steps)
