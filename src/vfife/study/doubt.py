@@ -53,7 +53,8 @@ class Doubt:
 
 def doubt(curves: Curves, sought: Sequence[Sought], misfit: Misfit, shares: Array, best: Fitted, jacobian: Array) -> Doubt:
     """That of a point."""
-    apart, costs, shift = {"steps": 0.0, "turns": 0.0}, [best.cost], np.zeros(len(shares))
+    apart, costs = {"steps": 0.0, "turns": 0.0}, [best.cost]
+    shift: Array = np.zeros(len(shares))
     for what, trace in beside(curves, sought, misfit, shares):
         one = misfit(trace, best.offset)
         costs.append(one.cost)
