@@ -61,7 +61,7 @@ def doubt(curves: Curves, sought: Sequence[Sought], misfit: Misfit, shares: Arra
         change = one.residuals - best.residuals
         apart[what] = max(apart[what], float(np.sqrt((change**2).mean())))
         if what == "steps":  # the last has steps of half the size
-            shift = ORDER * np.linalg.lstsq(jacobian, change, WEAK)[0]
+            shift = np.asarray(ORDER * np.linalg.lstsq(jacobian, change, WEAK)[0], np.float64)
     return Doubt(apart["steps"], apart["turns"], math.sqrt(2.0 * best.cost / misfit.count), best.cost, max(costs), shift)
 
 
