@@ -13,7 +13,7 @@ from ..analysis.wanted import BY_TURN, INFLUENCE
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.numbering import Numbering
-from ..errors import Fault, ModelError, suggestion
+from ..errors import Fault, ModelError, VfifeError, suggestion
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..modelfile.numbered import with_number
@@ -27,6 +27,7 @@ from ..solvers.arguments import Arguments
 from ..solvers.companions import SENSITIVE, measured_rows
 from ..solvers.progress import Progress
 from ..solvers.record import Record
+from ..solvers.status import Status
 from ..solvers.tangents import Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
 from .neighbours import Way, beside, neighbours
@@ -62,7 +63,7 @@ def sensitivity(
     them: with contact it is the mean over ``runs`` with displaced steps, two if nothing is said, with their range; without ``companions``, of the
     run alone. A number that the model has as zero is left out, and so are those that nothing depends on. Derivatives of a measure that the run's
     companions do not agree on mean nothing, and are marked. Those relative to the ideal mechanism take its own derivatives with them.
-    Raises ModelError for patterns that fit nothing, and what simulate raises.
+    Raises ModelError for patterns that fit nothing, VfifeError for a run that diverges, KeyboardInterrupt, and what simulate raises.
     """
     given = Arguments("sensitivity")
     given.mechanism(mechanism)
@@ -74,6 +75,7 @@ def sensitivity(
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
     result = simulate(mechanism, turns=turns, duration=duration, step=step, force_step=force_step, companions=companions, progress=progress)
+    refuse_unended(result.record)
     record, reference = result.record, None if result.reference is None else result.reference.measures
     window = last_turn(record)
     known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
@@ -109,6 +111,14 @@ def rounding(measures: Mapping[str, float], changes: Mapping[str, float] = Mappi
         largest[units[name]] = max(largest.get(units[name], 0.0), size)
     small = {name for name, size in sizes.items() if units[name] not in PURE and size <= ROUNDING * largest[units[name]]}
     return frozenset(small | {name for name in measures if name.endswith(INFLUENCE) and f"{name.removesuffix('lip')}max" in small})
+
+
+def refuse_unended(record: Record) -> None:
+    """Raises KeyboardInterrupt for a run that was interrupted, and VfifeError for one that came to no end."""
+    if record.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    if record.status != Status.COMPLETE:
+        raise VfifeError(f"the run ended as {record.status} after step {record.reached}, so it has no derivatives; see vfife run")
 
 
 def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
