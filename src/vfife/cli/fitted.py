@@ -115,7 +115,7 @@ def fit(
         if kept:
             found: Any = shown(files[0], model)
         elif law is not None:
-            refuse_beside_law(parameter, column, weight, offset, model)
+            refuse_beside_law(parameter, column, weight, offset, model, target)
             found = of_law(files, law, set_, laws, confidence / 100.0, seed)
     if law is None and not kept:
         with sentences(str(files[-1])):
@@ -210,10 +210,10 @@ def of_law(files: list[Path], law: str, set_: list[str] | None, laws: list[Path]
 
 
 def refuse_beside_law(
-    parameter: list[str] | None, column: list[str] | None, weight: list[str] | None, offset: str | None, model: Path | None
+    parameter: list[str] | None, column: list[str] | None, weight: list[str] | None, offset: str | None, model: Path | None, target: Path | None
 ) -> None:
     """Raises ValueError for options that the fit of a law has no use for."""
-    given = {"--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "--fitted": model}
+    given = {"--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "--fitted": model, "-o": target}
     idle = [option for option, value in given.items() if value is not None]
     if idle:
         raise ValueError(f"{', '.join(idle)}: a law is fitted without; leave it out (numbers of a law are fixed by --set NAME=VALUE)")
