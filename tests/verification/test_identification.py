@@ -30,3 +30,13 @@ def test_derivatives_of_steps_are_those_of_runs(tmp_path):
     for name in TRUTH:
         one, other = (by[way][name] for way in by)
         assert one.value == pytest.approx(other.value, abs=2.0 * other.error) and one.error == pytest.approx(other.error, rel=0.2)
+
+
+def test_a_motion_that_does_not_repeat_is_called_not_known(tmp_path):
+    """A loose pin that bounces for ever: 120 um of play are not found, and no confidence is claimed; what fits as well takes them in."""
+    m = vfife.gallery.slider_crank_loose_pin(friction=0.0, clearance=2e-4, restitution=0.9)
+    path = synthetic(tmp_path / "rig.csv", m, {"joint.pin.clearance": 1.2e-4}, 1.3e-6, turns=(4.37, 7.3), every=4, channels=("pin.force",))
+    found = vfife.fit(m, path, {"joint.pin.clearance": ("50 um", "250 um")}, step="2 us", screened=32, starts=2)
+    one = found["joint.pin.clearance"]
+    assert not one.known and not one.told and one.low < 1.2e-4 < one.high and one.high - one.low > 5e-5
+    assert any("so no confidence is known" in note for note in found.notes)
