@@ -71,7 +71,8 @@ def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
 def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple[str, float, float]:
     """A number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH. Raises ValueError."""
     from ..live.sliders import NUMBER, bare
-    from ..study.starts import unit_of_number, unit_of_start
+    from ..study.looks import unit_at
+    from ..study.starts import unit_of_start
     from ..units import number
 
     path, sign, span = (part.strip() for part in text.partition("="))
@@ -79,7 +80,7 @@ def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple
     if not (sign and dots and path and low and high):
         raise ValueError(f"--over {text}: this is not PATH=LOW..HIGH; write it as in --over joint.C.clearance=0.1..1mm")
     try:
-        unit = (unit_of_start if starts else unit_of_number)(mechanism, path)
+        unit = (unit_of_start if starts else unit_at)(mechanism, path)
         ends = number(f"{low} {NUMBER.sub('', high)}" if bare(low) else low, unit), number(high, unit)
     except ValueError as error:
         raise ValueError(f"--over {text}: {error}") from None

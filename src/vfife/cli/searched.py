@@ -18,7 +18,7 @@ from .terminal import command, grid, output, print_json, row, sentences, tell, w
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..study.allocation import Allocated, Choice
+    from ..study.allocation import Allocated
     from ..study.carry import Runner
     from ..study.growing import Growing
     from ..study.plan import Plan
@@ -130,12 +130,8 @@ def allocate(
 def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
     """What ``--json`` prints of an allocation."""
     asked = task.asked
-
-    def fits(choice: Choice) -> dict[str, str]:
-        return {one.name: fit for one, fit, own in zip(task.parameters, choice.names, task.fits, strict=True) if own}
-
     return {
-        "fits": None if found.choice is None else fits(found.choice),
+        "fits": None if found.choice is None else task.chosen(found.choice),
         "cost": None if found.choice is None else found.choice.cost,
         "measure": asked.measure,
         "limit": task.bound.high,
@@ -144,7 +140,7 @@ def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
         "quantile": None if found.estimate is None else found.estimate.value,
         "failures": found.failures,
         "machines": found.count,
-        "rejected": [{"fits": fits(one), "cost": one.cost} for one in found.rejected],
+        "rejected": [{"fits": task.chosen(one), "cost": one.cost} for one in found.rejected],
     }
 
 

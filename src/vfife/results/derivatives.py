@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .folder import written
+from .csvtable import write_named
 
 
 @dataclass(frozen=True)
@@ -105,8 +103,4 @@ class Sensitivity:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes :meth:`rows` as a table of commas."""
-        stream = io.StringIO(newline="")
-        table = csv.DictWriter(stream, ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"])
-        table.writeheader()
-        table.writerows(self.rows())
-        written(Path(path), stream.getvalue(), newline="")
+        write_named(path, ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"], self.rows())

@@ -64,6 +64,10 @@ class Allotment:
     asked: Allotted
     fits: tuple[bool, ...]  # whose are to be chosen
 
+    def chosen(self, choice: Choice) -> dict[str, str]:
+        """The fits of a choice by the parameters for which there was one to be made."""
+        return {one.name: fit for one, fit, own in zip(self.parameters, choice.names, self.fits, strict=True) if own}
+
 
 def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
     """The search of a study file with ``[optimise]``. Raises ModelError with every fault."""

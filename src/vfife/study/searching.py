@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 
 from ..model.mechanism import Mechanism
 from ..results.studied import Study
-from .allocation import Choice
 from .carry import read_back
 from .cluster import elsewhere, joined
 from .growing import BrokenOff, Growing, grown
@@ -120,12 +119,8 @@ def allocate(
         file, plan, base, name, lambda grow: allotted(grow, task), force=force, workers=workers, cluster=cluster, device=device,
         progress=progress,
     )  # fmt: skip
-
-    def fits(choice: Choice) -> dict[str, str]:
-        return {one.name: fit for one, fit, own in zip(task.parameters, choice.names, task.fits, strict=True) if own}
-
-    chosen, rejected = found.choice, tuple((fits(one), one.cost) for one in found.rejected)
-    cheapest, cost = (None, None) if chosen is None else (fits(chosen), chosen.cost)
+    chosen, rejected = found.choice, tuple((task.chosen(one), one.cost) for one in found.rejected)
+    cheapest, cost = (None, None) if chosen is None else (task.chosen(chosen), chosen.cost)
     return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)
 
 
