@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from ..kinematics.initial import Given, Seat, ideal_motion
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
+from ..modelfile.numbers import numbers
 from ..modelfile.override import PathFault, resolve
 from ..modelfile.read import raw_of
 from .looks import stepped
@@ -54,7 +56,10 @@ def unit_of_number(mechanism: Mechanism, path: str) -> str:
     except PathFault as fault:
         raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
     if not isinstance(held, Measure):
-        raise ValueError(f"{path}: this is no number of the model; name one")
+        at = path.split(".")
+        alike = lambda name: sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), at, strict=False)))  # noqa: E731
+        known = sorted((name for name, _ in numbers(dump(mechanism))), key=alike, reverse=True)
+        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, known, 'name one')}")
     return held.unit
 
 
