@@ -14,6 +14,7 @@ from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import dump
+from vfife.results.fitfile import FitFile
 from vfife.study.confidence import autocorrelation, confident
 from vfife.study.lawfit import fit_law
 from vfife.study.sought import Sought
@@ -168,6 +169,41 @@ def test_ctrl_c_tells_the_best_so_far(tmp_path):
     assert math.isnan(found["spring.k.damping"].error) and 0.5 <= found["spring.k.damping"].value <= 20.0
 
 
+def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
+    """To the bit, wherever that was; what is asked anew has the points in common, and another question is refused."""
+    t, file = np.linspace(0.0, 1.0, 100), tmp_path / "a.fit"
+    path = written(tmp_path / "s.csv", t, swing(t))
+    given = {**QUICK, "starts": 2}
+    whole = vfife.fit(oscillator(), path, BOUNDS, **given)
+    kept = []
+    for stop in (1, 4):  # after the first points, and in the searches
+        calls = iter(range(stop))
+
+        def interrupt(progress, calls=calls):
+            if next(calls, None) is None:
+                raise KeyboardInterrupt
+
+        part = vfife.fit(oscillator(), path, BOUNDS, **given, file=file, progress=interrupt)
+        assert part.status == "interrupted" and math.isnan(part["spring.k.damping"].error)
+        with FitFile.open(file) as one:
+            kept.append(one.count())
+    assert kept == sorted(set(kept)), "each goes further than the one before"
+    found = vfife.fit(oscillator(), path, BOUNDS, **given, file=file)
+    assert (found.set, found.starts, found.evaluations) == (whole.set, whole.starts, whole.evaluations)
+    assert [(one.error, one.low, one.high) for one in found.values] == [(one.error, one.low, one.high) for one in whole.values]
+    again, read = vfife.fit(oscillator(), path, BOUNDS, **given, file=file), vfife.load_fit(file)
+    assert again.json() == read.json() == found.json() and np.array_equal(read.curves[0].model, whole.curves[0].model)
+    with FitFile.open(file) as one:
+        before = one.count()
+    more = vfife.fit(oscillator(), path, BOUNDS, **{**given, "screened": 12}, file=file)
+    with FitFile.open(file) as one:
+        assert before < one.count() and more.status == "complete"
+    with pytest.raises(VfifeError, match="there is a fit file here that asks something else"):
+        vfife.fit(oscillator(), path, {"spring.k.damping": (1, 9)}, **given, file=file)
+    with pytest.raises(VfifeError, match="this is a fit file, of many runs; see vfife fit"):
+        vfife.load_result(file)
+
+
 def test_errors_of_a_straight_line_are_the_textbooks():
     """y = a + b x: the standard errors of least squares in closed form, and limits by Student's t."""
     x = np.linspace(0.0, 1.0, 12)
@@ -295,13 +331,24 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     path, model, out = written(tmp_path / "s.csv", t, swing(t)), tmp_path / "m.toml", tmp_path / "fitted.toml"
     model.write_text(dump(oscillator()))
     options = ["-p", "spring.k.stiffness=0.2..1 kN/m", "-p", "spring.k.damping=0.5..20", "--screened", "8", "--starts", "1", "--step", "1 ms"]
-    more = ["--derivatives", "differences", "--csv", str(tmp_path / "c.csv"), "-o", str(out)]
+    more = ["--derivatives", "differences", "--csv", str(tmp_path / "c.csv"), "--fitted", str(out), "-o", str(tmp_path / "s.fit")]
     answer = CliRunner().invoke(app, ["fit", str(model), str(path), *options, *more])
     assert answer.exit_code == 0, answer.output
+    assert "forecast: about 48 runs of 1,000 steps" in answer.stderr
     assert "spring.k.damping" in answer.output and "95 % confidence" in answer.output
     assert vfife.load(out).springs["k"].stiffness == pytest.approx(STIFFNESS, rel=1e-2) and (tmp_path / "c.csv").exists()
-    again = CliRunner().invoke(app, ["fit", str(model), str(path), "-o", str(out)])
-    assert again.exit_code == 2 and "there is such a file" in again.output
+    shown = CliRunner().invoke(app, ["fit", str(tmp_path / "s.fit"), "--json"])
+    assert shown.exit_code == 0 and json.loads(shown.stdout)["parameters"][0]["value"] == vfife.load(out).springs["k"].stiffness
+    refused = {
+        "there is such a file": ["--fitted", str(out)], "is written by --fitted w.toml": ["-o", "w.toml"],
+        "asks something else; name another file, or remove this one": [*options[2:], "-o", str(tmp_path / "s.fit")],
+        "no fit file; name another one": ["-o", __file__],
+        "of 100,000,000,080 steps; add --yes": [*options[:-1], "10 ps", "-o", str(tmp_path / "h.fit")],
+    }  # fmt: skip
+    for what, words in refused.items():
+        answer = CliRunner().invoke(app, ["fit", str(model), str(path), *words])
+        assert answer.exit_code == 2 and what in answer.output, answer.output
+    assert not (tmp_path / "h.fit").exists()
     told = CliRunner().invoke(app, ["fit", str(model), str(tmp_path / "t.csv"), *options])
     assert told.exit_code == 2 and 'Did you mean "s.csv"' in told.output
 

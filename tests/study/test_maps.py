@@ -9,6 +9,7 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
 from vfife.study.kept import load_map
+from vfife.study.looks import unit_at
 from vfife.study.maps import bifurcation
 
 EXAMPLES = "examples"
@@ -120,3 +121,15 @@ def test_a_table_has_every_point(tmp_path) -> None:
 def test_what_cannot_be_swept_is_told(path, words, said) -> None:
     with pytest.raises(ModelError, match=said):
         bifurcation(loose(), path, 2e-4 if "pin" in path else 0.12, 3e-4 if "pin" in path else 0.13, **{**GIVEN, **words})
+
+
+def test_a_number_has_its_unit_wherever_it_stands() -> None:
+    places = {
+        "ground.P.0": "m",
+        "material.steel.density": "kg/m^3",
+        "spring.spring.damping": "N s/m",
+        "driver.crank.speed": "rad/s",
+    }
+    assert {path: unit_at(oscillator(), path) for path in places} == places
+    with pytest.raises(ValueError, match="density"):
+        unit_at(oscillator(), "material.steel.densty")

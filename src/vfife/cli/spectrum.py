@@ -96,13 +96,12 @@ def banded(text: str | None) -> tuple[float, float] | None:
     """A band of frequencies (Hz), as 2..8kHz. Raises ValueError for what is none."""
     if text is None:
         return None
-    from ..live.sliders import NUMBER, bare
+    from ..units import ends_of
 
-    low, dots, high = (part.strip() for part in text.partition(".."))
-    if not (dots and low and high):
+    ends = ends_of(text)
+    if ends is None:
         raise ValueError(f"--band {text}: this is not LOW..HIGH; write it as in --band 2..8kHz")
-    low = f"{low} {NUMBER.sub('', high)}" if bare(low) else low
-    return positive("--band", low, "1/s"), positive("--band", high, "1/s")
+    return positive("--band", ends[0], "1/s"), positive("--band", ends[1], "1/s")
 
 
 def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from collections.abc import Mapping
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.above import answered
+from .csvtable import write_rows
 from .folder import written
 
 if TYPE_CHECKING:
@@ -31,7 +30,8 @@ CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
 class Value:
     """A parameter that was looked for: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``, confidence from ``low`` to ``high``, bounds.
 
-    ``moved``: what it was in the model, None where it was not one number within the bounds.
+    ``former``: what it was in the model, None where it was not one number within the bounds. ``known``: False where curves at the best point are
+    those of its steps, or of one turn that does not repeat; low and high are then no more than the ends of all points that fit as well.
     """
 
     name: str
@@ -44,6 +44,7 @@ class Value:
     bounds: tuple[float, float]
     former: float | None = None
     logarithmic: bool = False
+    known: bool = True
 
     def share(self, value: float) -> float:
         """Where a value lies between the bounds, 0 to 1; by its logarithm where it was looked for so."""
@@ -54,8 +55,8 @@ class Value:
 
     @property
     def told(self) -> bool:
-        """Whether the data tell it: its confidence is narrow beside the range that it was looked for in."""
-        return self.share(self.high) - self.share(self.value) <= TELLS
+        """Whether the data tell it: its confidence is known, and narrow beside the range that it was looked for in."""
+        return self.known and self.share(self.high) - self.share(self.value) <= TELLS
 
     @property
     def at_bound(self) -> bool:
@@ -188,13 +189,12 @@ class Fit:
 
     def write_csv(self, path: str | Path) -> None:
         """The curves: place (of a spectrum frequency or order), and of each measured and model's values. Raises OSError."""
-        stream = io.StringIO(newline="")
-        lines = csv.writer(stream)
+        rows: list[Any] = []
         for one in self.curves[:1]:
             place = f"{one.over} [{UNITS[one.over]}]"
-            lines.writerow([place, *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
-            lines.writerows(zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True))
-        written(Path(path), stream.getvalue())
+            rows.append([place, *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
+            rows += zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True)
+        write_rows(path, rows)
 
     def write_json(self, path: str | Path) -> None:
         """What :meth:`json` has. Raises OSError."""
@@ -210,5 +210,5 @@ def vars_of(one: Value) -> Mapping[str, Any]:
     """A parameter as JSON has it."""
     return {
         "name": one.name, "paths": list(one.paths), "unit": one.unit, "value": one.value, "standard_error": one.error, "low": one.low,
-        "high": one.high, "bounds": list(one.bounds), "former": one.former, "told": one.told, "at_bound": one.at_bound,
+        "high": one.high, "bounds": list(one.bounds), "former": one.former, "known": one.known, "told": one.told, "at_bound": one.at_bound,
     }  # fmt: skip

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,7 +18,7 @@ from ..analysis.verdict import Verdict, verdict
 from ..errors import Fault, ModelError
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
 from ..solvers.orbits import Orbits, Start
 from ..solvers.record import recorded_rows
@@ -135,15 +133,13 @@ class Basins:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row a member: its two numbers, its attractor (counted from 1), its motion, its exponent, and what series are at the end."""
-        stream = io.StringIO(newline="")
-        table = csv.writer(stream)
-        table.writerow([*self.asked.paths, "attractor", "kind", "exponent", *self.asked.series])
+        rows: list[list[object]] = [[*self.asked.paths, "attractor", "kind", "exponent", *self.asked.series]]
         labels = self.labels.reshape(-1)
         for member, one in self.verdicts.items():
             value = "" if one.exponent is None else one.exponent.value
             numbers = self.asked.numbers(member).values()
-            table.writerow([*numbers, int(labels[member]) + 1, one.kind, value, *self.points[member][-1].tolist()])
-        written(Path(path), stream.getvalue(), newline="")
+            rows.append([*numbers, int(labels[member]) + 1, one.kind, value, *self.points[member][-1].tolist()])
+        write_rows(path, rows)
 
 
 def basins(

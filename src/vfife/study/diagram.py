@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -16,7 +14,7 @@ from numpy.typing import NDArray
 from ..analysis.chaos import exponent
 from ..analysis.verdict import Verdict, verdict
 from ..modelfile import loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
 from .beside import Companion, alike, told, unpacked
 from .looks import law_words, tupled
@@ -128,16 +126,14 @@ class Bifurcation:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for every value, direction and turn that was looked at, with the exponent and the kind of the motion."""
-        stream = io.StringIO(newline="")
-        table = csv.writer(stream)
-        table.writerow([self.asked.path, "way", "turn", *self.asked.series, "exponent", "kind"])
+        rows: list[list[object]] = [[self.asked.path, "way", "turn", *self.asked.series, "exponent", "kind"]]
         for k, way in enumerate(self.asked.ways):
             for place, value in enumerate(self.asked.values):
                 if self.kinds[k][place]:
                     said = float(self.exponents[k, place, 0]), self.kinds[k][place]
                     for turn, row in enumerate(np.stack([one[k, place] for one in self.points.values()], axis=1).tolist()):
-                        table.writerow([value, way, self.asked.dropped + turn + 1, *row, *said])
-        written(Path(path), stream.getvalue(), newline="")
+                        rows.append([value, way, self.asked.dropped + turn + 1, *row, *said])
+        write_rows(path, rows)
 
 
 @dataclass

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +12,11 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, suggestion
-from ..fields import Measure
 from ..kinematics.initial import Given, Seat, ideal_motion
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..modelfile.numbers import numbers
-from ..modelfile.override import PathFault, resolve
-from ..modelfile.read import raw_of
-from .looks import stepped
-from .places import held_at
+from .looks import stepped, unit_at
 
 Array = NDArray[np.float64]
 CRANK = "start.crank"
@@ -45,22 +39,7 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
             known = [CRANK, *(f"start.{name}.{one}" for name in mechanism.clearances for one in AXES)]
             raise ValueError(f"{path}: there is no joint with clearance of this name; {suggestion(path, known, 'name one')}")
         return AXES[axis]
-    return unit_of_number(mechanism, path)
-
-
-def unit_of_number(mechanism: Mechanism, path: str) -> str:
-    """Unit of a number of the model. Raises ValueError for a path where there is none."""
-    raw = raw_of(dump(mechanism), mechanism.name)
-    try:
-        held = held_at(raw, resolve(raw, path))
-    except PathFault as fault:
-        raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
-    if not isinstance(held, Measure):
-        at = path.split(".")
-        alike = lambda name: sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), at, strict=False)))  # noqa: E731
-        known = sorted((name for name, _ in numbers(dump(mechanism))), key=alike, reverse=True)
-        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, known, 'name one')}")
-    return held.unit
+    return unit_at(mechanism, path)
 
 
 def spoken(numbers: Iterable[tuple[str, float]]) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,11 +13,11 @@ from numpy.typing import NDArray
 
 from ..analysis.spectral import COSINES, resolution_of, window_of
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, suggestion
+from ..errors import Fault, ModelError
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
 from ..results.spectra import spectrum
 from ..results.view import standing
@@ -27,7 +25,7 @@ from ..simulation import prepare
 from ..solvers.arguments import Asked
 from ..solvers.ensemble import placed
 from ..solvers.streaming import stepped
-from .looks import kept_in, law_words, refuse_large_frame, tupled, unit_at, unit_of
+from .looks import kept_in, law_words, refuse_large_frame, refuse_unknown, tupled, unit_at, unit_of
 from .spectral import Spectral
 
 if TYPE_CHECKING:
@@ -102,16 +100,15 @@ class Waterfall:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for each value and order: the value, order, frequency (Hz) and the amplitude of each series. Raises OSError."""
-        stream = io.StringIO(newline="")
-        table, asked = csv.writer(stream), self.asked
+        asked = self.asked
         heads = (f"{name} [{unit}]" for name, unit in zip(asked.series, asked.units, strict=True))
-        table.writerow([f"{asked.path} [{asked.unit}]", "order [1]", "frequency [Hz]", *heads])
+        table: list[list[object]] = [[f"{asked.path} [{asked.unit}]", "order [1]", "frequency [Hz]", *heads]]
         every = np.stack([self.amplitudes[name] for name in asked.series], axis=2)
         for value, frequencies, amplitudes in zip(asked.values, self.frequencies.tolist(), every, strict=True):
             if np.isfinite(amplitudes).all():
                 rows = zip(self.orders.tolist(), frequencies, amplitudes.tolist(), strict=True)
-                table.writerows([value, order, frequency, *row] for order, frequency, row in rows)
-        written(Path(path), stream.getvalue(), newline="")
+                table += ([value, order, frequency, *row] for order, frequency, row in rows)
+        write_rows(path, table)
 
 
 def waterfall(
@@ -216,9 +213,7 @@ def planned(
     refuse_large_frame(assemblies[0])
     start = standing(assemblies[0])
     series = series or usual(assemblies[0], list(start.series))
-    if wrong := [name for name in series if name not in start.series]:
-        told = [Fault("series", "the mechanism has none of this name", name, "", suggestion(name, start.series, "name one")) for name in wrong]
-        raise ModelError(told, mechanism.name)
+    refuse_unknown("series", series, list(start.series), "the mechanism has none of this name", "name one that it has", mechanism.name)
     if not series:
         raise ModelError([Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")], mechanism.name)
     units = tuple(unit_of(start, name) for name in series)
