@@ -25,6 +25,7 @@ from .solve import RigidSystem, accelerations, close, velocities
 from .system import mirrored
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -171,35 +172,38 @@ def driven_start(mechanism: Mechanism, met: dict[Any, tuple[Array, Array]] | Non
         raise ValueError("free motions have velocities that follow from masses")
     values = [guess, solved.reach, *(value for one in solved.constraints for value in (*one.numbers, one.speed))]
     ties = tuple((one.body_a, one.body_b, one.body_c, one.held, one.driven) for one in solved.constraints)
-    key = ties, hand, tuple(np.asarray(value).tobytes() for value in values)
+    first, back, alike = alike_closed(values)
+    key = ties, hand, alike
     met = {} if met is None else met
-    position, velocity = met.get(key) or met.setdefault(key, _driven(solved, guess * flip, values))
+    if key not in met:
+        met[key] = _driven(solved, guess * flip, first, back)
+    position, velocity = (one if back is None or one.ndim < 3 else one[back] for one in met[key])
     return Motion(system.names, position * flip, velocity * flip, np.zeros_like(velocity), {}, {}, datum, (), solved, hand)
 
 
-def _driven(solved: RigidSystem, guess: Array, values: list[Any]) -> tuple[Array, Array]:
-    """Positions and velocities, each closed once."""
-    first, back = alike_closed(values)
+def _driven(solved: RigidSystem, guess: Array, first: Places | None, back: Places | None) -> tuple[Array, Array]:
+    """Positions and velocities, of those that close alike once: those ``first``, of which each of all has the one that ``back`` tells."""
     some, there = (solved, guess) if first is None else (of_members(solved, first), of_members(guess, first))
     if first is None:  # masses move nothing that is determined
         mass, inertia = (np.array(one[0]) if isinstance(one, Members) else one for one in (solved.mass, solved.inertia))
         some = RigidSystem(solved.names, mass, inertia, solved.joints, solved.drives)
     try:
         position = close(some, there).position
-        velocity = velocities(some, position, independent=True)
+        return position, velocities(some, position, independent=True)
     except Differing as apart:
         raise Differing(apart.where if back is None else apart.where[back]) from None
-    return position if back is None or position.ndim < 3 else position[back], velocity if back is None or velocity.ndim < 3 else velocity[back]
 
 
-def alike_closed(values: list[Any]) -> tuple[NDArray[np.intp] | None, NDArray[np.intp] | None]:
-    """Members of which each stands for those that close alike, and the one that each of all has; None where nothing differs."""
+def alike_closed(values: list[Any]) -> tuple[Places | None, Places | None, tuple[bytes, ...]]:
+    """Members of which each stands for those that close alike, and the one that each of all has; None where nothing differs. What they close by."""
     wide = [value for value in values if isinstance(value, Members)]
+    same = tuple(np.asarray(value).tobytes() for value in values if not isinstance(value, Members))
     if not wide:
-        return None, None
+        return None, None, same
     table = np.concatenate([np.asarray(value).reshape(len(value), -1) for value in wide], axis=1)
-    _, first, back = np.unique(table.view(np.uint64), axis=0, return_index=True, return_inverse=True)
-    return first, back.reshape(-1)
+    rows, first, back = np.unique(table.view(np.uint64), axis=0, return_index=True, return_inverse=True)
+    places = tuple(bytes([isinstance(value, Members)]) for value in values)
+    return first, back.reshape(-1), (*places, *same, rows.tobytes())
 
 
 def ideal_motion(
