@@ -18,7 +18,7 @@ from .terminal import command, grid, output, print_json, row, sentences, tell, w
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..study.allocation import Allocated, Choice
+    from ..study.allocation import Allocated
     from ..study.carry import Runner
     from ..study.growing import Growing
     from ..study.plan import Plan
@@ -42,9 +42,9 @@ def optimise(
 ) -> None:
     """Find the parameters with which measures are least, or largest, within limits: what the table optimise of a study file asks for.
 
-    A forecast of time and bytes comes first. One measure has a best member, several have a Pareto front. Members are kept in one study file as they
-    end, so the same command goes on after a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where no member
-    keeps the limits.
+    A forecast of time and bytes comes first. One measure has a best member, from which derivatives of the run lead on, several have a Pareto front.
+    Members are kept in one study file as they end, so the same command goes on after a kill, and `vfife study show` and `plot` read it. Exit codes
+    as of `vfife study`; 3 where no member keeps the limits.
     """
     from ..report.study import quantity
 
@@ -57,7 +57,9 @@ def optimise(
         plan, base, search = load_search(file)
     target = placed(file, output_, force)
     told_of_search(plan, base, search, target, yes, quiet, force)
-    found = grown(target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search))
+    found, more = grown(
+        target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search, base)
+    )
     from ..study.carry import units_of
     from ..study.optimise import best
 
@@ -66,7 +68,8 @@ def optimise(
     if as_json:
         rows = [{"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})} for one in front]
         aims = {"minimised": list(search.minimised), "maximised": list(search.maximised)}
-        print_json({"file": str(target), "members": len(found), "feasible": feasible, **aims, "best": rows})
+        counts = {"members": len(found), "feasible": feasible, "refined": len(more.members), "why": more.why}
+        print_json({"file": str(target), **counts, **aims, "best": rows})
     elif not quiet and front:
         names = [one.name for one in plan.parameters]
         table = grid(*names, *units, right=tuple(range(len(names) + len(units))))
@@ -76,8 +79,11 @@ def optimise(
         one_way = "the least of" if search.minimised else "the most of"
         sought = [*search.minimised, *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised)]
         what = one_way if len(search.aims) == 1 else "the Pareto front of"
-        output().print(f"{len(found):,} members, {feasible:,} within the limits; {what} {', '.join(sought)}:")
+        last = f", the last {len(more.members):,} by derivatives" if more.members else ""
+        output().print(f"{len(found):,} members{last}, {feasible:,} within the limits; {what} {', '.join(sought)}:")
         output().print(table)
+    if more.why and not quiet:
+        tell("note", f"derivatives lead no further: {more.why}.")
     if not front:
         tell("failed", f"none of {len(found):,} members keeps the limits; widen them, or what is varied, or ask for more members", "bold red")
         raise typer.Exit(UNMET)
@@ -124,12 +130,8 @@ def allocate(
 def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
     """What ``--json`` prints of an allocation."""
     asked = task.asked
-
-    def fits(choice: Choice) -> dict[str, str]:
-        return {one.name: fit for one, fit, own in zip(task.parameters, choice.names, task.fits, strict=True) if own}
-
     return {
-        "fits": None if found.choice is None else fits(found.choice),
+        "fits": None if found.choice is None else task.chosen(found.choice),
         "cost": None if found.choice is None else found.choice.cost,
         "measure": asked.measure,
         "limit": task.bound.high,
@@ -138,7 +140,7 @@ def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
         "quantile": None if found.estimate is None else found.estimate.value,
         "failures": found.failures,
         "machines": found.count,
-        "rejected": [{"fits": fits(one), "cost": one.cost} for one in found.rejected],
+        "rejected": [{"fits": task.chosen(one), "cost": one.cost} for one in found.rejected],
     }
 
 

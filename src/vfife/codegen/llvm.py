@@ -42,7 +42,8 @@ class Writer:
         self.suffix = "f64" if width == 1 else f"v{width}f64"
         self.constants: dict[str, str] = {}
         self.count = 0
-        self.framed = ' "stackrealign"' if width > 2 else ""  # vectors that are put aside do not straddle two cache lines then
+        # Vectors that are put aside do not straddle two cache lines; what is put aside of numbers has addresses that are a byte shorter.
+        self.framed = ' "stackrealign"' if width > 2 else ' "frame-pointer"="all"'
 
     def kind(self, operand: Operand) -> str:
         """Type of an operand."""

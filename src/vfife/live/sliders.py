@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import shown, suggestion
 from ..fields.described import described_fields, key_of
 from ..model.mechanism import Mechanism
-from ..units import number
+from ..units import ends_of, number
 
 POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
@@ -79,13 +79,12 @@ def asked_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
     found = []
     for text in texts:
         path, sign, span = (part.strip() for part in text.partition("="))
-        low, dots, high = (part.strip() for part in span.partition(".."))
-        if not (sign and dots and path and low and high):
+        ends = ends_of(span)
+        if not (sign and path and ends):
             raise ValueError(f"{option} {text}: this is not PATH=LOW..HIGH; write it as in {option} joint.C.clearance=0.01..0.5mm")
         try:
             value, unit = value_at(mechanism, path)
-            high_value = number(high, unit)
-            low_value = number(f"{low} {NUMBER.sub('', high)}" if bare(low) else low, unit)
+            low_value, high_value = (number(end, unit) for end in ends)
         except ValueError as error:
             raise ValueError(f"{option} {text}: {error}") from None
         if not low_value < high_value:
