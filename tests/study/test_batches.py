@@ -14,12 +14,15 @@ import pytest
 from vfife import load_model, simulate
 from vfife.analysis.measures import PEAKS, last_turn, over_turn
 from vfife.assembly.together import MemberAssembly, Together
-from vfife.fields.members import Alone, Differing, members
+from vfife.fields.members import Alone, Differing, Members, members
+from vfife.kinematics import initial
+from vfife.kinematics.solve import close
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import dump
 from vfife.modelfile.numbers import numbers as numbers_of
 from vfife.solvers.transient import run
 from vfife.study import preparing
+from vfife.study.columns import column, together
 from vfife.study.engine import Wanted, run_members
 from vfife.study.ideals import peaks_of
 from vfife.study.member import Stepped
@@ -117,6 +120,26 @@ def test_what_a_batch_before_was_made_from_is_of_no_use_to_another_topology() ->
         assert len(found) == COUNT and batches.models["body.coupler.mass",] is not other
     alone = by_itself.make(spread("body.coupler.mass")[4])
     assert alone is not None and same(found[4].assembly, alone.assembly)
+
+
+def test_what_was_closed_for_some_members_is_not_closed_again_and_serves_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever their order, and whoever stood beside them then."""
+    base, closed, lengths = load_model(CASE_C), [], np.array([0.45, 0.455, 0.46, 0.47, 0.48, 0.455])
+    preparing_one = Preparing(base, Wanted((), 1))
+    where = [column(preparing_one.base, preparing_one.raw, "body.follower.length")]
+
+    def counted(system: Any, start: Any) -> Any:
+        closed.append(len(start))
+        return close(system, start)
+
+    monkeypatch.setattr(initial, "close", counted)
+    met: dict[Any, Any] = {}
+    for which in ([4, 1], [0, 1, 2, 3, 4, 5], [5, 2]):
+        nouns = together(base, where, lengths[which][:, None])[0]
+        found, alone = (initial.driven_start(nouns, one) for one in (met, None))
+        assert found.position.tobytes() == alone.position.tobytes() and found.velocity.tobytes() == alone.velocity.tobytes()
+        assert isinstance(found.position, Members) and len(found.position) == len(which)
+    assert closed == [2, 2, 3, 5, 2], "with what was met three are new the second time, and none the third"
 
 
 def test_the_start_of_members_is_that_of_the_law_of_cosines() -> None:
