@@ -70,19 +70,19 @@ def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
 
 def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple[str, float, float]:
     """A number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH. Raises ValueError."""
-    from ..live.sliders import NUMBER, bare
-    from ..study.starts import unit_of_number, unit_of_start
-    from ..units import number
+    from ..study.looks import unit_at
+    from ..study.starts import unit_of_start
+    from ..units import ends_of, number
 
     path, sign, span = (part.strip() for part in text.partition("="))
-    low, dots, high = (part.strip() for part in span.partition(".."))
-    if not (sign and dots and path and low and high):
+    ends = ends_of(span)
+    if not (sign and path and ends):
         raise ValueError(f"--over {text}: this is not PATH=LOW..HIGH; write it as in --over joint.C.clearance=0.1..1mm")
     try:
-        unit = (unit_of_start if starts else unit_of_number)(mechanism, path)
-        ends = number(f"{low} {NUMBER.sub('', high)}" if bare(low) else low, unit), number(high, unit)
+        unit = (unit_of_start if starts else unit_at)(mechanism, path)
+        low, high = (number(end, unit) for end in ends)
     except ValueError as error:
         raise ValueError(f"--over {text}: {error}") from None
-    if not ends[0] < ends[1]:
+    if not low < high:
         raise ValueError(f"--over {text}: the range is empty; write its lower end first")
-    return path, *ends
+    return path, low, high

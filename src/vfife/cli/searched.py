@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import typer
 
 from ..solvers.status import Status
-from .membered import Device, Force, Quiet, StudyArgument, Target, Workers, Yes
+from .membered import Device, Force, MemberLine, Quiet, StudyArgument, Target, Workers, Yes, refuse_foreign
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .searchcost import told_of_allotment, told_of_search
 from .signals import NOW
@@ -166,8 +166,6 @@ def print_allocated(task: Allotment, found: Allocated, unit: str) -> None:
 
 def placed(file: Path, target: Path | None, force: bool) -> Path:
     """Where a study is kept. Ends with a sentence where something else has the name."""
-    from .study import refuse_foreign
-
     found = target if target is not None else Path("runs") / f"{file.stem}.study"
     with sentences(str(file)):
         refuse_foreign(found, force)
@@ -189,7 +187,6 @@ def grown(
 ) -> Work:
     """What a search comes to, its members kept in a file; ends with the code of a signal, and says how to go on."""
     from .progress import ProgressLine
-    from .study import Line
 
     kept = f"Members that ended are kept in {target}; the same command goes on after them."
     with sentences(str(target)), writing(str(target), kept):
@@ -203,7 +200,7 @@ def grown(
             NOW.last.append(lock.release)
             NOW.saved = kept
             with joined(cluster, workers, run_on) as runner, made(target, plan, base, name, replace=force) as file, ProgressLine(quiet) as line:
-                show = Line(line)
+                show = MemberLine(line)
                 told = (lambda done, many, outcome: show(done, max(many, of), outcome)) if of is not None else show
                 try:
                     return work(Growing(file, base, workers=workers, runner=runner, told=told))

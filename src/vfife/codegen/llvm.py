@@ -12,8 +12,8 @@ from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .cachelines import LINE, padded
 from .elimination import shared_tangent
-from .native import LINE, padded
 from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +16,6 @@ POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
 SHARES = {"clearance": (0.4, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.0)}  # of the model's value, by default
 RESTITUTION = (0.4, 0.95)
-NUMBER = re.compile(r"^[+-]?[0-9.]+([eE][+-]?[0-9]+)?")  # before the unit of a range's upper end
 SECTIONS = {"joint": "joints", "body": "bodies", "driver": "drivers", "spring": "springs", "load": "loads", "gear": "gears"}
 
 
@@ -91,15 +89,6 @@ def asked_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
             raise ValueError(f"{option} {text}: the range is empty; write its lower end first")
         found.append(spaced(path, (path,), unit, low_value, high_value, value))
     return found
-
-
-def bare(text: str) -> bool:
-    """Whether a text is a number without a unit, which is that of the upper end then."""
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def spaced(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, here: float) -> Slide:

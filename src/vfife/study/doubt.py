@@ -53,14 +53,15 @@ class Doubt:
 
 def doubt(curves: Curves, sought: Sequence[Sought], misfit: Misfit, shares: Array, best: Fitted, jacobian: Array) -> Doubt:
     """That of a point."""
-    apart, costs, shift = {"steps": 0.0, "turns": 0.0}, [best.cost], np.zeros(len(shares))
+    apart, costs = {"steps": 0.0, "turns": 0.0}, [best.cost]
+    shift: Array = np.zeros(len(shares))
     for what, trace in beside(curves, sought, misfit, shares):
         one = misfit(trace, best.offset)
         costs.append(one.cost)
         change = one.residuals - best.residuals
         apart[what] = max(apart[what], float(np.sqrt((change**2).mean())))
         if what == "steps":  # the last has steps of half the size
-            shift = ORDER * np.linalg.lstsq(jacobian, change, WEAK)[0]
+            shift = np.asarray(ORDER * np.linalg.lstsq(jacobian, change, WEAK)[0], np.float64)
     return Doubt(apart["steps"], apart["turns"], math.sqrt(2.0 * best.cost / misfit.count), best.cost, max(costs), shift)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from ..modelfile.numbers import numbers
 from ..modelfile.override import PathFault, resolve
 from ..modelfile.read import raw_of
 from ..result import Result
+from ..results.askedfile import AskedFile
 from ..results.channels import entities
 from ..results.lock import Lock
 from ..results.mapfile import MapFile
@@ -35,6 +36,7 @@ from ..solvers.transient import choose_loop
 from .places import held_at
 
 Array = NDArray[np.float64]
+Own = TypeVar("Own", bound=AskedFile)
 DROPPED = 2 / 3  # of the turns, that are not looked at unless said
 NEAR = 1e-6  # of a number, by which the difference begins that is watched
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")  # numbers that move no pin, the first first
@@ -172,16 +174,24 @@ def law_words(mechanism: Mechanism) -> str:
     return "; ".join(words if len(by) == 1 else f"{', '.join(names)}: {words}" for words, names in by.items()) or "no contacts"
 
 
+def kept_in(file: str | Path | None, said: Mapping[str, Any], what: str = "this map") -> AbstractContextManager[MapFile | None]:
+    """The file of a map: see :func:`kept_as`."""
+    return kept_as(MapFile, file, said, what)
+
+
 @contextmanager
-def kept_in(file: str | Path | None, said: Mapping[str, Any], what: str = "this map") -> Iterator[MapFile | None]:
-    """The file of a map, locked: a new one, or one that asks the same. Raises VfifeError for one that asks something else, HeldError."""
+def kept_as(kind: type[Own], file: str | Path | None, said: Mapping[str, Any], what: str) -> Iterator[Own | None]:
+    """A file of a ``kind``, locked: a new one, or one that asks the same; None where nothing is to be kept.
+
+    Raises VfifeError for one that asks something else, HeldError where another process writes ``what`` is in it.
+    """
     if file is None:
         yield None
         return
     path = Path(file)
     with Lock(path.absolute().parent, f"{path.name}.lock", what):
         said = {key: value if isinstance(value, str) else _listed(value) for key, value in said.items()}
-        with MapFile.going_on(path, said) as found:
+        with kind.going_on(path, said) as found:
             yield found
 
 
