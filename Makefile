@@ -14,7 +14,8 @@ BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 # The oldest dependencies that pyproject.toml allows, on the oldest Python, and the tests that see most of them at work.
 OLDEST := .venv-oldest
 OLDEST_PYTHON ?= python3.11 python3.12 python3
-OLDEST_TESTS := tests/units tests/golden tests/modelfile/test_modelfile.py tests/results/test_result.py tests/results/test_runfile.py tests/results/test_export.py \
+OLDEST_TESTS := tests/units tests/golden tests/modelfile/test_modelfile.py tests/modelfile/test_modelfile_set_by_path.py tests/modelfile/test_modelfile_nouns.py \
+    tests/results/test_result.py tests/results/test_runfile.py tests/results/test_export.py \
     tests/plots/test_figures_of_all_kinds.py tests/analysis tests/cli/test_run.py
 # The tests that call the kernels themselves; of what is compiled no tool sees a line.
 COVERAGE_TESTS := tests/kernels

@@ -21,6 +21,7 @@ from vfife.modelfile.numbers import numbers
 from vfife.solvers.record import Record
 from vfife.solvers.tangents import comparable, tangents
 from vfife.solvers.transient import run
+from vfife.study.derivatives import rounding
 from vfife.study.neighbours import Way, neighbours, placed
 
 WIDTHS = 1e-5, 2e-5  # of a number, on both sides
@@ -73,7 +74,7 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
 
 
 def largest(record: Record) -> dict[str, float]:
-    """The largest values of the last turn, without those that are rounding beside the largest of their kind."""
+    """The largest values of the last turn, without those that are rounding beside the largest of their unit."""
     found = over_turn(record, last_turn(record), PEAKS)
-    kinds = {name: name.partition(".")[2] for name in found}
-    return {name: value for name, value in found.items() if value > 1e-9 * max(found[one] for one in found if kinds[one] == kinds[name])}
+    nothing = rounding(found)
+    return {name: value for name, value in found.items() if name not in nothing}

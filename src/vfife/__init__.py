@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
+    from .results.fitfile import load_fit
     from .results.spectra import envelope, spectrogram, spectrum
     from .results.studied import Study, load_study
     from .simulation import resume, simulate
@@ -77,6 +78,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "gallery": "",
     "indices": "study.designs",
     "load": "modelfile.files",
+    "load_fit": "results.fitfile",
     "load_laws": "laws.user",
     "load_map": "study.kept",
     "load_model": "modelfile.files",
@@ -214,6 +216,7 @@ __all__ = [
     "gallery",
     "indices",
     "load",
+    "load_fit",
     "load_laws",
     "load_map",
     "load_model",

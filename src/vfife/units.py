@@ -136,6 +136,19 @@ def quantity_in_si(digits: str, unit: str) -> float:
     return float(Fraction(digits) * exact) * rough * math.pi**pi
 
 
+def ends_of(text: str) -> tuple[str, str] | None:
+    """Texts of both ends of a range ``LOW..HIGH``, the lower one in the upper one's unit where it names none; None for what is no range.
+
+    >>> ends_of("0.1..1 mm")
+    ('0.1 mm', '1 mm')
+    """
+    low, dots, high = (part.strip() for part in text.partition(".."))
+    if not (dots and low and high):
+        return None
+    below, above = _NUMBER.fullmatch(low), _NUMBER.fullmatch(high)
+    return (f"{low} {above[2]}" if below and above and above[2] and not below[2] else low), high
+
+
 @functools.lru_cache(maxsize=1024)
 def dimension_of(unit: str) -> tuple[str, str]:
     """What a quantity in this unit is called, and an example of one."""

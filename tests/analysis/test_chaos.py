@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vfife.analysis.chaos import exponent, period, zero_one
-from vfife.analysis.verdict import kind
+from vfife.analysis.verdict import verdict
 
 
 def logistic(r: float, count: int, dropped: int = 2000) -> tuple[np.ndarray, np.ndarray]:
@@ -72,6 +72,6 @@ def test_the_0_1_test_tells_regular_from_chaotic():
 def test_motions_are_told_with_their_evidence():
     for r, said in ((2.8, "period 1"), (3.2, "period 2"), (3.5, "period 4"), (3.83, "period 3"), (3.9, "chaotic")):
         points, logs = logistic(r, 400, dropped=20_000)
-        assert kind(points, exponent(logs)) == said
+        assert verdict(points, exponent(logs)).kind == said
     turning = np.cos(2.0 * math.pi * 0.5 * (math.sqrt(5.0) - 1.0) * np.arange(400))
-    assert kind(turning, exponent(np.zeros(400))) == "quasi-periodic"
+    assert verdict(turning, exponent(np.zeros(400))).kind == "quasi-periodic"

@@ -1,8 +1,15 @@
 """``vfife map``: a diagram, a table, a file that goes on; sentences."""
 
+import math
 from pathlib import Path
 
+import pytest
+
+from vfife.cli.mapoptions import number_range
+from vfife.cli.mapped import said_spells
+from vfife.modelfile import load
 from vfife.results.lock import Lock
+from vfife.study.diagram import Spell
 
 PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"
 BRIEF = ("--count", 2, "--turns", 3, "--drop", 1, "--step", "10 us", "--set", "joint.pin.contact.restitution=0.3")
@@ -80,6 +87,23 @@ def test_basins_are_drawn_told_and_shown(command, tmp_path):
     assert shown.exit_code == 0 and "4 of the grid are no start" in " ".join(shown.stdout.split())
 
 
+def test_where_which_motion_is_found_is_told() -> None:
+    """Of a way with few spells all, of one with many the longest; a threshold lies between two of them."""
+    few = [Spell("chaotic", 0.0, 0.03, 4), Spell("period 1", 0.04, 0.04, 1), Spell("chaotic", 0.05, 0.1, 6)]
+    assert said_spells(few, "1") == "chaotic from 0 to 0.03, period 1 at 0.04, chaotic from 0.05 to 0.1"
+    many = [Spell(f"period {k}", 1e-3 * k, 1e-3 * k, 1) for k in range(1, 20)] + [Spell("chaotic", 0.03, 0.04, 5)]
+    said = said_spells(many, "m")
+    assert said.startswith("period 1 at 1 mm, period 2 at 2 mm") and said.count("period") == 7
+    assert said.endswith("chaotic from 30 mm to 40 mm, and 12 others between them")
+
+
+def test_a_range_is_what_is_said() -> None:
+    """To the last digit, whatever the model's own value is."""
+    model = load(PIN)
+    assert number_range(model, "joint.pin.clearance=0.0201..0.4mm")[1:] == (pytest.approx(2.01e-5, rel=1e-14), pytest.approx(4e-4, rel=1e-14))
+    assert number_range(model, "driver.crank.speed=500..1500rpm")[1:] == pytest.approx((500.0 * math.tau / 60.0, 50.0 * math.pi), rel=1e-14)
+
+
 def test_values_are_begun_anew(command):
     done = command("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--start", "own", "--start", "start.crank=90deg")
     assert done.exit_code == 0, done.stderr
@@ -94,7 +118,9 @@ def test_faults_of_starts_are_sentences(command):
         ((PIN, *over, "--start", "start.pin.x=1kg"), "--start start.pin.x=1kg"),
         ((PIN, *over, *BRIEF, "--start", "start.pin.x=1mm"), "outside its bearing"),
         (("section", PIN, "--impacts", "guide"), "joint with play"),
-        (("section", PIN, "--turns", 5, "--drop", 5), "no turn is left"),
+        (("section", PIN, "--turns", 5, "--drop", 5), "--drop 5: no turn is left"),
+        ((PIN, *over, "--turns", 4, "--drop", 80), "--drop 80: no turn is left to look at of --turns 4; allowed: 0 to 3"),
+        ((PIN, "--over", "start.crank=1..2deg"), "--over start.crank=1..2deg"),
         (("basins", PIN, *over), "name two numbers"),
         (("basins", PIN, *over, "--over", "start.crank=1deg"), "PATH=LOW..HIGH"),
         (("basins", PIN, *over, "--over", "start.crank=2..1deg"), "the range is empty"),

@@ -175,6 +175,23 @@ def test_a_search_goes_on_where_it_was_broken_off(command: Command, closed: Clos
     assert command("study", "show", "runs/s.study").exit_code == 0
 
 
+def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_path: Path) -> None:
+    """A slider-crank's pin: m w² r (1 + r/l) is least with the longest rod and the shortest crank, where the two bounds are."""
+    lengths = '[vary.rod]\npath = "body.rod.length"\nfrom = 0.1\nto = 0.2\n[vary.crank]\npath = "body.crank.length"\nfrom = 0.03\nto = 0.05\n'
+    head = f'model = "{BASE.parents[1] / "examples" / "slider_crank.toml"}"\nmeasures = ["pin.force.max"]\nturns = 1\n'
+    (tmp_path / "s.toml").write_text(head + lengths + '[optimise]\nminimise = ["pin.force.max"]\nmembers = 4\n')
+    done = command("optimise", "s.toml", "--json")
+    assert "forecast: up to 20 members more by derivatives" in done.stderr
+    found = json.loads(done.stdout)
+    assert 0 < found["refined"] == found["members"] - 4 and found["why"] == ""
+    (least,) = found["best"]
+    assert least["parameters"] == pytest.approx({"rod": 0.2, "crank": 0.03})
+    assert least["measures"]["pin.force.max"] == pytest.approx(0.14 * 1e4 * 0.03 * 1.15, rel=1e-6)
+    assert f"the last {found['refined']} by derivatives" in command("optimise", "s.toml").stdout
+    (tmp_path / "s.toml").write_text((tmp_path / "s.toml").read_text() + "refine = 1\n")
+    assert "derivatives lead no further: refine = 1 members are taken" in " ".join(command("optimise", "s.toml").stderr.split())
+
+
 def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Path) -> None:
     play = '[vary.play]\npath = "joint.C.clearance"\nfrom = "0.1 mm"\nto = "0.2 mm"\n'
     (tmp_path / "s.toml").write_text(HEAD + SPEED + play + '[optimise]\nminimise = ["C.force.max", "C.impacts"]\nmembers = 16\n')

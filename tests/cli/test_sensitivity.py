@@ -21,15 +21,24 @@ def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
 
 def test_measures_that_companions_part_in_are_marked(command, tmp_path):
     """In the table, the figure, JSON and a sentence."""
-    words = ("sensitivity", CRANK, "--of", "block.angular_acceleration.max", "--turns", 1)
+    words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", "--of", "coupler.angular_acceleration.max", "--to", "body.*.mass", "--step", "8 us")
     done = command(*words, "--figure", "t.svg")
     assert done.exit_code == 0
     assert "mean nothing" in done.stderr
     assert "forecast: a run of " in done.stderr and "numbers by which it has derivatives" in done.stderr
-    assert any(line.split()[0] == "block.angular_acceleration.max" and line.split()[-1] == "?" for line in done.stdout.splitlines() if line.strip())
+    lines = [line.split() for line in done.stdout.splitlines() if line.strip()]
+    assert any((line[0], line[-1]) == ("coupler.angular_acceleration.max", "?") for line in lines)
     assert "companions part" in (tmp_path / "t.svg").read_text()
     rows = json.loads(command(*words, "--json").stdout)["rows"]
     assert rows and all(row["meaningless"] for row in rows)
+
+
+def test_measures_that_are_rounding_are_left_out_and_told(command):
+    """A guide carries no moment where the only pin and the middle of the block's mass are on its line, and what it guides does not turn."""
+    done = command("sensitivity", CRANK, "--turns", 1, "--of", "*.moment.max", "--of", "*.torque.max", "--of", "block.*", "--to", "body.*.mass")
+    assert done.exit_code == 0
+    assert "rounding beside the largest of their unit: block.angular_acceleration.max, guide.moment.max" in " ".join(done.stderr.split())
+    assert {line.split()[0] for line in done.stdout.splitlines() if ".max" in line} == {"crank.torque.max"}
 
 
 def test_how_far_displaced_runs_lie_apart_is_told(command):

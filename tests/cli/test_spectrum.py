@@ -56,6 +56,7 @@ def test_spectrograms_and_envelopes(command: Callable, shaken: Path) -> None:
     (("--of", "O.force", "--of", "O.force_x", "--csv", "a.csv"), "one table holds one series"),
     (("--band", "1..2kHz"), "only an envelope"),
     (("--as", "envelope", "--band", "1kHz"), "LOW..HIGH"),
+    (("--as", "envelope", "--length", "5ms", "--window", "hann"), "--window, --length: an envelope is that of the whole run"),
     (("--figure", "a.gif"), ".png or .svg or .pdf"),
     (("--of", "O.force", "--overlap", "1.5"), "overlap 1.5"),
 ])  # fmt: skip

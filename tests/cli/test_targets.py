@@ -54,7 +54,10 @@ def test_two_targets_are_two_files_and_all_faults_are_told(tmp_path):
 SAID = {
     "skipped for ever": (("fit", "pin.toml", "data.csv", "-p", "joint.pin.clearance=0.1..1mm", "--skip", "inf"), "skip = inf: out of range"),
     "a name twice": (("fit", "pin.toml", "twice.csv", "-p", "joint.pin.clearance=0.1..1mm"), "several columns of this name"),
-    "a law has no use for it": (("fit", "--law", "impact", "data.csv", "-o", "w.toml", "-p", "a=1..2"), "--parameter, -o: a law is fitted without"),
+    "a law has no use for it": (
+        ("fit", "--law", "impact", "data.csv", "--fitted", "w.toml", "-p", "a=1..2"),
+        "--parameter, --fitted: a law is fitted without",
+    ),
     "no number of turns": (("sensitivity", "pin.toml", "--turns", "nan"), "turns"),
     "one number twice": (
         ("map", "basins", "pin.toml", *("--over", "start.pin.x=0..0.2mm") * 2, "--turns", "3", "--drop", "1"),

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from differential.constrained import Unfit
-from differential.drawn import Drawn, drawn
+from differential.drawn import drawn
+from differential.pencil import Drawn
 from vfife.analysis.forces import joint_force, joint_moment, joint_rows
 from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from differential.compared import Compared, compared
-from differential.drawn import FAMILIES
+from differential.pencil import FAMILIES
 from support import go, largest_force, particle, times, within
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.record import Record

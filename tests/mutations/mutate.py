@@ -37,7 +37,7 @@ QUICK = [("contact", k) for k in range(4)] + [("loop", 1), ("chain", 0), ("gears
          ("chain", 4), ("redundant", 1), ("redundant", 2), ("chain", 5), ("contact", 17), ("linked", 1)]  # fmt: skip
 # Files of tests of a kernel by itself, which need no compilation.
 OWN = {
-    "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_friction_solutions.py"],
+    "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_friction_solutions.py", "tests/laws/test_bristles.py"],
     "frame": ["tests/kernels/test_frame.py", "tests/assembly/test_stiffness.py"],
     "closing": ["tests/kernels/test_closing.py"],
     "constraint": ["tests/kernels/test_closing.py", "tests/kernels/test_constraint.py"],

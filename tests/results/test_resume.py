@@ -3,99 +3,24 @@
 from __future__ import annotations
 
 import os
-import random
-import signal
 import sqlite3
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import vfife
+from results.killed import Killed, arch, full_at, kill_at, killed_run, paced, same, write
 from support import bits, four_bar, journal_in_bearing
-from vfife.codegen.runner import Runner
 from vfife.errors import HeldError, ResumeError, RunFileError
 from vfife.results import runfile
 from vfife.results.lock import Lock
 from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
-from vfife.solvers import pace, transient
+from vfife.solvers import transient
 from vfife.solvers.arguments import Asked
 
-
-class Killed(BaseException):
-    """The end of a process, as far as one test goes."""
-
-
-def write(path: Path, mechanism: vfife.Mechanism, asked: Asked, reference: bool = True) -> vfife.Result:
-    prepared = prepare(mechanism, asked, reference)
-    with RunFile.create(path, prepared.kept) as file:
-        result = carry_out(prepared, file=file)
-        result.finish(file)
-    return result
-
-
-def kill_at(monkeypatch: pytest.MonkeyPatch, call: int) -> Callable[[], None]:
-    """The process ends at a call of the loop; what it gives back takes the fault away."""
-    advance, calls = Runner.advance, []
-
-    def killed(self: Runner, *args: Any, **how: Any) -> Any:
-        calls.append(1)
-        if len(calls) == call:
-            raise Killed
-        return advance(self, *args, **how)
-
-    monkeypatch.setattr(Runner, "advance", killed)
-    return lambda: monkeypatch.setattr(Runner, "advance", advance)
-
-
-def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
-    """So many steps a call on every machine: by the clock, a fast one would come to its end before the call at which it is killed."""
-    monkeypatch.setattr(pace.Pace, "room", property(lambda self: steps, lambda self, value: None), raising=False)
-
-
-def killed_run(path: Path, mechanism: vfife.Mechanism, asked: Asked, reference: bool = True) -> bool:
-    """A run that is killed: what was not committed is gone. False where it came to its end before."""
-    prepared = prepare(mechanism, asked, reference)
-    file = RunFile.create(path, prepared.kept)
-    try:
-        carry_out(prepared, file=file).finish(file)
-    except Killed:
-        return True
-    finally:
-        file._connection.close()
-    return False
-
-
-def same(one: Path, other: Path) -> None:
-    """All that two run files say, except times of the clock."""
-    with RunFile.open(one) as a, RunFile.open(other) as b:
-        steps, rows = a.outputs()
-        again, others = b.outputs()
-        assert np.array_equal(steps, again) and (bits(rows) == bits(others)).all()
-        assert not a.lost and not b.lost
-        first, second = a.latest(), b.latest()
-        assert first is not None and second is not None and first.step == second.step
-        assert (bits(first.values) == bits(second.values)).all()
-        beside, others_beside = a.companions(), b.companions()
-        if beside is not None:
-            assert others_beside is not None and beside[0] == others_beside[0]
-            window = np.isin(others_beside[1], beside[1])
-            assert (bits(beside[2][np.isin(beside[1], others_beside[1])]) == bits(others_beside[2][window])).all()
-        told = [{key: value for key, value in file.meta.items() if not isinstance(value, np.ndarray)} for file in (a, b)]
-        for one_told in told:
-            for key in ("created", "finished", "wall"):
-                one_told.pop(key)
-            for key in ("wall_s", "ns_per_step"):
-                one_told["summary"].pop(key)
-        assert told[0] == told[1]
-
-
 SEARCHED = Asked(turns=1.1, outputs=120)  # two tries of the step
-RANDOM = random.Random(5)
 
 
 @pytest.fixture(scope="module")
@@ -178,15 +103,6 @@ def test_a_run_that_has_settled_goes_on_where_it_is_asked_to(settled: Path, tmp_
     straight = vfife.simulate(four_bar("BCD"), turns=8, step=5e-6, outputs=200, companions=3, reference=False)
     assert dict(longer.measures) == dict(straight.measures)
     assert all((one.low, one.high) == (longer.measures[name].low, longer.measures[name].high) for name, one in straight.measures.items())
-
-
-def arch() -> vfife.Mechanism:
-    m = vfife.Mechanism("arch", gravity=(0.0, -9.81))
-    m.point("O", 0.0, 0.0)
-    m.link("rod", length=1.0, mass=2.0, angle=-0.5, model="elastic", elements=3, section=vfife.Section.square(1e-4))
-    m.weld("J", "ground.O", "rod.start")
-    m.settings = vfife.Settings(analysis="static", load_factors=(0.2, 0.5, 1.0))
-    return m
 
 
 @pytest.mark.parametrize("call", [15, 30, 50])
@@ -275,95 +191,6 @@ def test_a_new_run_does_not_start_without_what_it_needs(tmp_path: Path, case: st
             connection.execute(statement)
     with pytest.raises(ResumeError, match=said):
         vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0)
-
-
-# ----------------------------------------------------------------------------------------------------------------- kill
-
-
-def child(path: Path, mechanism: vfife.Mechanism, asked: Asked) -> int:
-    """A process of its own that runs, or goes on, and ends without a word."""
-    number = os.fork()
-    if number:
-        return number
-    try:
-        if path.exists() and _begun(path):
-            vfife.resume(path)
-        else:
-            for old in path.parent.glob("run.sqlite*"):
-                old.unlink()
-            write(path, mechanism, asked)
-    finally:
-        os._exit(0)
-
-
-def _begun(path: Path) -> bool:
-    try:
-        with RunFile.open(path) as file:
-            return len(file.steps) > 0
-    except RunFileError:
-        return False
-
-
-LONGEST = 0.5  # s that a process is left alive; the first one of all may have to compile
-
-
-def killed_at_random(folder: Path, mechanism: vfife.Mechanism, asked: Asked, kills: int, longest: float) -> int:
-    """Kills with -9 at random moments, the very first and last included, until the run is complete; how many there were."""
-    path, done = folder / "run.sqlite", 0
-    while done < kills:
-        number = child(path, mechanism, asked)
-        time.sleep(RANDOM.choice((RANDOM.uniform(0.0, 0.03), RANDOM.uniform(0.0, longest))))
-        os.kill(number, signal.SIGKILL)
-        os.waitpid(number, 0)
-        done += 1
-        if path.exists() and _begun(path) and vfife.load_result(path).record.status == "complete":
-            break
-    number = child(path, mechanism, asked)
-    os.waitpid(number, 0)
-    return done
-
-
-def kill_and_compare(tmp_path: Path, kills: int) -> None:
-    cases = {
-        "transient": (four_bar("BC"), Asked(turns=2.0, step=2.5e-6, outputs=100, companions=3)),
-        "static": (arch(), Asked()),
-    }
-    for name, (mechanism, asked) in cases.items():
-        (tmp_path / name).mkdir()
-        began = time.monotonic()
-        write(tmp_path / name / "whole.sqlite", mechanism, asked)
-        lasts, left = time.monotonic() - began, kills // 2
-        while left > 0:
-            for old in (tmp_path / name).glob("run.*"):
-                old.unlink()
-            left -= killed_at_random(tmp_path / name, mechanism, asked, left, min(1.2 * lasts, LONGEST))
-            same(tmp_path / name / "whole.sqlite", tmp_path / name / "run.sqlite")
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_twenty_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pace, "SECONDS", 5e-3)
-    kill_and_compare(tmp_path, 20)
-
-
-@pytest.mark.soak
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_hundred_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pace, "SECONDS", 5e-3)
-    kill_and_compare(tmp_path, 100)
-
-
-def full_at(call: int) -> Callable[..., int]:
-    """What writes a row, on a disk that is full at one of its calls."""
-    insert, calls = runfile.tables.insert, []
-
-    def full(connection: sqlite3.Connection, table: str, *values: Any) -> int:
-        calls.append(1)
-        if len(calls) == call:
-            raise sqlite3.OperationalError("database or disk is full")
-        return insert(connection, table, *values)
-
-    return full
 
 
 def test_a_disk_that_is_full_loses_the_last_transaction_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

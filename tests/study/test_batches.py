@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,8 @@ import numpy as np
 import pytest
 
 from vfife import load_model, simulate
-from vfife.assembly.together import MemberAssembly
-from vfife.fields.members import Differing, members
+from vfife.assembly.together import MemberAssembly, Together
+from vfife.fields.members import Alone, Differing, members
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import dump
 from vfife.modelfile.numbers import numbers as numbers_of
@@ -125,6 +126,30 @@ def test_what_cannot_be_assembled_side_by_side_is_assembled_alone(name: str, pat
     for k in (1, 3):
         alone = preparing.make(numbers[k])
         assert alone is None if not isinstance(found[k], Stepped) else alone is not None and same(found[k].assembly, alone.assembly)
+
+
+def test_a_fault_that_nobody_foresaw_is_told_and_members_are_right_nevertheless(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An index out of its list says nothing about members: in tests it is an error."""
+
+    def wrong(*words: Any, **more: Any) -> None:
+        raise IndexError("list index out of range")
+
+    base, path = load_model(CASE_C), "body.follower.length"
+    monkeypatch.setattr(Together, "assembled", wrong)
+    with pytest.raises(RuntimeWarning, match="a fault of vfife: IndexError"):
+        made(base, spread(path, 3))
+    with pytest.warns(RuntimeWarning, match="assembled one by one"), warnings.catch_warnings():
+        warnings.simplefilter("always")
+        found = made(base, spread(path, 3))
+    alone = Preparing(base, Wanted(("C.force.max",), 2)).make(spread(path, 3)[2])
+    assert alone is not None and same(found[2].assembly, alone.assembly)
+
+
+def test_what_takes_a_plain_number_has_each_member_by_itself() -> None:
+    for wrong in (float, int, math.cos, range):
+        with pytest.raises(Alone):
+            wrong(members([1.0, 2.0]))  # type: ignore[call-overload]
+    assert float(members(0.5).reshape(())) == math.sqrt(members(0.25).reshape(())) == 0.5
 
 
 def test_a_condition_that_differs_says_of_whom() -> None:

@@ -14,6 +14,7 @@ from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import dump
+from vfife.results.fitfile import FitFile
 from vfife.study.confidence import autocorrelation, confident
 from vfife.study.lawfit import fit_law
 from vfife.study.sought import Sought
@@ -144,6 +145,15 @@ def test_envelopes_and_spectra_are_compared(tmp_path, how, close):
     t = np.linspace(0.0, 1.5, 300)
     found = vfife.fit(oscillator(), written(tmp_path / "s.csv", t, swing(t)), BOUNDS, compare=how, width="0.3 s", **QUICK)
     assert found["spring.k.damping"].value == pytest.approx(DAMPING, rel=close) and found.compared == how
+    found.write_csv(tmp_path / "curves.csv")
+    head, *rows = (tmp_path / "curves.csv").read_text().splitlines()
+    peak = found.curves[0].places[np.argmax(found.curves[0].measured)]
+    if how == "envelope":
+        assert head == "time [s],b.x measured [m],b.x model [m]" and float(rows[0].split(",")[0]) == pytest.approx(0.15, abs=0.01)
+    else:  # the line nearest to sqrt(k/m) / 2 pi, of those that lie 1/T apart
+        assert head == "frequency [Hz],b.x measured [m],b.x model [m]"
+        assert peak == pytest.approx(math.sqrt(STIFFNESS / MASS) / 2.0 / math.pi, abs=0.5 / 1.5)
+    assert found.plot().axes[0].get_xlabel() == ("time (ms)" if how == "envelope" else "frequency (Hz)")
 
 
 def test_ctrl_c_tells_the_best_so_far(tmp_path):
@@ -157,6 +167,41 @@ def test_ctrl_c_tells_the_best_so_far(tmp_path):
     found = vfife.fit(oscillator(), written(tmp_path / "s.csv", t, swing(t)), BOUNDS, progress=interrupt, **QUICK)
     assert found.status == "interrupted" and found.evaluations < 60
     assert math.isnan(found["spring.k.damping"].error) and 0.5 <= found["spring.k.damping"].value <= 20.0
+
+
+def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
+    """To the bit, wherever that was; what is asked anew has the points in common, and another question is refused."""
+    t, file = np.linspace(0.0, 1.0, 100), tmp_path / "a.fit"
+    path = written(tmp_path / "s.csv", t, swing(t))
+    given = {**QUICK, "starts": 2}
+    whole = vfife.fit(oscillator(), path, BOUNDS, **given)
+    kept = []
+    for stop in (1, 4):  # after the first points, and in the searches
+        calls = iter(range(stop))
+
+        def interrupt(progress, calls=calls):
+            if next(calls, None) is None:
+                raise KeyboardInterrupt
+
+        part = vfife.fit(oscillator(), path, BOUNDS, **given, file=file, progress=interrupt)
+        assert part.status == "interrupted" and math.isnan(part["spring.k.damping"].error)
+        with FitFile.open(file) as one:
+            kept.append(one.count())
+    assert kept == sorted(set(kept)), "each goes further than the one before"
+    found = vfife.fit(oscillator(), path, BOUNDS, **given, file=file)
+    assert (found.set, found.starts, found.evaluations) == (whole.set, whole.starts, whole.evaluations)
+    assert [(one.error, one.low, one.high) for one in found.values] == [(one.error, one.low, one.high) for one in whole.values]
+    again, read = vfife.fit(oscillator(), path, BOUNDS, **given, file=file), vfife.load_fit(file)
+    assert again.json() == read.json() == found.json() and np.array_equal(read.curves[0].model, whole.curves[0].model)
+    with FitFile.open(file) as one:
+        before = one.count()
+    more = vfife.fit(oscillator(), path, BOUNDS, **{**given, "screened": 12}, file=file)
+    with FitFile.open(file) as one:
+        assert before < one.count() and more.status == "complete"
+    with pytest.raises(VfifeError, match="there is a fit file here that asks something else"):
+        vfife.fit(oscillator(), path, {"spring.k.damping": (1, 9)}, **given, file=file)
+    with pytest.raises(VfifeError, match="this is a fit file, of many runs; see vfife fit"):
+        vfife.load_result(file)
 
 
 def test_errors_of_a_straight_line_are_the_textbooks():
@@ -232,7 +277,7 @@ FAULTS = {
     "not a number": ("time, b.x\n" + LINES.replace("0.10950", "nan"), BOUNDS, {}, 'line 7, column 2 (b.x) = "nan": this is not a finite number'),
     "a gap": ("time, b.x\n" + LINES.replace("0.10950", " "), BOUNDS, {}, "line 7, column 2 (b.x): there is no value"),
     "a comma": ("time; b.x\n" + LINES.replace(",", ";").replace("0.10950", "0,1095"), BOUNDS, {}, "this is a text with a comma"),
-    "back in time": ("time, b.x\n" + LINES.replace("0.050", "0.150"), BOUNDS, {}, "is not after the one before it"),
+    "back in time": ("time, b.x\n" + LINES.replace("0.050", "0.150"), BOUNDS, {}, "it is not after line 7"),
     "too few": ("time, b.x\n" + LINES[:80], BOUNDS, {}, "rows of numbers"),
     "too few for so many": ("time, b.x\n" + "\n".join(LINES.splitlines()[:8]), BOUNDS, {}, "8 values are too few for 3 unknown numbers"),
     "flat": ("time, b.x\n" + "\n".join(f"{k}, 1" for k in range(20)), BOUNDS, {}, "every value is the same"),
@@ -263,18 +308,47 @@ def test_what_cannot_be_fitted_is_told(tmp_path, name):
     assert isinstance(told.value, ModelError)
 
 
+def test_all_faults_of_a_file_are_told_at_once(tmp_path):
+    """Cells, lines and units of all columns; of many of a kind the first ten and a count."""
+    rows = [[f"{0.01 * k:.3f}", f"{0.11 - 1e-4 * k:.5f}", "1"] for k in range(60)]
+    for k in range(5, 35):
+        rows[k][1] = "x"
+    rows[3][0], rows[40][0], rows[50] = "0.005", "", ["1", "2"]
+    path = tmp_path / "data.csv"
+    path.write_text("time, b.x, b.y (kg)\n" + "\n".join(",".join(row) for row in rows))
+    with pytest.raises(ModelError) as told:
+        vfife.fit(oscillator(), path, BOUNDS, **QUICK)
+    said = [str(one) for one in told.value.faults]
+    assert said[0].startswith("line 52: it has 2 values") and "its unit is that of a mass" in said[1]
+    cells = [one for one in said if "this is no number" in one]
+    assert len(cells) == 10 and cells[0].startswith('line 7, column 2 (b.x) = "x"') and "file: 21 more cells are no numbers." in said
+    assert any(one.startswith("line 5, column time = 0.005 after 0.02: it is not after line 4") for one in said)
+    assert any(one.startswith("column b.y (kg): every value is the same") for one in said) and len(said) == 15
+
+
 def test_the_command_finds_writes_and_says_so(tmp_path):
     t = np.linspace(0.0, 1.0, 120)
     path, model, out = written(tmp_path / "s.csv", t, swing(t)), tmp_path / "m.toml", tmp_path / "fitted.toml"
     model.write_text(dump(oscillator()))
     options = ["-p", "spring.k.stiffness=0.2..1 kN/m", "-p", "spring.k.damping=0.5..20", "--screened", "8", "--starts", "1", "--step", "1 ms"]
-    more = ["--derivatives", "differences", "--csv", str(tmp_path / "c.csv"), "-o", str(out)]
+    more = ["--derivatives", "differences", "--csv", str(tmp_path / "c.csv"), "--fitted", str(out), "-o", str(tmp_path / "s.fit")]
     answer = CliRunner().invoke(app, ["fit", str(model), str(path), *options, *more])
     assert answer.exit_code == 0, answer.output
+    assert "forecast: about 48 runs of 1,000 steps" in answer.stderr
     assert "spring.k.damping" in answer.output and "95 % confidence" in answer.output
     assert vfife.load(out).springs["k"].stiffness == pytest.approx(STIFFNESS, rel=1e-2) and (tmp_path / "c.csv").exists()
-    again = CliRunner().invoke(app, ["fit", str(model), str(path), "-o", str(out)])
-    assert again.exit_code == 2 and "there is such a file" in again.output
+    shown = CliRunner().invoke(app, ["fit", str(tmp_path / "s.fit"), "--json"])
+    assert shown.exit_code == 0 and json.loads(shown.stdout)["parameters"][0]["value"] == vfife.load(out).springs["k"].stiffness
+    refused = {
+        "there is such a file": ["--fitted", str(out)], "is written by --fitted w.toml": ["-o", "w.toml"],
+        "asks something else; name another file, or remove this one": [*options[2:], "-o", str(tmp_path / "s.fit")],
+        "no fit file; name another one": ["-o", __file__],
+        "of 100,000,000,080 steps; add --yes": [*options[:-1], "10 ps", "-o", str(tmp_path / "h.fit")],
+    }  # fmt: skip
+    for what, words in refused.items():
+        answer = CliRunner().invoke(app, ["fit", str(model), str(path), *words])
+        assert answer.exit_code == 2 and what in answer.output, answer.output
+    assert not (tmp_path / "h.fit").exists()
     told = CliRunner().invoke(app, ["fit", str(model), str(tmp_path / "t.csv"), *options])
     assert told.exit_code == 2 and 'Did you mean "s.csv"' in told.output
 

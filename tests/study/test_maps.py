@@ -9,6 +9,7 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
 from vfife.study.kept import load_map
+from vfife.study.looks import unit_at
 from vfife.study.maps import bifurcation
 
 EXAMPLES = "examples"
@@ -93,6 +94,17 @@ def test_a_map_goes_on_where_it_was_broken_off(tmp_path) -> None:
     assert (tmp_path / "a.map").read_bytes() == before
 
 
+def test_values_go_side_by_side_as_each_does_alone(monkeypatch) -> None:
+    """Points to the bit, growth to what the order of sums leaves, wherever their clocks are; models too."""
+    path, given = "joint.pin.clearance", {**GIVEN, "companions": 1}
+    both = bifurcation(loose(), path, 2e-4, 3e-4, **given)
+    monkeypatch.setattr("vfife.solvers.sweeping.TOGETHER", 1)
+    monkeypatch.setattr("vfife.study.maps.nearby", lambda text, known, changes, base: [None] * len(changes))
+    alone = bifurcation(loose(), path, 2e-4, 3e-4, **given)
+    assert all(np.array_equal(both.points[name], alone.points[name]) for name in both.points) and both.companions == alone.companions
+    assert np.allclose(both.growth, alone.growth, rtol=0.0, atol=1e-9) and len(both.companions) == 4
+
+
 def test_a_table_has_every_point(tmp_path) -> None:
     found = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN)
     found.write_csv(tmp_path / "all.csv")
@@ -109,3 +121,15 @@ def test_a_table_has_every_point(tmp_path) -> None:
 def test_what_cannot_be_swept_is_told(path, words, said) -> None:
     with pytest.raises(ModelError, match=said):
         bifurcation(loose(), path, 2e-4 if "pin" in path else 0.12, 3e-4 if "pin" in path else 0.13, **{**GIVEN, **words})
+
+
+def test_a_number_has_its_unit_wherever_it_stands() -> None:
+    places = {
+        "ground.P.0": "m",
+        "material.steel.density": "kg/m^3",
+        "spring.spring.damping": "N s/m",
+        "driver.crank.speed": "rad/s",
+    }
+    assert {path: unit_at(oscillator(), path) for path in places} == places
+    with pytest.raises(ValueError, match="density"):
+        unit_at(oscillator(), "material.steel.densty")

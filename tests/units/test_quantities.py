@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vfife.errors import QuantityError
-from vfife.units import DIMENSIONS, UNITS, dimension_of, number
+from vfife.units import DIMENSIONS, UNITS, dimension_of, ends_of, number
 
 EVERYDAY = [
     ("0.5 mm", "m", 5e-4),
@@ -189,3 +189,18 @@ def test_no_unit_raises_anything_else(parts: list[tuple[str, str]]) -> None:
     text = "1e300 " + "".join(unit + mark for unit, mark in parts)[:-1]
     with contextlib.suppress(QuantityError):
         assert math.isfinite(number(text, "m"))
+
+
+@pytest.mark.parametrize(("text", "ends"), [
+    ("0.1..1 mm", ("0.1 mm", "1 mm")),
+    ("-1e-3..2.5um", ("-1e-3 um", "2.5um")),
+    ("10 um .. 1mm", ("10 um", "1mm")),
+    ("0.2..0.3", ("0.2", "0.3")),
+    ("2..8 kHz", ("2 kHz", "8 kHz")),
+    ("..1 mm", None), ("1 mm", None), ("1 mm..", None), ("", None),
+])  # fmt: skip
+def test_a_range_names_its_unit_once(text: str, ends: tuple[str, str] | None) -> None:
+    found = ends_of(text)
+    assert (None if found is None else tuple(one.replace(" ", "") for one in found)) == (
+        None if ends is None else tuple(one.replace(" ", "") for one in ends)
+    )

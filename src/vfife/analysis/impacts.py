@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,8 +85,3 @@ def crank_angle(record: Record) -> np.ndarray | None:
     """Angle of the first driven body (degrees, not reduced to one turn), or None without one."""
     driven = record.assembly.topology.driven
     return np.degrees(record.block("particle_theta")[:, driven[0]]) if driven else None
-
-
-def as_rows(found: Impacts) -> list[dict[str, object]]:
-    """The entries as dictionaries of texts and numbers."""
-    return [dataclasses.asdict(one) for one in found.entries]

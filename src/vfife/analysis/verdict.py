@@ -112,8 +112,3 @@ def verdict(points: Array, found: Exponent | None = None, tolerance: float = 1e-
     else:
         kind = QUASI if test < REGULAR else CHAOTIC if test > IRREGULAR else UNSETTLED
     return Verdict(kind, None, distance, found, test, turning)
-
-
-def kind(points: Array, found: Exponent | None, tolerance: float = 1e-3) -> str:
-    """A motion in a word: see :func:`verdict`."""
-    return verdict(points, found, tolerance).kind

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels.topology import BEARING
 from ..laws.wear import coefficient
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
@@ -104,7 +105,7 @@ def areas(record: Record, contact: int) -> tuple[float, float]:
 
 def is_round(record: Record, contact: int) -> bool:
     """Whether a contact is of a journal in its bearing, which wear around."""
-    return record.assembly.topology.contact_kind[contact] == 0
+    return record.assembly.topology.contact_kind[contact] == BEARING
 
 
 def worn_volumes(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..codegen.graph import tables
-from ..fields.members import columns, hypot, largest, number, point, several, spread, sqrt
+from ..fields.members import Alone, columns, hypot, largest, number, point, several, spread, sqrt
 from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.constraint import levers
@@ -301,7 +301,7 @@ def constraint_rows(layout: Layout, state: Array, topology: Topology, joined: Se
 def _impact_force(law: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float) -> float:
     """Force of an impact at the largest speed in the mechanism, where no ideal reaction is known."""
     if several(state):
-        raise ValueError("what an impact leaves is found mechanism by mechanism")
+        raise Alone("what an impact leaves is found mechanism by mechanism")
     speed = max(float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
     energy = 0.5 * speed**2 / max(mobility, 1e-12)
     depth = 1e-9

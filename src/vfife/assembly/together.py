@@ -1,7 +1,7 @@
 """Members that differ in numbers, assembled side by side: one walk through their nouns, whose numbers are those of all of them.
 
 What comes out is what :func:`~vfife.assembly.assemble.assemble` makes of each, to the bit. Where members are not to be treated alike, or a number
-reaches what is made mechanism by mechanism, ``Differing``, ValueError or TypeError says so, and each is assembled by itself.
+reaches what is made mechanism by mechanism, ``Differing`` or ``Alone`` says so, and each is assembled by itself.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import StepError
-from ..fields.members import Members, plain
+from ..fields.members import Alone, Members, plain
 from ..fields.members import chosen as of_member
 from ..kernels.topology import Topology
 from ..kinematics.initial import driven_start
@@ -72,9 +72,9 @@ class Together:
         ``steps``: one (s) for each; ``one_of`` makes the mechanism of one. None stands for a member that is refused its step.
         """
         refuse_idle(mechanism)
+        if len(self.base.topology.frame_nodes):
+            raise Alone("elastic bodies start mechanism by mechanism")
         numbering = Numbering(mechanism)
-        if numbering.meshes:
-            raise ValueError("elastic bodies start mechanism by mechanism")
         with np.errstate(all="ignore"):
             motion = driven_start(mechanism, self.met)
             refuse_infinite(motion)
@@ -82,15 +82,15 @@ class Together:
             starts, tables = tables_of(numbering.functions)
             topology = topology_of(mechanism, numbering, parts, self.laws, starts)
             if (topology, len(tables)) != (self.plain, len(self.base.tables)):
-                raise ValueError("another topology")
+                raise Alone("another topology")
             filler = filled(Filler(mechanism, numbering, self.base.layout, motion, None, count=(count,)), parts, tables)
             if redundant(filler.layout, filler.state, topology):
-                raise ValueError("joints hold more than there is to hold")
+                raise Alone("joints hold more than there is to hold")
             freedom = motion.system.starts[-1]
             columns = 3 * (len(motion.names) - 1)
             mobility = Mobility(columns - motion.system.held, columns - freedom, 0, ())
             if mobility.after_drives:
-                raise ValueError("free motions have a period of their own")
+                raise Alone("free motions have a period of their own")
             names = [joint.name for joint in parts.ideals]
             found = bounds(mechanism, filler.layout, filler.state, topology, parts.touches, expected, (), names)
         filler.put("damping", mechanism.settings.damping)
@@ -120,7 +120,7 @@ class _Ends:
         self.turn = turn_of(mechanism)
         for noun in (*mechanism.loads.values(), *(one for one in mechanism.drivers.values() if one.steady_speed is None)):
             if of_member(noun, 0) is not noun:
-                raise ValueError("a function of time of its own")
+                raise Alone("a function of time of its own")
         self.told = bool(mechanism.loads) or any(one.steady_speed is None or not one.revolves for one in mechanism.drivers.values())
         run = dict(together.run)
         self.turns, self.duration = run.pop("turns", None), run.pop("duration", None)

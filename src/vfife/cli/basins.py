@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .mapcost import Work, told_of
-from .mapped import Csv, Drop, Figured, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_range
-from .options import LawsOption, ModelArgument, SetOption, read_model
+from .mapcost import Work
+from .mapmaking import Given, Question, answered
+from .mapoptions import Csv, Drop, Figured, Of, Phase, Step, Target, Yes, drop_of, number_range, quantity_at, turning_steps
+from .options import LawsOption, ModelArgument, SetOption
 from .run import Quiet
-from .targets import refuse_inputs
-from .terminal import sentences
+
+if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
 
 MOST_TURNS, MOST_VALUES = 1_000_000, 2_000
 OVER = (
@@ -21,8 +22,6 @@ OVER = (
 Over = Annotated[list[str], typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
 Count = Annotated[str, typer.Option("--count", metavar="N[xM]", help="Values of each.")]
 Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns of each start.")]
-STEP = "Time step; a turn has a whole number of them."
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="automatic")]
 Exponents = Annotated[bool, typer.Option("--exponents/--no-exponents", help="Watch a small difference, by which chaos is told.")]
 Companions = Annotated[int, typer.Option("--companions", metavar="N", min=0, help="So many starts again with a coarser and a finer step.")]
 
@@ -30,9 +29,9 @@ Companions = Annotated[int, typer.Option("--companions", metavar="N", min=0, hel
 def basins(
     model: ModelArgument,
     over: Over,
-    count: Count = "30",
-    turns: Turns = 120,
-    drop: Drop = 80,
+    count: Count = "20",
+    turns: Turns = 60,
+    drop: Drop = None,
     of: Of = None,
     phase: Phase = 0.0,
     exponents: Exponents = True,
@@ -50,27 +49,25 @@ def basins(
 
     Members are one motion where their points once a turn are. After Ctrl-C or a kill the same command goes on.
     """
-    place = target if target is not None else Path("runs") / f"{model.stem}-basins.map"
-    with sentences(str(model)):
-        drawn = places(place, figure, csv, target is None)
-        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
-        mechanism = read_model(model, set_, laws)
+
+    def understood(mechanism: Mechanism) -> Question:
         from ..study.basins import basins as made
+        from ..study.looks import models_along
 
         if len(over) != 2:
             how = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
             raise ValueError(f"--over: this is given {len(over)} times; {how}")
-        x, y = (start_range(mechanism, text) for text in over)
-        size, some = quantity_at("--step", step), counts(count)
-    work = Work(some[0] * some[1], "start", turns, drop, 4, len(of or (1, 1)) + 1, companions, exponents)
-    told_of(work, mechanism, size, place, yes, quiet)
-    with sentences(str(model)):
-        given: dict[str, Any] = {
-            "count": some, "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "exponents": exponents,
+        x, y = (number_range(mechanism, text, starts=True) for text in over)
+        size, some, left = quantity_at("--step", step), counts(count), drop_of(drop, turns)
+        steps = turning_steps(models_along(mechanism, (x, y)), size, companions)
+        work = Work(some[0] * some[1], "start", turns, left, steps, 4, len(of or (1, 1)) + 1, companions, exponents)
+        given = {
+            "x": x, "y": y, "count": some, "turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0, "exponents": exponents,
             "companions": companions, "step": size,
         }  # fmt: skip
-        found = carried_out(place, quiet, "starts", lambda progress: made(mechanism, x, y, **given, file=place, progress=progress))
-    drawn_and_told(found, place, drawn, csv, quiet)
+        return Question(work, "starts", made, given)
+
+    answered(Given(model, "-basins.map", target, figure, csv, set_, laws, yes, quiet), understood)
 
 
 def counts(text: str) -> tuple[int, int]:

@@ -91,6 +91,7 @@ def _alone(assembly: Assembly) -> dict[str, Any]:
         "ns_per_step": ns,
         "seconds": 1e-9 * ns * steps,
         "compile_seconds": begin + each * about(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION,
+        "rows": assembly.layout.rows,
         "bytes": 8 * len(recorded_rows(assembly)) * (choice.outputs + 1),
     }
 

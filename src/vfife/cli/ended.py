@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -141,9 +141,7 @@ def export(
 ) -> None:
     """Write all channels of a run with their units, or a figure, in the format that the file's ending says."""
     with sentences(str(target)):
-        if target.suffix.lower() not in ENDINGS:
-            known = f"{', '.join(ENDINGS[:-1])} and {ENDINGS[-1]}"
-            raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
+        refuse_ending(target, ENDINGS)
         refuse_taken(target, force)
     NOW.saved = f"Nothing was written. {AS_IT_WAS}"
     NOW.last.append(lambda: target.with_name(f"{target.name}.part").unlink(missing_ok=True))
@@ -151,6 +149,13 @@ def export(
     with sentences(str(run)), writing(str(target), AS_IT_WAS):
         result.export(target, figure)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+
+
+def refuse_ending(target: Path, endings: Sequence[str]) -> None:
+    """Raises ValueError where the ending of a file says none of the formats that there are."""
+    if target.suffix.lower() not in endings:
+        known = f"{', '.join(endings[:-1])} and {endings[-1]}"
+        raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
 
 
 def refuse_taken(target: Path, force: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from enum import StrEnum
 from pathlib import Path
@@ -9,15 +10,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..results.header import FIT_APPLICATION, head_with
+from .fitcost import told_of
 from .options import JsonOption, LawsOption, SetOption, overrides, read_model, take_laws
 from .progress import ProgressLine
 from .run import Quiet, Step
 from .signals import NOW
 from .targets import refuse_inputs
-from .terminal import grid, output, print_json, row, sentences, tell, writing
+from .terminal import grid, output, print_json, row, sentences, span, tell, writing
 
 if TYPE_CHECKING:
     from ..results.fitted import Fit
+    from ..solvers.progress import Progress
+    from ..study.identification import Task
 
 
 class Compared(StrEnum):
@@ -36,7 +41,10 @@ class Derivatives(StrEnum):
     differences = "differences"
 
 
-Files = Annotated[list[Path], typer.Argument(metavar="MODEL.toml DATA.csv", help="Model and measured curves; with --law the curve alone.")]
+Files = Annotated[
+    list[Path],
+    typer.Argument(metavar="MODEL.toml DATA.csv", help="Model and measured curves; with --law the curve alone; or a fit file."),
+]
 Parameters = Annotated[
     list[str] | None,
     typer.Option("-p", "--parameter", metavar="PATH=A..B", help='What is looked for, and between which bounds: joint.C.clearance="0.1..1 mm".'),
@@ -60,7 +68,10 @@ By = Annotated[Derivatives, typer.Option(help="Carried along the run, or differe
 Law = Annotated[str | None, typer.Option("--law", metavar="NAME", help="Fit this contact law to force over penetration.")]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw the fit.", show_default=False)]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write measured and model's curves.", show_default=False)]
-Out = Annotated[Path | None, typer.Option("-o", "--output", metavar="FITTED.toml", help="Write the model with what was found.", show_default=False)]
+Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.fit", help="Where to keep it.", show_default="runs/MODEL.fit")]
+Model = Annotated[Path | None, typer.Option("--fitted", metavar="FITTED.toml", help="Write the model with what was found.", show_default=False)]
+Force = Annotated[bool, typer.Option("--force", help="Replace the fit that is in the file.")]
+Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
 ENDINGS = (".png", ".svg", ".pdf")
 
 
@@ -82,49 +93,110 @@ def fit(
     law: Law = None,
     set_: SetOption = None,
     laws: LawsOption = None,
-    out: Out = None,
+    target: Target = None,
+    model: Model = None,
     figure: Figure = None,
     csv: Table = None,
+    force: Force = False,
+    yes: Yes = False,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Find numbers of a model from measured curves: values with their confidence, how they hang together, what the data cannot tell.
 
     DATA.csv has time or crank_angle and channels of a result as columns (as vfife export writes them), units in brackets: "C.force [N]". With --law
-    it has penetration and force, and unloading where it was measured. Ctrl-C tells the best so far.
+    it has penetration and force, and unloading where it was measured. A forecast comes first. Every point is kept in a file: after Ctrl-C or a kill
+    the same command goes on, and vfife fit FILE.fit shows it.
     """
+    kept = len(files) == 1 and head_with(files[0], FIT_APPLICATION) is not None
     with sentences(str(files[-1])):
-        check_targets(figure, csv, out)
-        refuse_inputs((("--figure", figure), ("--csv", csv), ("-o", out)), (*files, *(laws or ())))
-        if law is not None:
-            refuse_beside_law(parameter, column, weight, offset, out)
-            found: Any = of_law(files, law, set_, laws, confidence / 100.0, seed)
-        else:
+        check_targets(figure, csv, model)
+        refuse_inputs((("--figure", figure), ("--csv", csv), ("--fitted", model)), (*files, *(laws or ())))
+        if kept:
+            found: Any = shown(files[0], model)
+        elif law is not None:
+            refuse_beside_law(parameter, column, weight, offset, model)
+            found = of_law(files, law, set_, laws, confidence / 100.0, seed)
+    if law is None and not kept:
+        with sentences(str(files[-1])):
             if len(files) != 2:
                 raise ValueError("name a model and a file of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B")
+            place = placed(files[0], target, force, (*files, *(laws or ())))
             mechanism = read_model(files[0], set_, laws)
-            from ..study.identification import fit as identify
+            from ..study.identification import planned
 
-            with ProgressLine(quiet) as line:
-                found = identify(
-                    mechanism, files[1], parameter or (), columns=column, weights=weights_of(weight), offset=offset, skip=skip,
-                    compare=compare.value, width=width, step=step, screened=screened, starts=starts, confidence=confidence / 100.0,
-                    derivatives=derivatives.value, seed=seed, progress=line,
-                )  # fmt: skip
+            task = planned(
+                mechanism, files[1], parameter or (), columns=column, weights=weights_of(weight), offset=offset, skip=skip,
+                compare=compare.value, width=width, step=step, screened=screened, starts=starts, confidence=confidence / 100.0,
+                derivatives=derivatives.value, seed=seed,
+            )  # fmt: skip
+        told_of(task, place, force, yes, quiet)
+        found = carried_out(task, place, target is None, force, quiet)
+        save_fitted(model, task.text, found)
+    told(found, None if law is not None or kept else place, figure, csv, as_json, quiet)
+
+
+def told(found: Fit, place: Path | None, figure: Path | None, csv: Path | None, as_json: bool, quiet: bool) -> None:
+    """Writes and says what was found; ``place`` is where a fit that was under way is kept."""
     write(found, figure, csv)
-    if out is not None and law is None:
-        with sentences(str(out)), writing(str(out)):
-            from ..modelfile import dump, loads
-            from ..results.folder import written
-
-            written(out, dump(loads(dump(mechanism), set=found.set)))
     if as_json:
         print_json(found.json())
     elif not quiet:
         show(found)
-    if found.status == "interrupted":
-        tell("interrupted", f"{NOW.by}. What is told is the best so far, without its confidence")
+        if place is not None:
+            output().print(str(place), markup=False)
+    if found.status == "interrupted" and place is not None:
+        tell("interrupted", f"{NOW.by}. What is told is the best so far, without its confidence. {NOW.saved}")
         raise typer.Exit(NOW.code)
+
+
+def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ...]) -> Path:
+    """Where a fit is kept. Raises ValueError for a place that cannot be, or that is of another file."""
+    place = target if target is not None else Path("runs") / f"{model.stem}.fit"
+    if place.suffix.lower() == ".toml":
+        raise ValueError(f"-o {place}: a fit file is kept here; the model with what was found is written by --fitted {place}")
+    if place.is_dir() or place.suffix.lower() in (*ENDINGS, ".csv"):
+        raise ValueError(f"-o {place}: a fit file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.fit")
+    if place.exists() and head_with(place, FIT_APPLICATION) is None:
+        raise ValueError(f"-o {place}: there is something else of this name, which is no fit file; name another one")
+    if target is not None and not place.absolute().parent.is_dir():
+        raise ValueError(f"-o {place}: there is no folder {place.absolute().parent}; make it first")
+    refuse_inputs((("-o", place),), inputs)
+    return place
+
+
+def carried_out(task: Task, place: Path, own: bool, force: bool, quiet: bool) -> Fit:
+    """The fit, with a line on how far it is; ``own``: the folder of its file is made."""
+    place.parent.mkdir(parents=True, exist_ok=True) if own else None
+    NOW.saved = f"What was looked at is kept in {place}; the same command goes on after it."
+    with sentences(str(place)), writing(str(place)), ProgressLine(quiet) as line:
+        return task.run(place, lambda one: line(dataclasses.replace(one, text=f"{one.text}{left(one)}")), replace=force)
+
+
+def left(one: Progress) -> str:
+    """Time that is left, where it can be told."""
+    return f", some {span(one.left)} left" if one.seconds > 1.0 and 0 < one.done < one.steps else ""
+
+
+def shown(file: Path, model: Path | None) -> Fit:
+    """The fit in a fit file, and the model with what was found. Raises RunFileError."""
+    from ..results.fitfile import FitFile, load_fit
+
+    found = load_fit(file)
+    with FitFile.open(file) as kept:
+        save_fitted(model, kept.asked["model"], found)
+    return found
+
+
+def save_fitted(place: Path | None, text: str, found: Fit) -> None:
+    """Writes the model with what was found."""
+    if place is None:
+        return
+    with sentences(str(place)), writing(str(place)):
+        from ..modelfile import dump, loads
+        from ..results.folder import written
+
+        written(place, dump(loads(text, set=found.set)))
 
 
 def of_law(files: list[Path], law: str, set_: list[str] | None, laws: list[Path] | None, confidence: float, seed: int) -> Any:
@@ -138,22 +210,22 @@ def of_law(files: list[Path], law: str, set_: list[str] | None, laws: list[Path]
 
 
 def refuse_beside_law(
-    parameter: list[str] | None, column: list[str] | None, weight: list[str] | None, offset: str | None, out: Path | None
+    parameter: list[str] | None, column: list[str] | None, weight: list[str] | None, offset: str | None, model: Path | None
 ) -> None:
     """Raises ValueError for options that the fit of a law has no use for."""
-    given = {"--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "-o": out}
+    given = {"--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "--fitted": model}
     idle = [option for option, value in given.items() if value is not None]
     if idle:
         raise ValueError(f"{', '.join(idle)}: a law is fitted without; leave it out (numbers of a law are fixed by --set NAME=VALUE)")
 
 
-def check_targets(figure: Path | None, csv: Path | None, out: Path | None) -> None:
+def check_targets(figure: Path | None, csv: Path | None, model: Path | None) -> None:
     """Raises ValueError for a file that cannot be written, before anything is computed."""
-    for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",)), ("-o", out, (".toml",))):
+    for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",)), ("--fitted", model, (".toml",))):
         if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
             raise ValueError(f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is there; name one")
-    if out is not None and out.exists():
-        raise ValueError(f"-o {out}: there is such a file; name another")
+    if model is not None and model.exists():
+        raise ValueError(f"--fitted {model}: there is such a file; name another")
 
 
 def weights_of(texts: list[str] | None) -> dict[str, float]:
@@ -191,9 +263,10 @@ def show(found: Fit) -> None:
     for one in found.values:
         sure = math.isfinite(one.error)
         limits = f"{quantity(one.low, one.unit)} to {quantity(one.high, one.unit)}" if sure else "-"
+        limits = limits if one.known else "not known"
         mark = "" if one.told or not sure else " ?"
         bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (", at one" if one.at_bound else "")
-        row(table, one.name, quantity(one.value, one.unit) + mark, quantity(one.error, one.unit) if sure else "-", limits, bounds)
+        row(table, one.name, quantity(one.value, one.unit) + mark, quantity(one.error, one.unit) if sure and one.known else "-", limits, bounds)
     console.print(table)
     left = grid("curve", "column", "left", "factor", "level", right=(2, 3, 4))
     for c in found.curves:

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from .basins import basins
-from .mapcost import Work, told_of
-from .mapped import Csv, Drop, Figured, Kept, Of, Phase, Step, Target, Yes, carried_out, drawn_and_told, places, quantity_at, start_numbers
-from .options import LawsOption, ModelArgument, SetOption, read_model
+from .mapcost import Work
+from .mapmaking import Given, Question, answered
+from .mapoptions import Csv, Drop, Figured, Kept, Of, Phase, Step, Target, Yes, drop_of, number_range, quantity_at, start_numbers, turning_steps
+from .mapped import drawn_and_told
+from .options import LawsOption, ModelArgument, SetOption
 from .plainly import Command, Plainly
 from .run import Quiet
 from .sections import section
 from .targets import refuse_inputs
 from .terminal import sentences
+
+if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
 
 SWEEP = "sweep"
 MOST_VALUES, MOST_TURNS = 10_000, 1_000_000
@@ -55,7 +60,7 @@ def sweep(
     over: Over,
     count: Count = 100,
     turns: Turns = 150,
-    drop: Drop = 100,
+    drop: Drop = None,
     of: Of = None,
     phase: Phase = 0.0,
     step: Step = None,
@@ -74,28 +79,23 @@ def sweep(
     The state is carried on from value to value, so that motions which live beside each other are told apart; with --start every value begins anew.
     After Ctrl-C or a kill the same command goes on. `sweep` itself may be left out.
     """
-    place = target if target is not None else Path("runs") / f"{model.stem}.map"
-    with sentences(str(model)):
-        drawn = places(place, figure, csv, target is None)
-        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
-        mechanism = read_model(model, set_, laws)
-        from ..live.sliders import asked_slides
+
+    def understood(mechanism: Mechanism) -> Question:
+        from ..study.looks import models_along
         from ..study.maps import bifurcation
 
-        (slide,) = asked_slides(mechanism, [over], "--over")
-        starts, size = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step)
+        path, low, high = swept = number_range(mechanism, over)
+        starts, size, left = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step), drop_of(drop, turns)
         lanes, chains = (4, 1) if starts else (2, 2)
-        kept = (len(of or (1, 1)) + 1) * chains
-        members = count * max(len(starts), 1)
-    told_of(Work(members, "value", turns, drop, lanes, kept, companions), mechanism, size, place, yes, quiet)
-    with sentences(str(model)):
-        given: dict[str, Any] = {
-            "count": count, "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "companions": companions,
-            "step": size, "starts": starts,
+        steps = turning_steps(models_along(mechanism, (swept,)), size, companions)
+        work = Work(count * max(len(starts), 1), "value", turns, left, steps, lanes, (len(of or (1, 1)) + 1) * chains, companions)
+        given = {
+            "path": path, "low": low, "high": high, "count": count, "turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0,
+            "companions": companions, "step": size, "starts": starts,
         }  # fmt: skip
-        ask = slide.paths[0], slide.values[0], slide.values[-1]
-        found = carried_out(place, quiet, "values", lambda progress: bifurcation(mechanism, *ask, **given, file=place, progress=progress))
-    drawn_and_told(found, place, drawn, csv, quiet)
+        return Question(work, "values", bifurcation, given)
+
+    answered(Given(model, ".map", target, figure, csv, set_, laws, yes, quiet), understood)
 
 
 map_.command(cls=Command)(section)
@@ -110,4 +110,4 @@ def show(file: Kept, figure: Figured = None, csv: Csv = None) -> None:
 
         refuse_inputs((("--figure", figure), ("--csv", csv)), (file,))
         found = load_map(file)
-    drawn_and_told(found, file, figure, csv, False, whole=False)
+    drawn_and_told(found, file, figure, csv, quiet=False, whole=False)

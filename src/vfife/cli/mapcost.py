@@ -1,8 +1,7 @@
-"""What maps, sections and basins will cost before they are begun: time from the cost of a step, bytes from what is kept of a turn."""
+"""What maps, sections, basins and waterfalls will cost before they are begun: time from the cost of a step, bytes from what is kept."""
 
 from __future__ import annotations
 
-import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,53 +17,61 @@ LANES = {1: (1.0, 3.2), 2: (1.1, 3.3), 4: (1.1, 3.7)}
 STRUCK = 1.8  # of a step that is looked at for onsets
 PACKED, BESIDE = 0.8, 2.8  # of the bytes of numbers; steps of both companions, in those of their member
 MADE = 0.02  # s that it takes to assemble a start and to look at what became of it
+SHARED = 0.75  # of the lanes' speed that a stream of members has
 ALIGNED = 10  # turns in which a difference is turned before it counts
 
 
 @dataclass(frozen=True)
 class Work:
-    """What is to be done: so many ``members``, each of ``turns``, ``dropped`` of them, in so many ``lanes`` at once, a difference being watched or
-    not (``grown``); of ``companions`` members again, and with onsets looked for (``struck``). ``kept``: numbers of a turn."""
+    """What is to be done: so many ``members``, each of ``turns``, ``dropped`` of them, of so many ``steps`` (0: there is no turn to count, which is
+    told when it is begun), in so many ``lanes`` at once, a difference being watched or not (``grown``); of ``companions`` members again, and with
+    onsets looked for (``struck``). ``kept``: numbers of a turn that is looked at."""
 
     members: int
     noun: str
     turns: int
     dropped: int
+    steps: float
     lanes: int
-    kept: int
+    kept: float
     companions: int = 0
     grown: bool = True
     struck: bool = False
 
     def steps_of_one(self, cores: int) -> float:
         """Turns of one lane that a member takes as long as, with all cores at work."""
+        if self.lanes not in LANES:  # a stream of members, as in a study
+            return self.turns / (cores * max(1.0, SHARED * self.lanes))
         plain, derived = LANES[self.lanes]
         before = max(0, self.dropped - ALIGNED) if self.grown else self.turns
         first, second = plain * before, derived * (self.turns - before)
-        if self.lanes == 2:  # a second thread carries the differences, while the motion goes on
+        if self.lanes == 2:  # a second thread carries the differences of two members at once, while the motion goes on
+            second = LANES[4][1] / 2 * (self.turns - before)
             return max(plain * self.turns, second) if cores > 1 else plain * self.turns + second
         if self.lanes == 1:
             return first + max(second, STRUCK * (self.turns - self.dropped) * self.struck)
         return (first + second) / (self.lanes * cores)
 
 
-def forecast(work: Work, mechanism: Mechanism, step: float | None, place: Path) -> dict[str, Any]:
+def forecast(work: Work, mechanism: Mechanism, place: Path) -> dict[str, Any]:
     """Members that are left, steps of each, seconds, bytes; estimates, and called so."""
     from ..assembly.assemble import assemble
     from ..results.tables import free_bytes
     from .cost import estimate
 
-    assembly, cores = assemble(mechanism, step, turns=1.0), os.cpu_count() or 1
-    steps = math.ceil((assembly.choice.turn or 0.0) / assembly.choice.step)
-    each = 1e-9 * estimate(assembly)["ns_per_step"] * steps * work.steps_of_one(cores) + MADE * (work.lanes == 4)
+    cores = os.cpu_count() or 1
+    found = estimate(assemble(mechanism, turns=1.0))
+    step = 1e-9 * found["ns_per_step"]
+    each = step * work.steps * work.steps_of_one(cores) + MADE * (work.lanes > 2) / cores
     left = max(work.members - known(place), 0)
     again = BESIDE * min(work.companions, left)
-    state = 8 * assembly.layout.rows * work.lanes if work.lanes < 4 else 0
-    size = PACKED * 8 * (work.turns - work.dropped) * work.kept + state
+    size = PACKED * 8 * (work.turns - work.dropped) * work.kept
+    if work.lanes < 3:  # the state to go on from is kept
+        size += 8 * found["rows"] * work.lanes
     free = free_bytes(place)
     return {
-        "members": left, "steps": steps * work.turns, "seconds": each * (left + again), "bytes": size * left,
-        "free": float("inf") if free is None else free, "workers": min(cores, 2) if work.lanes < 4 else cores, "lanes": work.lanes,
+        "members": left, "steps": work.steps * work.turns, "seconds": each * (left + again), "bytes": size * left,
+        "free": float("inf") if free is None else free, "workers": min(cores, 2) if work.lanes < 3 else cores, "lanes": work.lanes,
     }  # fmt: skip
 
 
@@ -82,15 +89,14 @@ def known(place: Path) -> int:
         return 0
 
 
-def told_of(work: Work, mechanism: Mechanism, step: float | None, place: Path, yes: bool, quiet: bool) -> None:
+def told_of(work: Work, mechanism: Mechanism, place: Path, yes: bool, quiet: bool) -> None:
     """The forecast, and the end of what nobody can mean."""
-    from ..model.functions import turn_of
     from .forecast import too_much
 
-    if turn_of(mechanism) is None or work.dropped >= work.turns:  # told when it is begun
+    if not work.steps:
         return
     with sentences(str(place)):
-        found = forecast(work, mechanism, step, place)
+        found = forecast(work, mechanism, place)
     if much := too_much(found, place):
         if found["bytes"] > found["free"]:
             fail(f"{place}: this map takes {much}. Nothing was begun, and nothing is touched.", STORAGE)

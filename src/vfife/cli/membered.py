@@ -1,11 +1,18 @@
-"""Options of the commands that run members: studies, and searches that ask for members as they need them."""
+"""What the commands that run members have in common, studies and searches: options, the place of the file, the progress line."""
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from ..solvers.status import Status
+from .terminal import span
+
+if TYPE_CHECKING:
+    from ..study.engine import Outcome
 
 StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Study file in TOML.", show_default=False)]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a study was kept in.", show_default=False)]
@@ -17,3 +24,31 @@ ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on o
 Device = Annotated[str | None, typer.Option(metavar="cuda", help=ON_CARD, show_default="the processor")]
 Retry = Annotated[bool, typer.Option("--retry", help="Try members again that failed before.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
+
+
+def refuse_foreign(target: Path, force: bool) -> None:
+    """Raises ValueError where something else has the name of the study file."""
+    from ..results.header import study_head
+
+    if target.exists() and study_head(target) is None:
+        raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
+
+
+class MemberLine:
+    """The progress line of a study: members, members a second, time left, failures."""
+
+    def __init__(self, line: Any) -> None:
+        self.line, self.began, self.failed = line, time.monotonic(), 0
+        self.first: int | None = None
+
+    def __call__(self, done: int, of: int, outcome: Outcome) -> None:
+        """Shows where the study stands; called after each member."""
+        from ..solvers.progress import Progress
+
+        self.first = done - 1 if self.first is None else self.first
+        self.failed += outcome.status != Status.COMPLETE
+        seconds = max(time.monotonic() - self.began, 1e-9)
+        rate = (done - self.first) / seconds
+        left = f"{span((of - done) / rate)} left" if done < of else f"in {span(seconds)}"
+        bad = f"  {self.failed:,} failed" if self.failed else ""
+        self.line(Progress(done, of, seconds, f"{done:,} of {of:,} members  {rate:.3g} members/s  {left}{bad}"))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .forecast import LOOKED_AT, refuse_absurd, sought, tell_forecast
-from .terminal import counted, sentences, tell
+from .slopecost import EACH
+from .terminal import counted, sentences, span, tell
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from ..study.searches import Allotment
 
 CHOSEN = (2e-3, 6e-6), (6e-4, 0.0)  # s for a member, and for each other one; of Parzen estimators, of NSGA-II; measured with three parameters
+DISPLACED = 2  # runs of which derivatives are the mean
 SHARES = tuple((k + 0.5) / LOOKED_AT for k in range(LOOKED_AT))  # of the way through what varies
 
 
@@ -26,10 +29,36 @@ def told_of_search(plan: Plan, base: Mechanism, search: Search, target: Path, ye
     chosen = [numbers_at(plan.parameters, {axis.name: along(axis, share) for axis in search.axes}) for share in SHARES]
     with sentences(str(target)):
         found = sought(chosen, search.members, search.batch, base, plan.asked.turns, target, anew)
-    found["seconds"] += choosing(search)
+        more = refinement(plan, search, chosen, base)
+    found["seconds"] += choosing(search) + more
     refuse_absurd(found, target, yes, "search")
     if found["members"] and not quiet:
         tell_forecast(found, target, plan)
+    if more and not quiet:
+        tell("forecast", f"up to {counted(search.refine, 'member')} more by derivatives, in at most {span(more)} of that.", "bold")
+
+
+def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | str]], base: Mechanism) -> float:
+    """Time (s) of the members that derivatives lead to, each with derivatives of its own: two runs, and its steps with derivatives."""
+    from ..codegen.native import widest
+    from ..errors import VfifeError
+    from ..study.refining import refuses
+    from .cost import estimate
+    from .forecast import member
+
+    if not search.refine or refuses(search):
+        return 0.0
+    names = {axis.name for axis in search.axes if axis.continuous}
+    paths = sum(len(one.paths) for one in plan.parameters if one.name in names)
+    for one in chosen:
+        try:
+            assembly = member(base, one, plan.asked.turns)
+        except VfifeError:  # told when it is run
+            continue
+        directions = EACH * paths * (DISPLACED if assembly.contacts else 1) / widest()
+        alone: float = estimate(assembly)["seconds"]
+        return search.refine * alone * (3.0 + directions)
+    return 0.0
 
 
 def choosing(search: Search) -> float:

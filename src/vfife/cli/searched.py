@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import typer
 
 from ..solvers.status import Status
-from .membered import Device, Force, Quiet, StudyArgument, Target, Workers, Yes
+from .membered import Device, Force, MemberLine, Quiet, StudyArgument, Target, Workers, Yes, refuse_foreign
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .searchcost import told_of_allotment, told_of_search
 from .signals import NOW
@@ -18,7 +18,7 @@ from .terminal import command, grid, output, print_json, row, sentences, tell, w
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..study.allocation import Allocated, Choice
+    from ..study.allocation import Allocated
     from ..study.carry import Runner
     from ..study.growing import Growing
     from ..study.plan import Plan
@@ -42,9 +42,9 @@ def optimise(
 ) -> None:
     """Find the parameters with which measures are least, or largest, within limits: what the table optimise of a study file asks for.
 
-    A forecast of time and bytes comes first. One measure has a best member, several have a Pareto front. Members are kept in one study file as they
-    end, so the same command goes on after a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where no member
-    keeps the limits.
+    A forecast of time and bytes comes first. One measure has a best member, from which derivatives of the run lead on, several have a Pareto front.
+    Members are kept in one study file as they end, so the same command goes on after a kill, and `vfife study show` and `plot` read it. Exit codes
+    as of `vfife study`; 3 where no member keeps the limits.
     """
     from ..report.study import quantity
 
@@ -57,7 +57,9 @@ def optimise(
         plan, base, search = load_search(file)
     target = placed(file, output_, force)
     told_of_search(plan, base, search, target, yes, quiet, force)
-    found = grown(target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search))
+    found, more = grown(
+        target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search, base)
+    )
     from ..study.carry import units_of
     from ..study.optimise import best
 
@@ -66,7 +68,8 @@ def optimise(
     if as_json:
         rows = [{"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})} for one in front]
         aims = {"minimised": list(search.minimised), "maximised": list(search.maximised)}
-        print_json({"file": str(target), "members": len(found), "feasible": feasible, **aims, "best": rows})
+        counts = {"members": len(found), "feasible": feasible, "refined": len(more.members), "why": more.why}
+        print_json({"file": str(target), **counts, **aims, "best": rows})
     elif not quiet and front:
         names = [one.name for one in plan.parameters]
         table = grid(*names, *units, right=tuple(range(len(names) + len(units))))
@@ -76,8 +79,11 @@ def optimise(
         one_way = "the least of" if search.minimised else "the most of"
         sought = [*search.minimised, *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised)]
         what = one_way if len(search.aims) == 1 else "the Pareto front of"
-        output().print(f"{len(found):,} members, {feasible:,} within the limits; {what} {', '.join(sought)}:")
+        last = f", the last {len(more.members):,} by derivatives" if more.members else ""
+        output().print(f"{len(found):,} members{last}, {feasible:,} within the limits; {what} {', '.join(sought)}:")
         output().print(table)
+    if more.why and not quiet:
+        tell("note", f"derivatives lead no further: {more.why}.")
     if not front:
         tell("failed", f"none of {len(found):,} members keeps the limits; widen them, or what is varied, or ask for more members", "bold red")
         raise typer.Exit(UNMET)
@@ -124,12 +130,8 @@ def allocate(
 def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
     """What ``--json`` prints of an allocation."""
     asked = task.asked
-
-    def fits(choice: Choice) -> dict[str, str]:
-        return {one.name: fit for one, fit, own in zip(task.parameters, choice.names, task.fits, strict=True) if own}
-
     return {
-        "fits": None if found.choice is None else fits(found.choice),
+        "fits": None if found.choice is None else task.chosen(found.choice),
         "cost": None if found.choice is None else found.choice.cost,
         "measure": asked.measure,
         "limit": task.bound.high,
@@ -138,7 +140,7 @@ def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
         "quantile": None if found.estimate is None else found.estimate.value,
         "failures": found.failures,
         "machines": found.count,
-        "rejected": [{"fits": fits(one), "cost": one.cost} for one in found.rejected],
+        "rejected": [{"fits": task.chosen(one), "cost": one.cost} for one in found.rejected],
     }
 
 
@@ -164,8 +166,6 @@ def print_allocated(task: Allotment, found: Allocated, unit: str) -> None:
 
 def placed(file: Path, target: Path | None, force: bool) -> Path:
     """Where a study is kept. Ends with a sentence where something else has the name."""
-    from .study import refuse_foreign
-
     found = target if target is not None else Path("runs") / f"{file.stem}.study"
     with sentences(str(file)):
         refuse_foreign(found, force)
@@ -187,7 +187,6 @@ def grown(
 ) -> Work:
     """What a search comes to, its members kept in a file; ends with the code of a signal, and says how to go on."""
     from .progress import ProgressLine
-    from .study import Line
 
     kept = f"Members that ended are kept in {target}; the same command goes on after them."
     with sentences(str(target)), writing(str(target), kept):
@@ -201,7 +200,7 @@ def grown(
             NOW.last.append(lock.release)
             NOW.saved = kept
             with joined(cluster, workers, run_on) as runner, made(target, plan, base, name, replace=force) as file, ProgressLine(quiet) as line:
-                show = Line(line)
+                show = MemberLine(line)
                 told = (lambda done, many, outcome: show(done, max(many, of), outcome)) if of is not None else show
                 try:
                     return work(Growing(file, base, workers=workers, runner=runner, told=told))

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .mapcost import Work, told_of
-from .mapped import Csv, Drop, Figured, Of, Phase, Target, Yes, carried_out, drawn_and_told, places, quantity_at
-from .options import LawsOption, ModelArgument, SetOption, read_model
+from .mapcost import Work
+from .mapmaking import Given, Question, answered
+from .mapoptions import Csv, Figured, Of, Phase, Step, Target, Yes, drop_of, quantity_at, turning_steps
+from .options import LawsOption, ModelArgument, SetOption
 from .run import Quiet
-from .targets import refuse_inputs
-from .terminal import sentences
+
+if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
 
 MOST_TURNS = 10_000_000
 Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns.")]
-STEP = "Time step; a turn has a whole number of them."
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="automatic")]
+Third = Annotated[int | None, typer.Option("--drop", metavar="N", min=0, help="So many of them are not looked at.", show_default="a third of them")]
 Impacts = Annotated[
     list[str] | None, typer.Option("--impacts", metavar="JOINT", help="Look at every contact that begins in it.", show_default="all with play")
 ]
@@ -26,7 +26,7 @@ Impacts = Annotated[
 def section(
     model: ModelArgument,
     turns: Turns = 300,
-    drop: Drop = 100,
+    drop: Third = None,
     of: Of = None,
     phase: Phase = 0.0,
     impacts: Impacts = None,
@@ -44,19 +44,14 @@ def section(
     At impacts: where on the bearing, how fast and at which angle of the crank a contact begins, located inside the step. After Ctrl-C or a kill the
     same command goes on.
     """
-    place = target if target is not None else Path("runs") / f"{model.stem}-section.map"
-    with sentences(str(model)):
-        drawn = places(place, figure, csv, target is None)
-        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
-        mechanism = read_model(model, set_, laws)
-        from ..study.sections import poincare_section as made
 
+    def understood(mechanism: Mechanism) -> Question:
+        from ..study.sections import DROPPED, poincare_section
+
+        size, left = quantity_at("--step", step), drop_of(drop, turns, DROPPED)
         joints = tuple(mechanism.contacts) if impacts is None else tuple(impacts)
-        size = quantity_at("--step", step)
-    told_of(Work(1, "motion", turns, drop, 1, len(of or (1, 1)) + 1, struck=bool(joints)), mechanism, size, place, yes, quiet)
-    with sentences(str(model)):
-        given: dict[str, Any] = {
-            "turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "joints": joints, "step": size,
-        }  # fmt: skip
-        found = carried_out(place, quiet, "turns", lambda progress: made(mechanism, **given, file=place, progress=progress))
-    drawn_and_told(found, place, drawn, csv, quiet)
+        work = Work(1, "motion", turns, left, turning_steps([mechanism], size), 1, len(of or (1, 1)) + 1, struck=bool(joints))
+        given = {"turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0, "joints": joints, "step": size}
+        return Question(work, "turns", poincare_section, given)
+
+    answered(Given(model, "-section.map", target, figure, csv, set_, laws, yes, quiet), understood)

@@ -82,7 +82,8 @@ def sensitivity(
 
             saved_in_style(lambda: tornado(found), figure)
     if as_json:
-        print_json({"model": found.mechanism, "part": found.part, "refused": found.refused, "rows": found.rows()})
+        left_out = {"refused": found.refused, "rounding": sorted(found.rounding)}
+        print_json({"model": found.mechanism, "part": found.part, **left_out, "rows": found.rows()})
     elif not quiet:
         show(found, top)
 
@@ -109,6 +110,8 @@ def show(found: Sensitivity, top: int) -> None:
     console.print(Text(f"Measures are of the {found.part}, in SI units{told}."))
     if found.doubtful:
         tell("note", f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean nothing.")
+    if found.rounding:
+        tell("note", f"left out as rounding beside the largest of their unit: {', '.join(sorted(found.rounding))}.")
     wide = {name: spread for name in found.measures if name not in found.doubtful and (spread := found.spread(name)) > WIDE}
     if wide:
         most = max(wide, key=wide.__getitem__)

@@ -24,7 +24,7 @@ PEAKS = 8
 OF = "Series, as C.force; once for each."
 Of = Annotated[list[str] | None, typer.Option("--of", metavar="SERIES", help=OF, show_default="the largest forces")]
 As = Annotated[str, typer.Option("--as", metavar="|".join(KINDS), help="Over frequency; over time and frequency; or the size of what vibrates.")]
-Window = Annotated[str, typer.Option(metavar="NAME", help="hann, hamming, blackman, flat-top or rectangular.")]
+Window = Annotated[str | None, typer.Option(metavar="NAME", help="hann, hamming, blackman, flat-top or rectangular.", show_default="hann")]
 Length = Annotated[
     str | None, typer.Option(metavar="TIME", help="Length of the windows, as 5ms.", show_default="the run; of a spectrogram a sixteenth of it")
 ]
@@ -40,7 +40,7 @@ def spectrum(
     run: RunArgument,
     of: Of = None,
     kind: As = "spectrum",
-    window: Window = "hann",
+    window: Window = None,
     length: Length = None,
     turns: Turns = None,
     overlap: Overlap = None,
@@ -64,7 +64,10 @@ def spectrum(
             raise ValueError(f"--csv {csv}: one table holds one series and these are {len(names)}; name one with --of")
         if within is not None and kind != "envelope":
             raise ValueError("--band: only an envelope has one; add --as envelope")
-        given: dict[str, Any] = {"window": window, "seconds": seconds, "turns": turns}
+        named = {"window": window, "length": length, "turns": turns, "overlap": overlap}
+        if kind == "envelope" and (vain := [f"--{name}" for name, value in named.items() if value is not None]):
+            raise ValueError(f"{', '.join(vain)}: an envelope is that of the whole run and has no windows; leave this out, or choose a --band")
+        given: dict[str, Any] = {"window": window or "hann", "seconds": seconds, "turns": turns}
         if overlap is not None:
             given["overlap"] = overlap
         if kind == "envelope":
@@ -93,13 +96,12 @@ def banded(text: str | None) -> tuple[float, float] | None:
     """A band of frequencies (Hz), as 2..8kHz. Raises ValueError for what is none."""
     if text is None:
         return None
-    from ..live.sliders import NUMBER, bare
+    from ..units import ends_of
 
-    low, dots, high = (part.strip() for part in text.partition(".."))
-    if not (dots and low and high):
+    ends = ends_of(text)
+    if ends is None:
         raise ValueError(f"--band {text}: this is not LOW..HIGH; write it as in --band 2..8kHz")
-    low = f"{low} {NUMBER.sub('', high)}" if bare(low) else low
-    return positive("--band", low, "1/s"), positive("--band", high, "1/s")
+    return positive("--band", ends[0], "1/s"), positive("--band", ends[1], "1/s")
 
 
 def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:

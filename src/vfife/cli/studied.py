@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..results.lock import holder
+from .ended import ForceFile, refuse_ending, refuse_taken
 from .membered import FileArgument as FileArgument
 from .options import JsonOption
 from .terminal import amount_of_bytes, counted, errors, grid, output, print_json, row, sentences, writing
@@ -116,7 +117,6 @@ def every(found: Study) -> Any:
 
 
 ENDINGS = (".csv", ".nc", ".parquet")
-ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")]
 
 
 def export(
@@ -125,12 +125,8 @@ def export(
     force: ForceFile = False,
 ) -> None:
     """Write a study as a table of its members (CSV, Parquet) or a labelled dataset (NetCDF), with units."""
-    from .ended import refuse_taken
-
     with sentences(str(target)):
-        if target.suffix.lower() not in ENDINGS:
-            known = f"{', '.join(ENDINGS[:-1])} and {ENDINGS[-1]}"
-            raise ValueError(f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv: there are {known}')
+        refuse_ending(target, ENDINGS)
         refuse_taken(target, force)
     found = read(file)
     with sentences(str(file)), writing(str(target), "The study is as it was, and so is what was there before."):

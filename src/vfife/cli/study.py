@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import time
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,14 +11,14 @@ import typer
 from typer.core import TyperGroup
 
 from ..solvers.status import Status
-from .membered import Device, FileArgument, Force, Quiet, Retry, StudyArgument, Target, Workers, Yes
+from .membered import Device, FileArgument, Force, MemberLine, Quiet, Retry, StudyArgument, Target, Workers, Yes, refuse_foreign
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .plainly import Command, Plainly
 from .sampled import indices, tolerance
 from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
-from .terminal import DIVERGED, command, print_json, sentences, span, tell, writing
+from .terminal import DIVERGED, command, print_json, sentences, tell, writing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
     from ..study.carry import Runner
-    from ..study.engine import Outcome
     from ..study.plan import Plan
 
 RUN = "run"
@@ -169,14 +167,6 @@ study.command(cls=Command)(indices)
 study.command(cls=Command)(allocate)
 
 
-def refuse_foreign(target: Path, force: bool) -> None:
-    """Raises ValueError where something else has the name of the study file."""
-    from ..results.header import study_head
-
-    if target.exists() and study_head(target) is None:
-        raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
-
-
 def told_of(plan: Plan, base: Mechanism, target: Path, yes: bool, quiet: bool, anew: bool = False, retry: bool = False) -> None:
     """The forecast, and the end of what nobody can mean; ``anew``: what is there already gives way."""
     from .forecast import forecast, groups, refuse_absurd, tell_forecast
@@ -226,7 +216,7 @@ def carried(
             NOW.saved = went_on
             with joined(cluster, workers, run_on) as runner, opened() as file:  # a cluster that cannot be had costs no file
                 with ProgressLine(quiet) as line:
-                    whole = carry_out(file, base, workers=workers, told=Line(line), runner=runner, retry=retry)
+                    whole = carry_out(file, base, workers=workers, told=MemberLine(line), runner=runner, retry=retry)
                 found = read_back(file)
     if as_json:
         from .studied import payload
@@ -250,23 +240,3 @@ def ended(found: Study) -> None:
         again = f"; {command()} study resume --retry {shlex.quote(str(found.path))} tries them again" if found.path else ""
         tell("failed", f"{len(bad):,} of {len(found.members):,} members gave no measures; the first: {bad[0]}{again}", "bold red")
         raise typer.Exit(DIVERGED)
-
-
-class Line:
-    """The progress line of a study: members, members a second, time left, failures."""
-
-    def __init__(self, line: Any) -> None:
-        self.line, self.began, self.failed = line, time.monotonic(), 0
-        self.first: int | None = None
-
-    def __call__(self, done: int, of: int, outcome: Outcome) -> None:
-        """Shows where the study stands; called after each member."""
-        from ..solvers.progress import Progress
-
-        self.first = done - 1 if self.first is None else self.first
-        self.failed += outcome.status != Status.COMPLETE
-        seconds = max(time.monotonic() - self.began, 1e-9)
-        rate = (done - self.first) / seconds
-        left = f"{span((of - done) / rate)} left" if done < of else f"in {span(seconds)}"
-        bad = f"  {self.failed:,} failed" if self.failed else ""
-        self.line(Progress(done, of, seconds, f"{done:,} of {of:,} members  {rate:.3g} members/s  {left}{bad}"))

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .mapped import carried_out, drawn_and_told, places, quantity_at
-from .options import LawsOption, ModelArgument, SetOption, read_model
+from .mapcost import Work
+from .mapmaking import Given, Question, answered
+from .mapoptions import Yes, number_range, quantity_at
+from .options import LawsOption, ModelArgument, SetOption
 from .run import Quiet
-from .targets import refuse_inputs
-from .terminal import sentences, writing
+
+if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
 
 OVER = "The number, from and to, as in driver.crank.speed=500..3000rpm."
 Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
 Count = Annotated[int, typer.Option("--count", metavar="N", min=2, max=10_000, help="Values of it, a run each.")]
 Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=1_000_000, help="Turns of each run.")]
-Last = Annotated[int, typer.Option("--last", metavar="N", min=1, help="So many of the last are transformed: orders are 1/N apart.")]
+LAST = "So many of the last are transformed: orders are 1/N apart."
+Last = Annotated[int | None, typer.Option("--last", metavar="N", min=1, help=LAST, show_default="4, or all of fewer turns")]
 Of = Annotated[list[str] | None, typer.Option("--of", metavar="SERIES", help="Series, as C.force.", show_default="forces of joints with play")]
 Outputs = Annotated[int, typer.Option("--outputs", metavar="N", min=8, help="Samples in a turn; what is faster than half of them is folded back.")]
 Highest = Annotated[float, typer.Option("--highest", metavar="ORDER", help="Highest order that is kept.")]
@@ -36,7 +40,7 @@ def waterfall(
     over: Over,
     count: Count = 50,
     turns: Turns = 12,
-    last: Last = 4,
+    last: Last = None,
     of: Of = None,
     outputs: Outputs = 1440,
     highest: Highest = 50.0,
@@ -48,37 +52,27 @@ def waterfall(
     csv: Table = None,
     set_: SetOption = None,
     laws: LawsOption = None,
+    yes: Yes = False,
     quiet: Quiet = False,
 ) -> None:
     """Waterfall: spectra over a number, mostly the crank's speed, by orders of the crank; a run each, side by side on all cores.
 
     Every run begins at the model's own start. After Ctrl-C or a kill the same command goes on with the runs that are missing.
     """
-    place = target if target is not None else Path("runs") / f"{model.stem}.waterfall"
-    with sentences(str(model)):
-        drawn = places(place, figure, csv, target is None, "waterfall")
-        refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", csv)), (model, *(laws or ())))
-        mechanism = read_model(model, set_, laws)
-        from ..live.sliders import asked_slides
-        from ..study.waterfall import waterfall as computed
 
-        (slide,) = asked_slides(mechanism, [over], "--over")
-        given: dict[str, Any] = {
-            "count": count,
-            "turns": turns,
-            "last": last,
-            "series": of or (),
-            "outputs": outputs,
-            "highest": highest,
-            "window": window,
-        }
-        size, ends = quantity_at("--step", step), (slide.values[0], slide.values[-1])
-        found = carried_out(
-            place, quiet, "runs", lambda told: computed(mechanism, slide.paths[0], *ends, step=size, file=place, progress=told, **given)
-        )
-    if hertz:
-        with writing(str(drawn)):
-            from ..plots.files import saved_in_style
+    def understood(mechanism: Mechanism) -> Question:
+        from ..codegen.native import widest
+        from ..study.waterfall import about_steps, last_of
+        from ..study.waterfall import waterfall as made
 
-            saved_in_style(lambda: found.plot(hertz=True), drawn)
-    drawn_and_told(found, place, None if hertz else drawn, csv, quiet)
+        path, low, high = number_range(mechanism, over)
+        size, taken = quantity_at("--step", step), last_of(last, turns)
+        steps, kept = about_steps(mechanism, path, low, high, size), max(len(of or ()), 1) * (highest * taken + 1) / taken
+        work = Work(count, "run", turns, turns - taken, steps, max(widest(), 3), kept, grown=False)
+        given = {
+            "path": path, "low": low, "high": high, "count": count, "turns": turns, "last": taken, "series": of or (), "outputs": outputs,
+            "highest": highest, "window": window, "step": size,
+        }  # fmt: skip
+        return Question(work, "runs", made, given, {"hertz": hertz})
+
+    answered(Given(model, ".waterfall", target, figure, csv, set_, laws, yes, quiet, "waterfall"), understood)

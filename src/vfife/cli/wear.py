@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..results.header import WEAR_APPLICATION, head_with
-from .mapped import Step, places
+from .mapmaking import places
+from .mapoptions import Step
 from .options import LawsOption, SetOption, positive, read_model
 from .run import Quiet
 from .signals import NOW

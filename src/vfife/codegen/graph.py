@@ -29,6 +29,7 @@ from ..kernels.arrays import (
     Layout,
 )
 from ..kernels.topology import BEARING, CURRENT, FREE, LINE, PINNED, ROUND, STOP, Topology
+from .dissection import elimination_order
 
 LEVERS = (CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc)  # of bearing, journal and carrier in a row of constraints
 JOURNAL = 1  # the side whose lever counts the other way than that of the two others
@@ -37,8 +38,10 @@ TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
 @dataclass(frozen=True)
 class Graph:
-    """Derived lists, in the one order that every loop sums in."""
+    """Derived lists, in the one order that every loop sums in. Rows of constraints are those of the joints in the ``order`` of elimination."""
 
+    order: tuple[int, ...]
+    rows: tuple[int, ...]
     jointed: tuple[int, ...]
     pinned: tuple[int, ...]
     shared: tuple[bool, ...]
@@ -54,7 +57,10 @@ class Graph:
 
 @lru_cache(maxsize=64)
 def derive(topology: Topology) -> Graph:
-    """The graph of a topology. A couple is (row, row before it or the same, body, its side in the first, its side in the second)."""
+    """The graph of a topology. A couple is (row, row before it or the same, body, its side in the first, its side in the second).
+
+    ``rows`` are the numbers of the constraints in their order.
+    """
     free = set(topology.free)
     clearances = list(zip(topology.contact_bearing, topology.contact_journal, strict=True))
     ideals = list(zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True))
@@ -66,7 +72,9 @@ def derive(topology: Topology) -> Graph:
     touched = {body for pair in clearances for body in pair if body in free}
     jointed = tuple(sorted(touched | (set(pinned) if any(constrained) else set())))
     starts = topology.constraint_starts
-    sides = [three for joint, three in enumerate(ideals) for _ in range(starts[joint + 1] - starts[joint])]
+    order = elimination_order([sorted(set(three) & free) for three in ideals])
+    rows = tuple(row for joint in order for row in range(starts[joint], starts[joint + 1]))
+    sides = [ideals[joint] for joint in order for _ in range(starts[joint + 1] - starts[joint])]
     couples = _couples(sides, free)
     reach = list(range(len(sides)))
     for row, other, *_ in couples:
@@ -76,8 +84,9 @@ def derive(topology: Topology) -> Graph:
         start.append(size - low)
         size += r - low + 1
     again = any(constrained)
-    closing, together = _closing([three[:2] for three in ideals], starts, free), _together(topology, constrained)
-    return Graph(jointed, pinned, shared, constrained, couples, tuple(reach), tuple(start), size, again, closing, together)
+    closing = _closing([(starts[joint + 1] - starts[joint], ideals[joint][:2]) for joint in order], free)
+    together = _together(topology, constrained)
+    return Graph(order, rows, jointed, pinned, shared, constrained, couples, tuple(reach), tuple(start), size, again, closing, together)
 
 
 def _together(topology: Topology, constrained: tuple[bool, ...]) -> tuple[bool, ...]:
@@ -90,11 +99,14 @@ def _together(topology: Topology, constrained: tuple[bool, ...]) -> tuple[bool, 
     return tuple(counts and any(uses[body] > 1 for body in pair) for pair, counts in zip(pairs, outside, strict=True))
 
 
-def _closing(ideals: list[tuple[int, int]], starts: tuple[int, ...], free: set[int]) -> tuple[bool, ...]:
-    """Whether each constraint joins bodies that joints before its own hold together already; bodies whose motion is prescribed are one."""
+def _closing(order: list[tuple[int, tuple[int, int]]], free: set[int]) -> tuple[bool, ...]:
+    """Whether each constraint joins bodies that joints before its own hold together already; bodies whose motion is prescribed are one.
+
+    Joints are given in their order, each with its rows and its two bodies.
+    """
     part: dict[int, int] = {}
     found: list[bool] = []
-    for joint, pair in enumerate(ideals):
+    for count, pair in order:
         first, second = (body if body in free else 0 for body in pair)
         while first in part:
             first = part[first]
@@ -102,7 +114,7 @@ def _closing(ideals: list[tuple[int, int]], starts: tuple[int, ...], free: set[i
             second = part[second]
         if first != second:
             part[max(first, second)] = min(first, second)
-        found += [first == second] * (starts[joint + 1] - starts[joint])
+        found += [first == second] * count
     return tuple(found)
 
 
@@ -221,25 +233,27 @@ class Lists:
     def constraints(self) -> dict[str, Any]:
         """Ideal joints, their rows, and which rows meet at a body; two revolutes meet in one entry."""
         t, graph, low, row = self.t, self.graph, self.low, self.row
-        starts, body = t.constraint_starts, self.body
-        ends = [pair for k, pair in enumerate(zip(t.joint_bearing, t.joint_journal, strict=True)) for _ in range(starts[k + 1] - starts[k])]
+        starts, body, rows = t.constraint_starts, self.body, graph.rows
         counts = np.diff(starts)
-        pins = [part for held, rows in zip(t.held, counts, strict=True) for part in ((1, 2) if held == (PINNED, FREE) else (0,) * int(rows))]
+        joints = [k for k in graph.order for _ in range(counts[k])]
+        pins = [part for k in graph.order for part in ((1, 2) if t.held[k] == (PINNED, FREE) else (0,) * int(counts[k]))]
         carriers = [0 if c == 0 else int(body[c]) for c in t.carriers]
-        leaning = [c for k, c in enumerate(carriers) for _ in range(starts[k + 1] - starts[k])]
+        place = {number: k for k, number in enumerate(rows)}
         return {
             "joint": self.records(
                 "joint", self.bodies(t.joint_bearing), self.bodies(t.joint_journal), *(np.array(t.held, dtype=int).reshape(-1, 2).T),
-                [row(k) if self.count else 0 for k in starts[:-1]], [self.y + k for k in starts[:-1]],
+                [row(k) if self.count else 0 for k in starts[:-1]], [self.y + place.get(k, 0) for k in starts[:-1]],
                 self.function(t.joint_function or [-1] * len(t.joint_bearing)), counts, *self.paths(t.joint_path, len(t.joint_bearing)), carriers,
             ),
             "constraint": [
-                (row(k), *(int(body[p]) for p in ends[k]), graph.first[k], low + graph.start[k], int(graph.closing[k]), leaning[k])
-                for k in range(self.count)
+                (row(rows[k]), int(body[t.joint_bearing[j]]), int(body[t.joint_journal[j]]), graph.first[k], low + graph.start[k],
+                 int(graph.closing[k]), carriers[j])
+                for k, j in enumerate(joints)
             ],
             "couple": [
-                (row(i), row(k), int(body[shared]), row(i, LEVERS[si]), row(k, LEVERS[sk]), int((si == JOURNAL) == (sk == JOURNAL)),
-                 low + graph.start[i] + k, int(pins[i] and pins[k]), low + graph.start[min(i + 1, self.count - 1)] + k)
+                (row(rows[i]), row(rows[k]), int(body[shared]), row(rows[i], LEVERS[si]), row(rows[k], LEVERS[sk]),
+                 int((si == JOURNAL) == (sk == JOURNAL)), low + graph.start[i] + k, int(pins[i] and pins[k]),
+                 low + graph.start[min(i + 1, self.count - 1)] + k)
                 for i, k, shared, si, sk in graph.couples
                 if not (pins[i] and pins[k]) or (pins[i] == 1 and pins[k] == 1)
             ],

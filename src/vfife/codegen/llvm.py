@@ -13,8 +13,8 @@ from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .cachelines import LINE, padded
 from .elimination import shared_tangent
-from .native import LINE, padded
 from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
@@ -43,7 +43,8 @@ class Writer:
         self.suffix = "f64" if width == 1 else f"v{width}f64"
         self.constants: dict[str, str] = {}
         self.count = 0
-        self.framed = ' "stackrealign"' if width > 2 else ""  # vectors that are put aside do not straddle two cache lines then
+        # Vectors that are put aside do not straddle two cache lines; what is put aside of numbers has addresses that are a byte shorter.
+        self.framed = ' "stackrealign"' if width > 2 else ' "frame-pointer"="all"'
 
     def kind(self, operand: Operand) -> str:
         """Type of an operand."""

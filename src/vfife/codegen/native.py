@@ -27,13 +27,7 @@ ADVANCE = ctypes.CFUNCTYPE(None, *BEFORE, NUMBER, NUMBER, POINTER, NUMBER, POINT
 WATCHING = (NUMBER, POINTER, NUMBER, POINTER, NUMBER, POINTER, POINTER)
 STREAM = ctypes.CFUNCTYPE(NUMBER, *[POINTER] * 3, *[NUMBER] * 4, *[POINTER, NUMBER] * 2, *WATCHING, *[POINTER] * 4, NUMBER, POINTER)
 NEVER = 2**62  # steps between two looks
-LINE = 8  # numbers in a line of a processor's cache, in which copies of a state are taken
 Counts = NDArray[np.int64]
-
-
-def padded(count: int) -> int:
-    """So many numbers in whole lines of the cache."""
-    return -(-count // LINE) * LINE
 
 
 @lru_cache(maxsize=1)

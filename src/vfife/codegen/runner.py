@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from .cachelines import aligned, padded
 from .compile import compiled, interpreted
 from .graph import tables
 from .lock import WRITING
-from .native import LINE, NEVER, Memory, Take, llvmlite_version, padded, straight_line
+from .native import NEVER, Memory, Take, llvmlite_version, straight_line
 from .source import data_driven
 
 PARTS = 8  # steps that a step with an event is taken again in
@@ -23,13 +24,6 @@ Rows = NDArray[np.float64]
 Integers = NDArray[np.uint32]
 NONE: Integers = np.zeros(0, dtype=np.uint32)
 ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1 i u1 f1 f1"  # of the data-driven loop
-
-
-def aligned(count: int) -> Rows:
-    """Zeros that begin a cache line, with room to its last one's end: vector loads that straddle two lines cost a quarter of the speed."""
-    space = np.zeros(padded(count) + LINE)
-    skip = (-space.ctypes.data // 8) % LINE
-    return space[skip : skip + count]
 
 
 @lru_cache(maxsize=16)

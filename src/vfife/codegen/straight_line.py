@@ -139,7 +139,7 @@ def about(topology: Topology) -> int:
     bands = [row - first for row, first in enumerate(graph.first)]
     bound = len(set(topology.bound) & set(topology.free))
     own = 50 * len(topology.frame_nodes) + 15 * (len(topology.free) + bound) + 60 * len(topology.trig) + 50 * len(bands)
-    joined = 150 * len(topology.contact_bearing) + 40 * len(topology.spring_first) + sum(band * band + 10 * band for band in bands)
+    joined = 150 * len(topology.contact_bearing) + 40 * len(topology.spring_first) + sum(band * band + 8 * band for band in bands)
     return own + joined + sum(graph.constrained) * (sum(5 * band + 55 for band in bands) + 15 * len(graph.jointed))
 
 

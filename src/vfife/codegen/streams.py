@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .native import Memory, padded, straight_line
-from .runner import NONE, PARTS, Integers, Rows, Runner, aligned
+from .cachelines import aligned, padded
+from .native import Memory, straight_line
+from .runner import NONE, PARTS, Integers, Rows, Runner
 
 NEVER = 2**62  # steps after which a lane without a simulation is due
 LOOK = 250  # steps between two looks at lanes that may break

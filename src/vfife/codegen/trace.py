@@ -81,6 +81,7 @@ class Tape:
         self.operations: list[Operation] = []
         self.known: dict[tuple[Any, ...], Symbol] = {}
         self.loads: dict[int, Symbol] = {}
+        self.opposites: dict[str, Symbol] = {}
         self.rare: list[Any] = []
 
     def emit(self, operator: str, *operands: Any) -> Symbol:
@@ -118,22 +119,41 @@ def _one(x: Any) -> bool:
     return not isinstance(x, Symbol) and x == 1
 
 
+def _opposite(x: Any) -> Any:
+    """What a symbol is the negative of, None of others. A sign goes through products to a sum, which takes it in and is exact as before."""
+    return x.tape.opposites.get(x.name) if isinstance(x, Symbol) else None
+
+
 def _add(a: Any, b: Any) -> Any:
-    return b if _zero(a) else a if _zero(b) else None
+    if _zero(a) or _zero(b):
+        return b if _zero(a) else a
+    first, second = _opposite(a), _opposite(b)
+    return a - second if second is not None else b - first if first is not None else None
 
 
 def _subtract(a: Any, b: Any) -> Any:
-    return a if _zero(b) else -b if _zero(a) else None
+    if _zero(a) or _zero(b):
+        return a if _zero(b) else -b
+    second = _opposite(b)
+    return a + second if second is not None else None
 
 
 def _multiply(a: Any, b: Any) -> Any:
     if _zero(a) or _zero(b):
         return 0.0
-    return b if _one(a) else a if _one(b) else None
+    if _one(a) or _one(b):
+        return b if _one(a) else a
+    if _one(-a if not isinstance(a, Symbol) else a):
+        return -b
+    first, second = _opposite(a), _opposite(b)
+    return -(first * b) if first is not None else -(a * second) if second is not None else None
 
 
 def _divide(a: Any, b: Any) -> Any:
-    return 0.0 if _zero(a) else a if _one(b) else None
+    if _zero(a) or _one(b):
+        return 0.0 if _zero(a) else a
+    first, second = _opposite(a), _opposite(b)
+    return -(first / b) if first is not None else -(a / second) if second is not None else None
 
 
 def _operator(operator: str, fold: Callable[[Any, Any], Any] | None = None, swap: bool = False) -> Callable[[Symbol, Any], Any]:
@@ -173,10 +193,16 @@ class Symbol:
         return 0 if other == 1 else NotImplemented
 
     def __neg__(self) -> Symbol:
-        return self.tape.emit("neg", self)
+        opposite: Symbol | None = _opposite(self)
+        if opposite is not None:
+            return opposite
+        result = self.tape.emit("neg", self)
+        self.tape.opposites[result.name] = self
+        return result
 
     def __abs__(self) -> Symbol:
-        return self.tape.emit("abs", self)
+        opposite: Symbol | None = _opposite(self)
+        return self.tape.emit("abs", self if opposite is None else opposite)
 
     def __bool__(self) -> bool:
         raise Branch("a branch on a number of the run cannot be written into straight-line code; use a conditional expression")

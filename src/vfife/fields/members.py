@@ -2,7 +2,8 @@
 
 A number of a noun may be :class:`Members`, an array with a value for each. What is made of it has the members first: a point of all is (members,),
 the positions of n bodies (members, n, 3). Operations are those of single numbers, to the bit, whatever stands beside them. A condition has to be
-true of all members or of none; where they differ :class:`Differing` tells which is which, and who asked takes them apart.
+true of all members or of none; where they differ :class:`Differing` tells which is which, and who asked takes them apart. What takes one plain
+number, such as a function of :mod:`math`, raises :class:`Alone`.
 """
 
 from __future__ import annotations
@@ -25,6 +26,10 @@ class Differing(Exception):
         self.where = where
 
 
+class Alone(Exception):
+    """What is made of each member by itself, and why."""
+
+
 class Members(np.ndarray[Any, Any]):
     """Values of all members, members first."""
 
@@ -39,6 +44,22 @@ class Members(np.ndarray[Any, Any]):
     def __pow__(self, exponent: Any, modulo: None = None) -> Any:
         """As a plain number's, which is not always that of an array."""
         return members([value**exponent for value in self.ravel().tolist()]).reshape(self.shape)
+
+    def __float__(self) -> float:
+        """Raises Alone: where one plain number is needed, each member is taken by itself."""
+        if self.ndim:
+            raise Alone("a plain number is needed")
+        return float(super().__float__())
+
+    def __int__(self) -> int:
+        """As :meth:`__float__`."""
+        return int(float(self))
+
+    def __index__(self) -> int:
+        """As :meth:`__float__`."""
+        if self.ndim:
+            raise Alone("a plain number is needed")
+        return int(super().__index__())
 
     def __format__(self, how: str) -> str:
         return "several values"

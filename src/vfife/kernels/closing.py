@@ -11,7 +11,7 @@ same factors; where what is left is still not next to nothing (a fast light body
 method follows with the turned rows, and where that does not close either, the step is taken again in parts.
 """
 
-from .arrays import CONSTRAINT, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE, SYSTEM
+from .arrays import CONSTRAINT, CONSTRAINT_INDEX, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE, SYSTEM
 from .constraint import carry, lever, levers, placed, pull, relative_turn
 from .elementary import sincos, turned
 from .factors import FLOOR, equations, factor, fill, idle, solve
@@ -48,7 +48,14 @@ def guess(S, q):
     before = S[q + CONSTRAINT.before]
     S[q + CONSTRAINT.before] = force
     S[q + CONSTRAINT.force] = 0.0
-    return force + (force - before) if before != 0.0 else force
+    return force + (force - before)
+
+
+def begin(S, I):
+    """The reactions of the start go on as they are."""
+    for m in range(I[HEADER.constraint_count]):
+        q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m + CONSTRAINT_INDEX.row]
+        S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force]
 
 
 def bear(S, I, r, q, force):

@@ -29,13 +29,11 @@ def sincos(angle):
     p = 4.16666666666666019037e-02 + z * -1.38888888888741095749e-03
     q = 2.48015872894767294178e-05 + z * -2.75573143513906633035e-07
     c = (1.0 - 0.5 * z) + z2 * ((p + z2 * q) + z4 * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))
-    m = k - 4.0 * nearest(k * 0.25)
-    odd = m * m == 1.0
-    half = m * m == 4.0
-    sine = c if odd else s
-    cosine = s if odd else c
-    sine = -sine if (half or m == -1.0) else sine
-    cosine = -cosine if (half or m == 1.0) else cosine
+    m = k - 4.0 * nearest(k * 0.25)  # quarter turns, from -2 to 2
+    odd = abs(m) == 1.0
+    sign = 1.0 - abs(m)
+    sine = m * c if odd else sign * s
+    cosine = -(m * s) if odd else sign * c
     return sine, cosine
 
 

@@ -26,7 +26,7 @@ from .arrays import (
     UNIT,
 )
 from .central_difference import chord_acceleration, coefficients, driven_reaction, larger
-from .closing import close, hold
+from .closing import begin, close, hold
 from .constraint import reaction
 from .contact import contact_geometry, guides, solve_contacts, velocities
 from .elementary import sincos
@@ -368,6 +368,8 @@ def joints(S, I, start, span, central):
         guides(S, I)
     if I[HEADER.close_again] != 0:
         close(S, I, dt, b, k)
+    if seldom(start):
+        begin(S, I)
 
 
 def step(S, I, n, start):

@@ -17,8 +17,12 @@ from .arrays import CONTACT, CONTACT_INDEX, HARMONIC, PARTICLE, WEAR
 from .central_difference import larger
 
 
-def profile(S, first, count, c, s):
-    """Depth (m) of a worn profile at the angle with cosine c and sine s, and its derivative (m/rad)."""
+def profile(S, first, count, body, nx, ny):
+    """Depth (m) of a worn profile of a body in the direction n, and its derivative by the angle (m/rad); the profile turns with the body."""
+    cb = S[body + PARTICLE.c]
+    sb = S[body + PARTICLE.s]
+    c = cb * nx + sb * ny
+    s = cb * ny - sb * nx
     depth = S[first + HARMONIC.cosine]
     slope = 0.0
     ck = c
@@ -41,25 +45,17 @@ def worn(S, I, r, depth, nx, ny):
     counts on half the clearance at the least, where nothing touches.
     """
     w = I[r + CONTACT_INDEX.wear]
-    b = I[r + CONTACT_INDEX.bearing]
-    k = I[r + CONTACT_INDEX.journal]
     size = S[I[r + CONTACT_INDEX.row] + CONTACT.size]
     inverse = 1.0 / larger(depth + size, 0.5 * size)
     on_bearing = 0.0
     on_journal = 0.0
-    if I[r + CONTACT_INDEX.bearing_count] != 0:
-        cb = S[b + PARTICLE.c]
-        sb = S[b + PARTICLE.s]
-        worn_b, on_bearing = profile(
-            S, I[r + CONTACT_INDEX.bearing_first], I[r + CONTACT_INDEX.bearing_count], cb * nx + sb * ny, cb * ny - sb * nx
-        )
+    count = I[r + CONTACT_INDEX.bearing_count]
+    if count != 0:
+        worn_b, on_bearing = profile(S, I[r + CONTACT_INDEX.bearing_first], count, I[r + CONTACT_INDEX.bearing], nx, ny)
         depth -= worn_b
-    if I[r + CONTACT_INDEX.journal_count] != 0:
-        ck = S[k + PARTICLE.c]
-        sk = S[k + PARTICLE.s]
-        worn_k, on_journal = profile(
-            S, I[r + CONTACT_INDEX.journal_first], I[r + CONTACT_INDEX.journal_count], ck * nx + sk * ny, ck * ny - sk * nx
-        )
+    count = I[r + CONTACT_INDEX.journal_count]
+    if count != 0:
+        worn_k, on_journal = profile(S, I[r + CONTACT_INDEX.journal_first], count, I[r + CONTACT_INDEX.journal], nx, ny)
         depth -= worn_k
         S[w + WEAR.journal] = worn_k
     slope = inverse * (on_bearing + on_journal)

@@ -26,7 +26,7 @@ def clear(motion: Motion, speed: Array) -> NDArray[np.bool_]:
     Of others nothing is said. The turn is walked in strides along velocity and curvature, with a correction at each.
     """
     system, drives = motion.system, motion.system.drives
-    count = len(motion.position) if motion.position.ndim > 2 else 1
+    count = len(speed)
     nobody = np.zeros(count, dtype=bool)
     if len(drives) != 1 or not drives[0].turns or drives[0].body_a != 0 or motion.position.ndim < 3:
         return nobody

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from ..fields.members import Differing, Members
+from ..fields.members import Alone, Differing, Members
 from ..fields.members import chosen as of_members
 from ..laws.elasticity import tangent
 from ..model.bodies import Point
@@ -155,20 +155,20 @@ def driven_start(mechanism: Mechanism, met: dict[Any, tuple[Array, Array]] | Non
     """The :func:`ideal_motion` from which many members start, without accelerations and forces; see :mod:`vfife.fields.members`.
 
     ``met`` remembers what was closed, for mechanisms that differ in what does not move them.
-    Raises :class:`~vfife.fields.members.Differing` where they are not to be treated alike, and ValueError where each has to be taken alone: the
+    Raises :class:`~vfife.fields.members.Differing` where they are not to be treated alike, and Alone where each has to be taken by itself: the
     motion depends on forces, or joints hold more than there is to hold.
     """
     if any(any(body.velocity) for body in mechanism.bodies.values()) or mechanism.start.journals != "centred":
-        raise ValueError("bodies have velocities of their own, or journals are seated")
+        raise Alone("bodies have velocities of their own, or journals are seated")
     if any(not driven_body(name, driver) for name, driver in mechanism.drivers.items()):
-        raise ValueError("a travel counts from the start")
+        raise Alone("a travel counts from the start")
     datum = Datum(angle={name: body.angle for name, body in mechanism.bodies.items()})
     system, guess = rigid_system(mechanism, datum=datum), first_guess(mechanism)
     hand = handedness(guess)
     flip = np.array([1.0, hand, hand])
     solved = mirrored(system) if hand < 0.0 else system
     if system.starts[-1] != 3 * len(system.names) - 3:
-        raise ValueError("free motions have velocities that follow from masses")
+        raise Alone("free motions have velocities that follow from masses")
     values = [guess, solved.reach, *(value for one in solved.constraints for value in (*one.numbers, one.speed))]
     ties = tuple((one.body_a, one.body_b, one.body_c, one.held, one.driven) for one in solved.constraints)
     key = ties, hand, tuple(np.asarray(value).tobytes() for value in values)

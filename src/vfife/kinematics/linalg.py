@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import Differing, Members, alike
+from ..fields.members import Alone, Differing, Members, alike
 
 Array = NDArray[np.float64]
 Matrix = Any  # a dense array, or a sparse one of SciPy
@@ -108,14 +108,14 @@ class DampedStep:
 def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array, independent: bool = False) -> tuple[Array, Array]:
     """The motion x [c] with G x = wanted and the least (x - free)^T M (x - free), and its multipliers [r]: M (x - free) = G^T lambda.
 
-    ``independent``: ValueError where rows depend on one another. Where they do, lambda is the solution of least norm, and x fits ``wanted`` as
+    ``independent``: raises Alone where rows depend on one another. Where they do, lambda is the solution of least norm, and x fits ``wanted`` as
     well as can be.
     """
     if isinstance(jacobian, np.ndarray):
         left, size, right = np.linalg.svd(jacobian)
         rank = alike(np.sum(size > RANK_TOLERANCE, axis=-1))
         if independent and rank < jacobian.shape[-2]:
-            raise ValueError("rows depend on one another")
+            raise Alone("rows depend on one another")
         inverse = turned(right[..., :rank, :]) @ turned(left[..., :, :rank] / size[..., None, :rank])
         null = turned(right[..., rank:, :])
         motion = times(inverse, wanted)

@@ -50,8 +50,8 @@ def velocities(system: RigidSystem, position: Array, guess_velocity: Array | Non
     """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position [n,3].
 
     G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default: rest).
-    Raises AssemblyError when no velocity exists (a driven dead centre), ValueError on bad shapes, and where rows that are to be ``independent``
-    are not.
+    Raises AssemblyError when no velocity exists (a driven dead centre), ValueError on bad shapes, Alone where rows that are to be
+    ``independent`` are not.
     """
     position = checked(system, position, "position")
     before = checked(system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity")

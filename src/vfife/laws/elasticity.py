@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import Differing, anyone, both, each_of, members, number, of_members, select, several, sqrt
+from ..fields.members import Alone, Differing, anyone, both, each_of, members, number, of_members, select, several, sqrt
 from .law import ContactLaw
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ def tangent(law: ContactLaw, slots: tuple[Any, ...], force: Any) -> tuple[Any, A
         with np.errstate(all="ignore"):
             found: tuple[Any, Any] = _bisected(of_members(kind.force), tuple(slots), force)
             return found
-    except (Differing, TypeError):  # a law that chooses its way by the depth
+    except (Alone, Differing):  # a law that chooses its way by the depth
         pairs = each_of(lambda *one: _tangent(kind, tuple(one[:-1]), one[-1]), *slots, force)
         return members([one[0] for one in pairs]), members([one[1] for one in pairs])
 

@@ -31,7 +31,6 @@ from .sliders import POSITIONS, Slide
 from .together import Together, refuse_unfit, together, turned
 
 Array = NDArray[np.float64]
-Bits = NDArray[np.int64]
 GROUP_COMBINATIONS = 400  # of the positions of sliders that have to be assembled together
 FEWEST = 7  # positions of such a slider; where there would be fewer, one slider of the group moves at a time
 CHECKED = 12  # positions of all sliders at once that are assembled to be compared

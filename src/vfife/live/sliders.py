@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -11,13 +10,12 @@ from typing import Any
 from ..errors import shown, suggestion
 from ..fields.described import described_fields, key_of
 from ..model.mechanism import Mechanism
-from ..units import number
+from ..units import ends_of, number
 
 POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
 SHARES = {"clearance": (0.4, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.0)}  # of the model's value, by default
 RESTITUTION = (0.4, 0.95)
-NUMBER = re.compile(r"^[+-]?[0-9.]+([eE][+-]?[0-9]+)?")  # before the unit of a range's upper end
 SECTIONS = {"joint": "joints", "body": "bodies", "driver": "drivers", "spring": "springs", "load": "loads", "gear": "gears"}
 
 
@@ -79,28 +77,18 @@ def asked_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
     found = []
     for text in texts:
         path, sign, span = (part.strip() for part in text.partition("="))
-        low, dots, high = (part.strip() for part in span.partition(".."))
-        if not (sign and dots and path and low and high):
+        ends = ends_of(span)
+        if not (sign and path and ends):
             raise ValueError(f"{option} {text}: this is not PATH=LOW..HIGH; write it as in {option} joint.C.clearance=0.01..0.5mm")
         try:
             value, unit = value_at(mechanism, path)
-            high_value = number(high, unit)
-            low_value = number(f"{low} {NUMBER.sub('', high)}" if bare(low) else low, unit)
+            low_value, high_value = (number(end, unit) for end in ends)
         except ValueError as error:
             raise ValueError(f"{option} {text}: {error}") from None
         if not low_value < high_value:
             raise ValueError(f"{option} {text}: the range is empty; write its lower end first")
         found.append(spaced(path, (path,), unit, low_value, high_value, value))
     return found
-
-
-def bare(text: str) -> bool:
-    """Whether a text is a number without a unit, which is that of the upper end then."""
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def spaced(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, here: float) -> Slide:

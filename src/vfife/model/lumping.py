@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import largest, number, point, table
+from ..fields.members import Alone, chosen, largest, number, point, table
 from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Strain
 
 Array = NDArray[np.float64]
@@ -57,6 +57,8 @@ def mesh(body: Body) -> Mesh:
     made_of = (dict(body.nodes), dict(body.masses)) if isinstance(body, Frame) else ()
     kept = vars(body).get(_KEPT)
     if kept is None or kept[0] != made_of:
+        if chosen(body, 0) is not body:
+            raise Alone("elastic bodies are cut into elements one by one")
         kept = made_of, _frame(body) if isinstance(body, Frame) else _link(body)
         for values in (kept[1].position, kept[1].mass, kept[1].inertia, kept[1].nodes, kept[1].axial, kept[1].bending):
             values.setflags(write=False)

@@ -9,7 +9,6 @@ from typing import Any
 from .path import Path
 
 Point = tuple[float, float]
-MIRROR = (1.0, -1.0)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -129,8 +128,3 @@ def journal(contact: ContactLaw, *, axial_length: float = 0.02, mass: float = 1.
         axial_length=axial_length, contact=contact, friction=Frictionless(),
     )  # fmt: skip
     return m
-
-
-def with_contact(p: Parameters, contact: ContactLaw) -> Parameters:
-    """The same parameters under another contact law."""
-    return dataclasses.replace(p, contact=contact)

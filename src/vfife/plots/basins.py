@@ -55,5 +55,5 @@ def basins(found: Basins) -> Figure:
     shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, told, strict=True)]
     figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
     said = f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped}, {asked.steps:,} steps a turn"
-    heading(figure, f"{found.name}: {said}; {found.laws}")
+    heading(figure, f"{found.name}: {said}; {found.laws}; {found.alike}")
     return figure

@@ -60,5 +60,5 @@ def diagram(found: Bifurcation) -> Figure:
     if len(found.asked.ways) > 1:
         axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
     told = f"{found.asked.turns - found.asked.dropped} turns at each value after {found.asked.dropped}, {found.asked.steps:,} steps a turn"
-    heading(figure, f"{found.name}: {told}; {found.laws}")
+    heading(figure, f"{found.name}: {told}; {found.laws}; {found.alike}")
     return figure

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 CURVES = 4  # in one figure, at the most
 SAMPLES = 4000  # drawn of each
+ABSCISSAE = {
+    "time": (1e3, "time (ms)"), "angle": (180.0 / math.pi, "crank angle (°)"), "penetration": (1e6, "penetration (µm)"),
+    "frequency": (1.0, "frequency (Hz)"), "order": (1.0, "order"),
+}  # fmt: skip
 
 
 def fit_figure(found: Fit) -> Figure:
@@ -24,8 +28,8 @@ def fit_figure(found: Fit) -> Figure:
     curves = found.curves[:CURVES]
     figure, axes = panels(len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
     for k, one in enumerate(curves):
-        laid(axes[3 * k], one, found, k == 0)
-        residual(axes[3 * k + 1], one, found)
+        laid(axes[3 * k], one, k == 0)
+        residual(axes[3 * k + 1], one)
     ranges(axes[2], found)
     shown = len(curves) > 1 and len(found.values) > 1 and bool(np.isfinite(found.correlation).all())
     if shown:
@@ -36,19 +40,16 @@ def fit_figure(found: Fit) -> Figure:
     return figure
 
 
-def abscissa(one: Laid, found: Fit) -> tuple[Any, str]:
+def abscissa(one: Laid) -> tuple[Any, str]:
     """Places and what they are."""
-    if found.compared == "spectrum":
-        return one.places, "line of the spectrum"
-    if one.over == "penetration":
-        return one.places * 1e6, "penetration (µm)"
-    return (one.places * 1e3, "time (ms)") if one.over == "time" else (np.degrees(one.places), "crank angle (°)")
+    factor, label = ABSCISSAE[one.over]
+    return factor * one.places, label
 
 
-def laid(ax: Axes, one: Laid, found: Fit, first: bool) -> None:
+def laid(ax: Axes, one: Laid, first: bool) -> None:
     """Measured and model's values."""
     every = max(1, len(one.places) // SAMPLES)
-    x, label = abscissa(one, found)
+    x, label = abscissa(one)
     factor, unit = scale_of(float(np.abs(one.measured).max()), one.unit)
     ax.plot(x[::every], factor * one.measured[::every], ".", color=GREY, ms=2.5, label="measured")
     ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
@@ -57,10 +58,10 @@ def laid(ax: Axes, one: Laid, found: Fit, first: bool) -> None:
         ax.figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0)  # curves fill the axes
 
 
-def residual(ax: Axes, one: Laid, found: Fit) -> None:
+def residual(ax: Axes, one: Laid) -> None:
     """What is left, in per cent of the measured standard deviation."""
     spread = float(one.measured.std()) or 1.0
-    x, label = abscissa(one, found)
+    x, label = abscissa(one)
     ax.plot(x, 100.0 * (one.measured - one.model) / spread, color=VERMILION, lw=0.7)
     ax.axhline(0.0, color=GREY, lw=0.8)
     ax.set(title=f"left: {100.0 * one.share:.3g} %", xlabel=label, ylabel="% of the deviation")

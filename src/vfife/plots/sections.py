@@ -29,7 +29,7 @@ def section(found: PoincareSection) -> Figure:
         strikes(axes[2 * k], axes[2 * k + 1], found, name)
     asked = found.asked
     told = f"{found.done:,} turns after {asked.dropped:,}, {asked.steps:,} steps a turn"
-    heading(figure, f"{found.name}: {found.verdict.kind}; {told}; {found.laws}")
+    heading(figure, f"{found.name}: {found.verdict.kind}; {told}; {found.laws}; no companions")
     return figure
 
 

@@ -41,7 +41,7 @@ def drawn(found: Waterfall, hertz: bool = False) -> Figure:
         bar = panels.scale(ax, mesh, f"amplitude ({unit})")
         powers = range(int(np.ceil(top - DECADES)), int(np.floor(top)) + 1)
         bar.set_ticks(list(powers), labels=[power_of_ten(power) for power in powers])
-    return panels.close(f"{found.name}: {found.words}")
+    return panels.close(f"{found.name}: {found.words}; {found.limits}; no companions")
 
 
 def upwards(found: Waterfall) -> tuple[float, str]:

@@ -60,6 +60,10 @@ class AskedFile:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Closes the file; what was written is on the disk already."""
         self._connection.close()
 
     @property

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .folder import written
+from .csvtable import write_named
 from .view import View
 
 
@@ -44,8 +42,4 @@ class Comparison:
     def write_csv(self, path: str | Path) -> None:
         """Writes :meth:`flat` as a table of commas."""
         flat = self.flat()
-        stream = io.StringIO(newline="")
-        table = csv.DictWriter(stream, list(dict.fromkeys(key for row in flat for key in row)))
-        table.writeheader()
-        table.writerows(flat)
-        written(Path(path), stream.getvalue(), newline="")
+        write_named(path, list(dict.fromkeys(key for row in flat for key in row)), flat)

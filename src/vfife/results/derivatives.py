@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .folder import written
+from .csvtable import write_named
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,8 @@ class Sensitivity:
     """Derivatives of ``measures`` (SI) by numbers of a model.
 
     ``refused`` are numbers without derivatives, and why; ``doubtful`` measures that the run's companions do not agree on: what they depend on the
-    steps decide, so that their derivatives mean nothing. ``part``: of the run that the measures are of.
+    steps decide, so that their derivatives mean nothing. ``rounding``: measures that are left out, being rounding beside the largest of their unit.
+    ``part``: of the run that the measures are of.
     """
 
     mechanism: str
@@ -43,6 +42,7 @@ class Sensitivity:
     derivatives: list[Derivative] = field(default_factory=list)
     refused: Mapping[str, str] = field(default_factory=dict)
     doubtful: frozenset[str] = frozenset()
+    rounding: frozenset[str] = frozenset()
     part: str = "last turn"
 
     def __repr__(self) -> str:
@@ -103,8 +103,4 @@ class Sensitivity:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes :meth:`rows` as a table of commas."""
-        stream = io.StringIO(newline="")
-        table = csv.DictWriter(stream, ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"])
-        table.writeheader()
-        table.writerows(self.rows())
-        written(Path(path), stream.getvalue(), newline="")
+        write_named(path, ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"], self.rows())

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import VfifeError
+from .formats import arrow, write_as, write_parquet
 from .netcdf import write_netcdf
 from .whole import whole
 from .wide import Column, columns
@@ -19,18 +19,11 @@ if TYPE_CHECKING:
     from .view import View
 
 LONGEST_FIELD = 63  # letters of a name in MATLAB
-EXTRA = 'Parquet is written by pyarrow, which is not installed here: pip install "vfife[parquet]", or write .csv, .nc or .mat'
 
 
 def export(view: View, path: Path) -> None:
     """Writes all channels with their units, in the format that the file's ending names. Raises VfifeError for another, OSError."""
-    write = FORMATS.get(path.suffix.lower())
-    if write is None:
-        known = f"{', '.join(list(FORMATS)[:-1])} and {list(FORMATS)[-1]}"
-        raise VfifeError(f'{path}: no data are written as "{path.suffix or path.name}"; endings that say a format are {known}')
-    if not path.absolute().parent.is_dir():
-        raise VfifeError(f"{path}: there is no folder {path.absolute().parent}; make it first")
-    write(view, path)
+    write_as(view, path, FORMATS, "no data are")
 
 
 def _netcdf(view: View, path: Path) -> None:
@@ -49,18 +42,9 @@ def _csv(view: View, path: Path) -> None:
 
 def _parquet(view: View, path: Path) -> None:
     """One column a series, with unit and meaning in its metadata; elements and particles as well."""
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise VfifeError(f"{path}: {EXTRA}") from None
-    every = list(columns(view, fine=True))
-    arrays = [pyarrow.array(np.ascontiguousarray(one.values)) for one in every]
-    told = [{"units": one.unit, "long_name": one.meaning} for one in every]
-    fields = [pyarrow.field(one.name, array.type, metadata=said) for one, array, said in zip(every, arrays, told, strict=True)]
-    schema = pyarrow.schema(fields, metadata={key: str(value) for key, value in view.attributes.items()})
-    with whole(path) as part:
-        pyarrow.parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=schema), part)
+    pyarrow = arrow(path, ".csv, .nc or .mat")
+    every = ((one, pyarrow.array(np.ascontiguousarray(one.values))) for one in columns(view, fine=True))
+    write_parquet(path, pyarrow, ((one.name, array, {"units": one.unit, "long_name": one.meaning}) for one, array in every), view.attributes)
 
 
 def _matlab(view: View, path: Path) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from collections.abc import Mapping
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.above import answered
+from .csvtable import write_rows
 from .folder import written
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 TELLS = 0.25  # of the way between its bounds: a confidence wider than that on either side, the data cannot tell
 PART = 0.3  # of a direction's length from which a parameter is named in it
-UNITS = {"time": "s", "angle": "rad", "penetration": "m"}  # of places
+UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of places
 CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
 
 
@@ -31,7 +30,8 @@ CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
 class Value:
     """A parameter that was looked for: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``, confidence from ``low`` to ``high``, bounds.
 
-    ``moved``: what it was in the model, None where it was not one number within the bounds.
+    ``former``: what it was in the model, None where it was not one number within the bounds. ``known``: False where curves at the best point are
+    those of its steps, or of one turn that does not repeat; low and high are then no more than the ends of all points that fit as well.
     """
 
     name: str
@@ -44,6 +44,7 @@ class Value:
     bounds: tuple[float, float]
     former: float | None = None
     logarithmic: bool = False
+    known: bool = True
 
     def share(self, value: float) -> float:
         """Where a value lies between the bounds, 0 to 1; by its logarithm where it was looked for so."""
@@ -54,8 +55,8 @@ class Value:
 
     @property
     def told(self) -> bool:
-        """Whether the data tell it: its confidence is narrow beside the range that it was looked for in."""
-        return self.share(self.high) - self.share(self.value) <= TELLS
+        """Whether the data tell it: its confidence is known, and narrow beside the range that it was looked for in."""
+        return self.known and self.share(self.high) - self.share(self.value) <= TELLS
 
     @property
     def at_bound(self) -> bool:
@@ -65,7 +66,10 @@ class Value:
 
 @dataclass(frozen=True)
 class Laid:
-    """A measured curve and the model's: ``places`` (s or rad), both in ``unit``, residuals over the measured deviation; factor and level."""
+    """A measured curve and the model's at ``places`` (s, rad, m; of spectra Hz, or orders: cycles a turn), both in ``unit``; factor and level.
+
+    ``over`` says what the places are: "time", "angle", "penetration", "frequency", "order".
+    """
 
     channel: str
     head: str
@@ -184,14 +188,13 @@ class Fit:
         }  # fmt: skip
 
     def write_csv(self, path: str | Path) -> None:
-        """The curves: place, and of each measured and model's values. Raises OSError."""
-        stream = io.StringIO(newline="")
-        lines = csv.writer(stream)
+        """The curves: place (of a spectrum frequency or order), and of each measured and model's values. Raises OSError."""
+        rows: list[Any] = []
         for one in self.curves[:1]:
-            unit = UNITS[one.over] if self.compared != "spectrum" else "1"
-            lines.writerow([f"{one.over} [{unit}]", *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
-            lines.writerows(zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True))
-        written(Path(path), stream.getvalue())
+            place = f"{one.over} [{UNITS[one.over]}]"
+            rows.append([place, *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
+            rows += zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True)
+        write_rows(path, rows)
 
     def write_json(self, path: str | Path) -> None:
         """What :meth:`json` has. Raises OSError."""
@@ -207,5 +210,5 @@ def vars_of(one: Value) -> Mapping[str, Any]:
     """A parameter as JSON has it."""
     return {
         "name": one.name, "paths": list(one.paths), "unit": one.unit, "value": one.value, "standard_error": one.error, "low": one.low,
-        "high": one.high, "bounds": list(one.bounds), "former": one.former, "told": one.told, "at_bound": one.at_bound,
+        "high": one.high, "bounds": list(one.bounds), "former": one.former, "known": one.known, "told": one.told, "at_bound": one.at_bound,
     }  # fmt: skip

@@ -13,6 +13,8 @@ MAP_APPLICATION = 0x56464D50  # "VFMP", of a map file
 MAP_FORMAT = 1
 WEAR_APPLICATION = 0x56465752  # "VFWR", of a wear file
 WEAR_FORMAT = 1
+FIT_APPLICATION = 0x56464654  # "VFFT", of a fit file
+FIT_FORMAT = 1
 HEADER = 100  # bytes of SQLite's header
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import RunFileError, StorageError
-from .header import FORMAT, MAP_APPLICATION, RUN_FILE, WEAR_APPLICATION, head_of, head_with, study_head
+from .header import FIT_APPLICATION, FORMAT, MAP_APPLICATION, RUN_FILE, WEAR_APPLICATION, head_of, head_with, study_head
 from .tables import damaged, unwritten
 from .whole import whole
 
@@ -27,6 +27,8 @@ def run_file_at(path: str | Path) -> Path:
         raise RunFileError(f"{path}: this is a map file, of many turns; see vfife map show")
     if head is None and head_with(path, WEAR_APPLICATION) is not None:
         raise RunFileError(f"{path}: this is a wear file, of many turns; see vfife wear, which shows it")
+    if head is None and head_with(path, FIT_APPLICATION) is not None:
+        raise RunFileError(f"{path}: this is a fit file, of many runs; see vfife fit, which shows it")
     if head is None:
         raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
     if int.from_bytes(head[60:64], "big") > FORMAT:

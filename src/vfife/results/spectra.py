@@ -5,8 +5,6 @@ Samples of a run are its outputs: what is faster than half their rate is folded 
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +17,7 @@ from ..analysis.spectral import SHORTEST, analytic, averaged, frequencies_of, re
 from ..errors import VfifeError, suggestion
 from ..solvers.repeating import outputs_of_a_turn
 from .channels import entities
-from .folder import written
+from .csvtable import write_rows
 
 if TYPE_CHECKING:
     from .view import View
@@ -224,8 +222,4 @@ def titled(name: str, unit: str) -> str:
 
 def table(path: str | Path, columns: list[tuple[str, Array]]) -> None:
     """Writes columns as CSV, numbers to the last bit; a file that is there gives way when the new one is whole. Raises OSError."""
-    stream = io.StringIO(newline="")
-    lines = csv.writer(stream)
-    lines.writerow(name for name, _ in columns)
-    lines.writerows(zip(*(values.tolist() for _, values in columns), strict=True))
-    written(Path(path), stream.getvalue(), newline="")
+    write_rows(path, [[name for name, _ in columns], *zip(*(values.tolist() for _, values in columns), strict=True)])

@@ -39,6 +39,12 @@ OUTCOME = ("status", "turns", "settled", "step", "reason")
 SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid
 
 
+def unit_of(measure: str) -> str:
+    """The unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several places of a joint."""
+    ending = measure.partition(".")[2]
+    return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
+
+
 @dataclass(frozen=True)
 class Varied:
     """A parameter: its name, where it is in the model, unit, how its values were chosen."""

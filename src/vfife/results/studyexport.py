@@ -7,23 +7,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..errors import VfifeError
+from .formats import arrow, write_as, write_parquet
 from .netcdf import write_netcdf
 from .studied import Study
 from .whole import whole
 
-EXTRA = 'Parquet is written by pyarrow, which is not installed here: pip install "vfife[parquet]", or write .csv or .nc'
-
 
 def write(study: Study, path: Path) -> None:
     """Writes a study in the format that the file's ending names. Raises VfifeError for another, OSError."""
-    writer = FORMATS.get(path.suffix.lower())
-    if writer is None:
-        known = f"{', '.join(list(FORMATS)[:-1])} and {list(FORMATS)[-1]}"
-        raise VfifeError(f'{path}: no study is written as "{path.suffix or path.name}"; endings that say a format are {known}')
-    if not path.absolute().parent.is_dir():
-        raise VfifeError(f"{path}: there is no folder {path.absolute().parent}; make it first")
-    writer(study, path)
+    write_as(study, path, FORMATS, "no study is")
 
 
 def units(study: Study) -> dict[str, str]:
@@ -44,20 +36,12 @@ def _csv(study: Study, path: Path) -> None:
 
 def _parquet(study: Study, path: Path) -> None:
     """One column each, with its unit in its metadata."""
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise VfifeError(f"{path}: {EXTRA}") from None
+    pyarrow = arrow(path, ".csv or .nc")
     rows, known = study.rows(), units(study)
     kinds: dict[str, Any] = {"member": pyarrow.int64(), "status": pyarrow.string(), "reason": pyarrow.string()}
     kinds |= {name: pyarrow.int64() for name in ("turns", "settled")} | {name: pyarrow.float64() for name in (*study.measures, "step")}
-    columns = {name: [row[name] for row in rows] for name in study.columns}
-    arrays = [pyarrow.array(values, kinds.get(name)) for name, values in columns.items()]
-    fields = [pyarrow.field(name, array.type, metadata={"units": known.get(name, "1")}) for name, array in zip(columns, arrays, strict=True)]
-    schema = pyarrow.schema(fields, metadata={key: str(value) for key, value in study.attributes.items()})
-    with whole(path) as part:
-        pyarrow.parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=schema), part)
+    arrays = ((name, pyarrow.array([row[name] for row in rows], kinds.get(name))) for name in study.columns)
+    write_parquet(path, pyarrow, ((name, array, {"units": known.get(name, "1")}) for name, array in arrays), study.attributes)
 
 
 def _netcdf(study: Study, path: Path) -> None:

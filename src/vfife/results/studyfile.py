@@ -55,8 +55,7 @@ class StudyFile(Transactions):
     kind: ClassVar[str] = "study"
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
-        super().__init__(connection)
-        self.path = path
+        super().__init__(path, connection)
         self.lost = 0
 
     @classmethod
@@ -83,20 +82,6 @@ class StudyFile(Transactions):
             return cls(path, connected(path))
         except sqlite3.Error as error:
             raise StorageError(unwritten(str(path), str(error))) from error
-
-    def __enter__(self) -> StudyFile:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
-
-    @told
-    def close(self) -> None:
-        """Closes the file; what was gathered goes to the disk first."""
-        try:
-            self._settle()
-        finally:
-            self._connection.close()
 
     # ------------------------------------------------------------------------------------------------------- writing
 

@@ -51,11 +51,17 @@ WEAR = {
     "meta": COLUMNS["meta"],
     "points": ("number INTEGER PRIMARY KEY", "told TEXT NOT NULL", "depth BLOB NOT NULL", "rate BLOB NOT NULL", "state BLOB NOT NULL"),
 }
-SCHEMA, STUDY_SCHEMA, MAP_SCHEMA, WEAR_SCHEMA = (
+# The same of a fit file: what each point that was looked at told, by the hash of the question, and what was found in the end.
+FIT = {
+    "meta": COLUMNS["meta"],
+    "looks": ("key TEXT PRIMARY KEY", "told TEXT NOT NULL", "data BLOB NOT NULL"),
+    "found": ("key TEXT PRIMARY KEY", "told TEXT NOT NULL", "data BLOB NOT NULL"),
+}
+SCHEMA, STUDY_SCHEMA, MAP_SCHEMA, WEAR_SCHEMA, FIT_SCHEMA = (
     [f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(columns)}, seal BLOB NOT NULL)" for table, columns in one.items()]
-    for one in (COLUMNS, STUDY, MAP, WEAR)
+    for one in (COLUMNS, STUDY, MAP, WEAR, FIT)
 )
-KEYS = {table: columns[0].split()[0] for table, columns in (WEAR | MAP | STUDY | COLUMNS).items()}
+KEYS = {table: columns[0].split()[0] for table, columns in (FIT | WEAR | MAP | STUDY | COLUMNS).items()}
 STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
 Arguments = ParamSpec("Arguments")

@@ -6,14 +6,33 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Self
+
+from .tables import told
 
 
 class Transactions:
-    """What a run file and a study file have in common: the connection, and the transaction that gathers."""
+    """What a run file and a study file have in common: the connection, and the transaction that gathers; a context manager that closes both."""
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
-        self._connection, self._kept, self._waiting = connection, time.monotonic(), False
+    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+        self.path, self._connection, self._kept, self._waiting = path, connection, time.monotonic(), False
         self.size = 0  # bytes of the transaction under way
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    @told
+    def close(self) -> None:
+        """Closes the file; what was gathered goes to the disk first."""
+        try:
+            if self._waiting:
+                self._settle()
+        finally:
+            self._connection.close()
 
     @contextmanager
     def _transaction(self, patience: float = 0.0) -> Iterator[None]:

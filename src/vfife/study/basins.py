@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -19,12 +17,12 @@ from ..analysis.verdict import Verdict, verdict
 from ..errors import Fault, ModelError
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
 from ..solvers.orbits import Orbits, Start
 from ..solvers.record import recorded_rows
-from .beside import SAMPLE, Companion, packed, sampled, started_companions, told, unpacked
-from .looks import chosen_series, kept_in, law_words, looked, refuse_idle, refuse_large_frame, seed, step_count, tupled
+from .beside import SAMPLE, Companion, alike, packed, sampled, started_companions, told, unpacked
+from .looks import chosen_series, kept_in, law_words, left_out, looked, models_along, refuse_idle, refuse_large_frame, seed, step_count, tupled
 from .starts import Starts, unit_of_start
 
 if TYPE_CHECKING:
@@ -105,9 +103,18 @@ class Basins:
         return law_words(loads(self.asked.model))
 
     @property
+    def alike(self) -> str:
+        """How many companions are told to be the same, in a few words."""
+        return alike(self._known, lambda one: self.verdicts[one.number].kind)
+
+    @property
+    def _known(self) -> list[Companion]:
+        return [one for one in self.companions if one.number in self.verdicts]
+
+    @property
     def told(self) -> str:
         """What companions come to, in words; empty where there are none."""
-        known = [one for one in self.companions if one.number in self.verdicts]
+        known = self._known
         words = lambda one: ", ".join(f"{path} = {value:.4g}" for path, value in self.asked.numbers(one.number).items())  # noqa: E731
         return told(known, lambda one: self.verdicts[one.number].kind, words)
 
@@ -119,15 +126,13 @@ class Basins:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row a member: its two numbers, its attractor (counted from 1), its motion, its exponent, and what series are at the end."""
-        stream = io.StringIO(newline="")
-        table = csv.writer(stream)
-        table.writerow([*self.asked.paths, "attractor", "kind", "exponent", *self.asked.series])
+        rows: list[list[object]] = [[*self.asked.paths, "attractor", "kind", "exponent", *self.asked.series]]
         labels = self.labels.reshape(-1)
         for member, one in self.verdicts.items():
             value = "" if one.exponent is None else one.exponent.value
             numbers = self.asked.numbers(member).values()
-            table.writerow([*numbers, int(labels[member]) + 1, one.kind, value, *self.points[member][-1].tolist()])
-        written(Path(path), stream.getvalue(), newline="")
+            rows.append([*numbers, int(labels[member]) + 1, one.kind, value, *self.points[member][-1].tolist()])
+        write_rows(path, rows)
 
 
 def basins(
@@ -135,9 +140,9 @@ def basins(
     x: Range,
     y: Range,
     *,
-    count: tuple[int, int] = (30, 30),
-    turns: int = 120,
-    dropped: int = 80,
+    count: tuple[int, int] = (20, 20),
+    turns: int = 60,
+    dropped: int | None = None,
     series: Sequence[str] = (),
     phase: float = 0.0,
     step: float | None = None,
@@ -150,11 +155,13 @@ def basins(
 
     Paths: ``start.crank`` (rad, from the model's own start on), ``start.JOINT.x`` and ``.y`` (m: the journal in its bearing, seen from it),
     ``start.JOINT.vx`` and ``.vy`` (m/s), or any number of the model, as in ``joint.pin.clearance``. Members are looked at where the crank has
-    turned so far beyond the model's own start, ``phase`` (1), for ``turns`` turns, of which ``dropped`` are left out. ``exponents``: a small
-    difference is watched, without which chaos is told by the 0-1 test alone, of 100 turns or more. ``companions``: so many members are gone through
-    again, with 1.25 times and half the step. With a ``file`` what is known is kept in it, and the same call goes on there. Ctrl-C leaves what is
-    complete. A journal outside its bearing is no start, and left out. Raises ModelError for a grid that cannot be, HeldError.
+    turned so far beyond the model's own start, ``phase`` (1), for ``turns`` turns, of which ``dropped`` are left out, two thirds unless said.
+    ``exponents``: a small difference is watched, without which chaos is told by the 0-1 test alone, of 100 turns or more. ``companions``: so many
+    members are gone through again, with 1.25 times and half the step. With a ``file`` what is known is kept in it, and the same call goes on
+    there. Ctrl-C leaves what is complete. A journal outside its bearing is no start, and left out. Raises ModelError for a grid that cannot be,
+    HeldError.
     """
+    dropped = left_out(dropped, turns)
     asked = planned(mechanism, x, y, count, turns, dropped, series, phase, step, exponents, companions)
     with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         known = dict(kept.members()) if kept is not None else {}
@@ -203,9 +210,7 @@ def planned(
     if x[0] == y[0]:
         raise ModelError([Fault("y", "this is the number that x is", x[0], "two numbers", "name another one")], mechanism.name)
     text = dump(mechanism)
-    rest = [(path, ends) for path, *ends in (x, y) if not path.startswith("start.")]
-    models = [loads(text, set=[(path, ends[k]) for path, ends in rest]) for k in (0, 1)] if rest else [mechanism]
-    steps = step_count(models, step)
+    steps = step_count(models_along(mechanism, (x, y)), step, companions)
     first = Starts(mechanism, steps).at({})
     refuse_large_frame(first)
     chosen, _ = chosen_series(first, series)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -15,7 +16,7 @@ from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.together import Together
 from ..errors import VfifeError
-from ..fields.members import Differing, members, spread
+from ..fields.members import Alone, Differing, members, spread
 from ..kinematics.clear import clear
 from ..kinematics.initial import driven_start
 from ..model.mechanism import Mechanism
@@ -29,7 +30,8 @@ from .member import Plan, Stepped, Wanted
 FEW = 3  # members for which it is not worth while
 DEEP = 6  # times that members are taken apart
 MOST_IDEALS = 4096  # whose peaks are remembered
-TROUBLE = (VfifeError, Unfit, ValueError, TypeError, ArithmeticError, np.linalg.LinAlgError)
+TROUBLE = (VfifeError, Unfit, Alone, ArithmeticError, np.linalg.LinAlgError)  # what members have that are to be made one by one
+UNFORESEEN = "members are assembled one by one, which takes longer: side by side they met a fault of vfife"
 
 
 class Kept(Protocol):
@@ -115,6 +117,9 @@ class Batches:
             return [found for part in parts for found in self._apart(paths, part, numbers, depth + 1)]
         except TROUBLE:
             return []
+        except Exception as error:  # each made by itself is right whatever is wrong here
+            unforeseen(error)
+            return []
 
     def _made(self, paths: Sequence[str], which: Sequence[int], numbers: Sequence[Numbers]) -> list[tuple[int, Stepped]]:
         columns = [one for path in paths if (one := self.column(path)) is not None]
@@ -178,7 +183,7 @@ class Batches:
             mechanism = together(self.base, columns, values[which])[0]
             speeds = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
             if len(speeds) == 1 and speeds[0] is not None:
-                with suppress(ValueError, TypeError), told_of(which, len(rows)):
+                with suppress(*TROUBLE), told_of(which, len(rows)):
                     sure = clear(driven_start(mechanism, met), spread(speeds[0], (len(which),)))
                     self.through.known.update(ways[k] for k, one in zip(which, sure, strict=True) if one)
         found = np.ones(len(rows), dtype=bool)
@@ -208,6 +213,11 @@ class Batches:
         while len(self.peaks) + len(keys) > MOST_IDEALS and self.peaks:
             del self.peaks[next(iter(self.peaks))]
         self.peaks |= dict(zip(keys, peaks_of([one for one in found if one is not None]), strict=True))
+
+
+def unforeseen(error: Exception) -> None:
+    """Tells of a fault that none of those that take part has foreseen."""
+    warnings.warn(f"{UNFORESEEN}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=2)
 
 
 @contextmanager

@@ -106,6 +106,12 @@ def started_companions(
                 yield Companion(one.number, 0, ratio, verdict(points, exponent(one.growth) if len(one.growth) else None).kind)
 
 
+def alike(companions: Sequence[Companion], kinds: Callable[[Companion], str]) -> str:
+    """How many companions are told to be what their member is, in a few words for a figure."""
+    same = sum(one.kind == kinds(one) for one in companions)
+    return f"{same} of {len(companions)} companions alike" if companions else "no companions"
+
+
 def told(companions: Sequence[Companion], kinds: Callable[[Companion], str], name: Callable[[Companion], str]) -> str:
     """What companions come to in words: of how many members, and where they are told to be something else. Empty where there are none."""
     if not companions:

@@ -16,7 +16,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..results.provenance import own_laws, versions
 from ..results.reductions import REDUCTION
-from ..results.studied import UNITS, Study
+from ..results.studied import Study, unit_of
 from ..results.studyfile import WHAT, Kept, StudyFile
 from ..results.view import standing
 from ..solvers.status import Status
@@ -52,7 +52,7 @@ def units_of(measures: Sequence[str], base: Mechanism) -> dict[str, str]:
     """Units of measures, and of channels that are reduced."""
     reduced = {name: match[2] for name in measures if (match := REDUCTION.fullmatch(name))}
     view = standing(assemble(base)) if reduced else None
-    found = {name: UNITS.get(name.partition(".")[2], "1") for name in measures}
+    found = {name: unit_of(name) for name in measures}
     if view is not None:
         found |= {name: view.channels[view.series.place(channel)[0]].unit for name, channel in reduced.items()}
     return found

@@ -33,11 +33,12 @@ class Confident:
 
 
 def confident(
-    residuals: Sequence[Array], sought: Sequence[Sought], shares: Array, jacobian: Array | None, unknown: int, confidence: float
-) -> Confident:
+    residuals: Sequence[Array], sought: Sequence[Sought], shares: Array, jacobian: Array | None, unknown: int, confidence: float,
+    inflation: float = 1.0,
+) -> Confident:  # fmt: skip
     """Covariance s^2 (J^T J)^-1 over what J determines, s^2 the residuals' mean square for each degree of freedom, times (1 + r)/(1 - r) where they
     follow one another with a correlation r; limits by Student's t. ``residuals`` are those of each curve, J is by shares of the bounds; ``unknown``
-    numbers were fitted in all. Without J nothing is known, which is said as NaN.
+    numbers were fitted in all; ``inflation`` is of the squares, for what they do not know. Without J nothing is known, which is said as NaN.
     """
     count = len(sought)
     if jacobian is None:
@@ -47,7 +48,7 @@ def confident(
 
     freedom = max(sum(map(len, residuals)) - unknown, 1)
     follow = autocorrelation(residuals)
-    variance = sum(float(one @ one) for one in residuals) / freedom * (1.0 + follow) / (1.0 - follow)
+    variance = sum(float(one @ one) for one in residuals) / freedom * inflation * (1.0 + follow) / (1.0 - follow)
     _, sizes, rows = np.linalg.svd(jacobian, full_matrices=False)
     known = np.maximum(sizes, WEAK * max(float(sizes.max(initial=0.0)), 1e-300))
     covariance = variance * (rows.T / known**2) @ rows
@@ -61,13 +62,13 @@ def confident(
     return Confident(errors, limits, correlation, directions, variance, follow, covariance)
 
 
-def offset_error(slopes: Slopes | None, told: Confident, misfit: Misfit) -> float:
-    """Standard error of the offset: its own, from how the curves change along it, and what it follows of the parameters."""
+def offset_error(slopes: Slopes | None, told: Confident, misfit: Misfit, along: float) -> float:
+    """Standard error of the offset: its own, from how the curves change ``along`` it, and what it follows of the parameters."""
     if misfit.offset.fixed and not misfit.offset.free:
         return 0.0
     if slopes is None:
         return math.nan
-    own = told.variance / misfit.slope_along if misfit.slope_along > 0.0 else math.inf
+    own = told.variance / along if along > 0.0 else math.inf
     return math.sqrt(own + max(float(slopes.offsets @ told.covariance @ slopes.offsets), 0.0))
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
@@ -41,6 +42,11 @@ class Trace:
     places: Array
     values: Array
     turn: float | None
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Derivatives by the places."""
+        return np.asarray(np.gradient(self.values, self.places, axis=0), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -187,6 +193,14 @@ class Curves:
     def __init__(self, mechanism: Mechanism, channels: Sequence[str], timing: Timing, workers: int | None = None) -> None:
         self.members = Members(mechanism, Wanted(("*",), 1), timing=timing)
         self.channels, self.timing, self.workers = Channels(mechanism, channels), timing, workers
+
+    def beside(self, finer: int, turns: float) -> Curves:
+        """The same with so many more steps between two outputs, and so many more turns."""
+        timing = self.timing
+        every, last = timing.every + finer, timing.turns
+        longer = None if last is None else lambda turn: last(turn) + turns
+        changed = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
+        return Curves(self.members.base, self.channels.names, changed, self.workers)
 
     def each(self, every: Sequence[Numbers]) -> list[Trace | str]:
         """The trace of each member; where it has none, why."""

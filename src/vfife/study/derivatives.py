@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from statistics import fmean
+from types import MappingProxyType
 
 from ..analysis.measures import OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
 from ..analysis.ranges import ranged
@@ -12,20 +13,21 @@ from ..analysis.wanted import BY_TURN, INFLUENCE
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.numbering import Numbering
-from ..errors import Fault, ModelError, suggestion
+from ..errors import Fault, ModelError, VfifeError, suggestion
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..modelfile.numbered import with_number
 from ..modelfile.numbers import numbers
 from ..result import Result
 from ..results.derivatives import Derivative, Sensitivity
-from ..results.studied import UNITS
+from ..results.studied import UNITS, unit_of
 from ..results.view import standing
 from ..simulation import simulate
 from ..solvers.arguments import Arguments
 from ..solvers.companions import SENSITIVE, measured_rows
 from ..solvers.progress import Progress
 from ..solvers.record import Record
+from ..solvers.status import Status
 from ..solvers.tangents import Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
 from .neighbours import Way, beside, neighbours
@@ -33,6 +35,8 @@ from .wanted import known_measures
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
+ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
+PURE = "1", "%"
 MOST_RUNS = 8  # that go side by side in the widest vector
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
@@ -59,7 +63,7 @@ def sensitivity(
     them: with contact it is the mean over ``runs`` with displaced steps, two if nothing is said, with their range; without ``companions``, of the
     run alone. A number that the model has as zero is left out, and so are those that nothing depends on. Derivatives of a measure that the run's
     companions do not agree on mean nothing, and are marked. Those relative to the ideal mechanism take its own derivatives with them.
-    Raises ModelError for patterns that fit nothing, and what simulate raises.
+    Raises ModelError for patterns that fit nothing, VfifeError for a run that diverges, KeyboardInterrupt, and what simulate raises.
     """
     given = Arguments("sensitivity")
     given.mechanism(mechanism)
@@ -71,6 +75,7 @@ def sensitivity(
     text = dump(mechanism)
     chosen = matching("to", to, dict(numbers(text)))
     result = simulate(mechanism, turns=turns, duration=duration, step=step, force_step=force_step, companions=companions, progress=progress)
+    refuse_unended(result.record)
     record, reference = result.record, None if result.reference is None else result.reference.measures
     window = last_turn(record)
     known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
@@ -86,9 +91,34 @@ def sensitivity(
         derivatives(way, pair, names, every, ideals.get(way.path, (reference, reference)))
         for way, pair in paired(record.assembly, ways, count, every)
     ]
-    told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every))
-    told.derivatives = [one for one in found if any(abs(told.elasticity(name, one.path)) > NOTHING for name in one.values)]
+    nothing = rounding(whole, {name: max((abs(one.value * one.values.get(name, 0.0)) for one in found), default=0.0) for name in names})
+    asked, names = frozenset(names), {name: value for name, value in names.items() if name not in nothing}
+    told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every), nothing & asked)
+    told.derivatives = [one for one in found if any(abs(told.elasticity(name, one.path)) > NOTHING for name in names if name in one.values)]
     return told
+
+
+def rounding(measures: Mapping[str, float], changes: Mapping[str, float] = MappingProxyType({})) -> frozenset[str]:
+    """Measures that are what rounding leaves of nothing, beside the largest of their unit: forces beside forces, moments beside torques.
+
+    ``changes``: by how much of a measure (SI) all of a number would change it, at the most; what crosses zero is no rounding. Influence is that
+    of its measure; shares and counts have nothing to stand beside.
+    """
+    sizes = {name: max(abs(value), changes.get(name, 0.0)) for name, value in measures.items()}
+    units = {name: unit_of(name) for name in measures}
+    largest: dict[str, float] = {}
+    for name, size in sizes.items():
+        largest[units[name]] = max(largest.get(units[name], 0.0), size)
+    small = {name for name, size in sizes.items() if units[name] not in PURE and size <= ROUNDING * largest[units[name]]}
+    return frozenset(small | {name for name in measures if name.endswith(INFLUENCE) and f"{name.removesuffix('lip')}max" in small})
+
+
+def refuse_unended(record: Record) -> None:
+    """Raises KeyboardInterrupt for a run that was interrupted, and VfifeError for one that came to no end."""
+    if record.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    if record.status != Status.COMPLETE:
+        raise VfifeError(f"the run ended as {record.status} after step {record.reached}, so it has no derivatives; see vfife run")
 
 
 def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:

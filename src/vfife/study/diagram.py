@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,9 +14,9 @@ from numpy.typing import NDArray
 from ..analysis.chaos import exponent
 from ..analysis.verdict import Verdict, verdict
 from ..modelfile import loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
-from .beside import Companion, told, unpacked
+from .beside import Companion, alike, told, unpacked
 from .looks import law_words, tupled
 from .starts import spoken
 
@@ -57,6 +56,16 @@ class Swept:
 
 
 @dataclass(frozen=True)
+class Spell:
+    """A motion in words, the ``first`` and the ``last`` of the values at which it is found, and how many they are."""
+
+    kind: str
+    first: float
+    last: float
+    count: int
+
+
+@dataclass(frozen=True)
 class Bifurcation:
     """A diagram, its values in the order of the way up and NaN where it is not known yet; chains are the way up and the way down, or the starts.
 
@@ -74,6 +83,15 @@ class Bifurcation:
     done: int
     companions: tuple[Companion, ...] = field(default=())
 
+    def spells(self, chain: int) -> list[Spell]:
+        """Values next to each other at which the motion is called the same, in the order of the way up."""
+        known = [(value, kind) for value, kind in zip(self.asked.values, self.kinds[chain], strict=True) if kind]
+        found: list[Spell] = []
+        for kind, some in groupby(known, key=lambda one: one[1]):
+            values = [value for value, _ in some]
+            found.append(Spell(kind, values[0], values[-1], len(values)))
+        return found
+
     def verdict(self, chain: int, value: int) -> Verdict:
         """What the motion at a value is, with its evidence."""
         points = np.stack([one[chain, value] for one in self.points.values()], axis=1)
@@ -85,9 +103,18 @@ class Bifurcation:
         return law_words(loads(self.asked.model))
 
     @property
+    def alike(self) -> str:
+        """How many companions are told to be the same, in a few words."""
+        return alike(self._known, lambda one: self.kinds[one.way][one.number])
+
+    @property
+    def _known(self) -> list[Companion]:
+        return [one for one in self.companions if self.kinds[one.way][one.number]]
+
+    @property
     def told(self) -> str:
         """What companions come to, in words; empty where there are none."""
-        asked, known = self.asked, [one for one in self.companions if self.kinds[one.way][one.number]]
+        asked, known = self.asked, self._known
         name = lambda one: f"{asked.path} = {asked.values[one.number]:.5g} ({asked.ways[one.way]})"  # noqa: E731
         return told(known, lambda one: self.kinds[one.way][one.number], name)
 
@@ -99,16 +126,14 @@ class Bifurcation:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for every value, direction and turn that was looked at, with the exponent and the kind of the motion."""
-        stream = io.StringIO(newline="")
-        table = csv.writer(stream)
-        table.writerow([self.asked.path, "way", "turn", *self.asked.series, "exponent", "kind"])
+        rows: list[list[object]] = [[self.asked.path, "way", "turn", *self.asked.series, "exponent", "kind"]]
         for k, way in enumerate(self.asked.ways):
             for place, value in enumerate(self.asked.values):
                 if self.kinds[k][place]:
                     said = float(self.exponents[k, place, 0]), self.kinds[k][place]
                     for turn, row in enumerate(np.stack([one[k, place] for one in self.points.values()], axis=1).tolist()):
-                        table.writerow([value, way, self.asked.dropped + turn + 1, *row, *said])
-        written(Path(path), stream.getvalue(), newline="")
+                        rows.append([value, way, self.asked.dropped + turn + 1, *row, *said])
+        write_rows(path, rows)
 
 
 @dataclass

@@ -22,7 +22,7 @@ from .sought import Numbers, Sought, numbers_at
 
 Array = NDArray[np.float64]
 FREE = "free"
-FINER = 2  # outputs of the model for each sample
+FINER = 4  # outputs of the model for each sample: forces between are not smooth, and two bias a speed by five standard errors
 FINEST, COARSEST = 20_000, 360  # outputs of a turn
 
 

@@ -35,10 +35,18 @@ Ask = Callable[[Sequence[Point]], list[Any]]
 
 
 def answers(curves: Curves, sought: Sequence[Sought], points: Sequence[Point]) -> list[Any]:
-    """Traces of points, all that can be together in lanes."""
+    """Traces of points, all that can be together in lanes; an error for those that have no derivatives."""
     plain = [numbers_at(sought, np.array(one.shares)) for one in points if not one.sides]
     traces = iter(curves.each(plain) if plain else ())
-    return [carried(curves, sought, np.array(one.shares)) if one.sides else next(traces) for one in points]
+    return [tried(curves, sought, np.array(one.shares)) if one.sides else next(traces) for one in points]
+
+
+def tried(curves: Curves, sought: Sequence[Sought], shares: Array) -> list[tuple[Trace, Trace]] | VfifeError:
+    """Traces to both sides, or why there are none."""
+    try:
+        return carried(curves, sought, shares)
+    except VfifeError as error:
+        return error
 
 
 def carried(curves: Curves, sought: Sequence[Sought], shares: Array) -> list[tuple[Trace, Trace]]:
@@ -82,11 +90,6 @@ class Slopes:
 
     jacobian: Array
     offsets: Array
-
-    @staticmethod
-    def at(ask: Ask, misfit: Misfit, shares: Array, offset: float, by_steps: bool) -> Slopes:
-        """Those at a point."""
-        return Slopes.of(ask(questions(shares, by_steps)), misfit, shares, offset, by_steps)
 
     @staticmethod
     def of(found: Sequence[Any], misfit: Misfit, shares: Array, offset: float, by_steps: bool) -> Slopes:

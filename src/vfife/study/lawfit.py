@@ -207,7 +207,7 @@ def loop_of(path: Path) -> Loop:
         near = suggestion("penetration", columns, 'begin with a line such as "penetration (um), force (N)"')
         faults.append(Fault("line 1", "a column is missing", ", ".join(heads), "penetration, and force or loading", near))
     factors = {k: factor(unit, UNITS[name], f"line 1, column {k + 1}", faults) for name, (k, unit) in chosen.items()}
-    values = numbers(rows, heads, sorted(factors), faults) if not faults else {}
+    values = numbers(rows, heads, sorted(factors), faults)
     if faults:
         raise ModelError(faults, str(path))
     seen = {name: factors[k] * values[k] for name, (k, _) in chosen.items()}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,15 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, StepError, VfifeError, suggestion
-from ..live.sliders import value_at
+from ..fields import Measure
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.numbers import numbers
+from ..modelfile.override import PathFault, resolve
+from ..modelfile.read import raw_of
 from ..result import Result
+from ..results.askedfile import AskedFile
 from ..results.channels import entities
 from ..results.lock import Lock
 from ..results.mapfile import MapFile
@@ -30,8 +33,11 @@ from ..solvers.record import Record
 from ..solvers.sweeping import carried_on
 from ..solvers.tangents import Neighbours
 from ..solvers.transient import choose_loop
+from .places import held_at
 
 Array = NDArray[np.float64]
+Own = TypeVar("Own", bound=AskedFile)
+DROPPED = 2 / 3  # of the turns, that are not looked at unless said
 NEAR = 1e-6  # of a number, by which the difference begins that is watched
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")  # numbers that move no pin, the first first
 
@@ -39,6 +45,12 @@ LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness"
 def stepped(model: Mechanism, steps: int) -> Assembly:
     """A model assembled with so many steps in a turn."""
     return assemble(model, (turn_of(model) or 0.0) / steps, turns=1, outputs=1, force_step=True)
+
+
+def models_along(mechanism: Mechanism, ranges: Sequence[tuple[str, float, float]]) -> list[Mechanism]:
+    """The model with all numbers of ``ranges`` (path, from, to) at their lower, and at their upper ends; itself where there are none of it."""
+    text, own = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
+    return [loads(text, set=[(one[0], one[end]) for one in own]) for end in (1, 2)] if own else [mechanism]
 
 
 def refuse_idle(mechanism: Mechanism, turns: int, dropped: int) -> None:
@@ -59,13 +71,21 @@ def refuse_large_frame(assembly: Assembly) -> None:
         raise ModelError([fault], assembly.mechanism.name)
 
 
-def step_count(models: Sequence[Mechanism], step: float | None) -> int:
-    """Steps in a turn, enough for all models. Raises ModelError for a step that is too large for one of them."""
+def left_out(dropped: int | None, turns: int, share: float = DROPPED) -> int:
+    """Turns that are not looked at, of so many: a share of them unless said, so that one is left."""
+    return turns - max(1, round((1.0 - share) * turns)) if dropped is None else dropped
+
+
+def step_count(models: Sequence[Mechanism], step: float | None, companions: int = 0) -> int:
+    """Steps in a turn, enough for all models: with ``companions``, which look whether they will do, as few as a run tries first.
+
+    Raises ModelError for a step that is too large for one of them.
+    """
     counts = []
     for model in models:
         if step is not None:
             refuse_large(model, step)
-        size = prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step if step is None else step
+        size = prepare(model, Asked(turns=1.0, companions=min(companions, 1))).assembly.choice.step if step is None else step
         counts.append(math.ceil((turn_of(model) or 0.0) / size * (1.0 - 1e-9)))
     return max(counts)
 
@@ -82,15 +102,15 @@ def refuse_large(model: Mechanism, step: float) -> None:
 def chosen_series(first: Assembly, series: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Series that are looked at, those that are asked for or the usual ones, and their units. Raises ModelError for a name that there is not."""
     chosen, start = tuple(series) or default_series(first), standing(first)
-    known = list(start.series)
-    wrong = [
-        Fault("series", "the mechanism has none of this name", name, "", suggestion(name, known, "name one that it has"))
-        for name in chosen
-        if name not in known
-    ]
-    if wrong:
-        raise ModelError(wrong, first.mechanism.name)
+    refuse_unknown("series", chosen, list(start.series), "the mechanism has none of this name", "name one that it has", first.mechanism.name)
     return chosen, tuple(unit_of(start, name) for name in chosen)
+
+
+def refuse_unknown(where: str, names: Sequence[str], known: Sequence[str], what: str, otherwise: str, model: str) -> None:
+    """Raises ModelError with all names that are not known, each with the one that is meant, or what to do ``otherwise``."""
+    wrong = [Fault(where, what, name, "", suggestion(name, known, otherwise)) for name in names if name not in known]
+    if wrong:
+        raise ModelError(wrong, model)
 
 
 def default_series(assembly: Assembly) -> tuple[str, ...]:
@@ -102,10 +122,15 @@ def default_series(assembly: Assembly) -> tuple[str, ...]:
 
 
 def unit_at(mechanism: Mechanism, path: str) -> str:
-    """Unit of a number of the model; none where its place does not say it."""
-    with suppress(ValueError):
-        return value_at(mechanism, path)[1]
-    return "SI"
+    """Unit of the number at a path. Raises ValueError where there is none."""
+    raw = raw_of(dump(mechanism), mechanism.name)
+    try:
+        held = held_at(raw, resolve(raw, path))
+    except PathFault as fault:
+        raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
+    if not isinstance(held, Measure):
+        raise ValueError(f"{path}: this is no number of the model; name one")
+    return held.unit
 
 
 def unit_of(start: View, series: str) -> str:
@@ -149,16 +174,24 @@ def law_words(mechanism: Mechanism) -> str:
     return "; ".join(words if len(by) == 1 else f"{', '.join(names)}: {words}" for words, names in by.items()) or "no contacts"
 
 
+def kept_in(file: str | Path | None, said: Mapping[str, Any], what: str = "this map") -> AbstractContextManager[MapFile | None]:
+    """The file of a map: see :func:`kept_as`."""
+    return kept_as(MapFile, file, said, what)
+
+
 @contextmanager
-def kept_in(file: str | Path | None, said: Mapping[str, Any], what: str = "this map") -> Iterator[MapFile | None]:
-    """The file of a map, locked: a new one, or one that asks the same. Raises VfifeError for one that asks something else, HeldError."""
+def kept_as(kind: type[Own], file: str | Path | None, said: Mapping[str, Any], what: str) -> Iterator[Own | None]:
+    """A file of a ``kind``, locked: a new one, or one that asks the same; None where nothing is to be kept.
+
+    Raises VfifeError for one that asks something else, HeldError where another process writes ``what`` is in it.
+    """
     if file is None:
         yield None
         return
     path = Path(file)
     with Lock(path.absolute().parent, f"{path.name}.lock", what):
         said = {key: value if isinstance(value, str) else _listed(value) for key, value in said.items()}
-        with MapFile.going_on(path, said) as found:
+        with kind.going_on(path, said) as found:
             yield found
 
 

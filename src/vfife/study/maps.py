@@ -22,7 +22,8 @@ from ..solvers.sweeping import Sweep, carried_on, side_by_side
 from ..solvers.tangents import Neighbours
 from .beside import SAMPLE, Companion, carried_companions, packed, sampled, started_companions
 from .diagram import WHAT, Bifurcation, Legs, Swept
-from .looks import chosen_series, kept_in, looked, refuse_idle, refuse_large_frame, seed, step_count, stepped, unit_at
+from .looks import chosen_series, kept_in, left_out, looked, models_along, refuse_idle, refuse_large_frame, seed, step_count, stepped, unit_at
+from .nearby import nearby
 from .starts import Starts
 
 Array = NDArray[np.float64]
@@ -38,7 +39,7 @@ def bifurcation(
     *,
     count: int = 100,
     turns: int = 150,
-    dropped: int = 100,
+    dropped: int | None = None,
     series: Sequence[str] = (),
     phase: float = 0.0,
     step: float | None = None,
@@ -49,14 +50,15 @@ def bifurcation(
 ) -> Bifurcation:
     """Sweeps the number at ``path`` from ``low`` to ``high`` (SI) and back in ``count`` values, the state carried on from one to the next.
 
-    At each ``turns`` turns, of which ``dropped`` are not looked at. ``series``: what is looked at once a turn, by its name in ``result.series``;
-    the penetration and the largest force of the first contact unless said. ``step`` (s): the finer automatic one of both ends unless said; a turn
-    has a whole number of them, the same for all values. With ``starts`` each value begins anew from each of them: ``{}`` is the model's own,
-    ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.basins` says which numbers there are). ``companions``: so many values are
-    gone through again, with 1.25 times and half the step. With a ``file`` what is known is kept in it after each value, and the same call goes on
-    there. Ctrl-C leaves what is complete. Raises ModelError for a number that cannot be swept so, HeldError where another process writes the file.
+    At each ``turns`` turns, of which ``dropped`` are not looked at, two thirds unless said. ``series``: what is looked at once a turn, by its name
+    in ``result.series``; the penetration and the largest force of the first contact unless said. ``step`` (s): the finer automatic one of both
+    ends unless said; a turn has a whole number of them, the same for all values. With ``starts`` each value begins anew from each of them: ``{}``
+    is the model's own, ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.basins` says which numbers there are).
+    ``companions``: so many values are gone through again, with 1.25 times and half the step. With a ``file`` what is known is kept in it after
+    each value, and the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for a number that cannot be swept so, HeldError
+    where another process writes the file.
     """
-    asked, every = planned(mechanism, path, np.linspace(low, high, count), turns, dropped, series, phase, step, starts, companions)
+    asked, every = planned(mechanism, path, np.linspace(low, high, count), turns, left_out(dropped, turns), series, phase, step, starts, companions)
     refuse(asked, every)
     with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         known = Legs(asked) if kept is None else Legs.of(asked, kept)
@@ -80,14 +82,24 @@ def planned(
 ) -> tuple[Swept, list[Assembly]]:  # fmt: skip
     """What is asked, and the model at each value, stepped alike."""
     text = dump(mechanism)
-    models = [loads(text, set=[(path, float(value))]) for value in values]
     refuse_idle(mechanism, turns, dropped)
-    steps = step_count((models[0], models[-1]), step)
-    every = [stepped(model, steps) for model in models]
+    steps = step_count(models_along(mechanism, ((path, float(values[0]), float(values[-1])),)), step, companions)
+    every = assembled(text, path, values.tolist(), steps)
     chosen, units = chosen_series(every[0], series)
     own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)
     unit = unit_at(mechanism, path)
     return Swept(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps, unit, units, own, companions), every
+
+
+def assembled(text: str, path: str, values: Sequence[float], steps: int) -> list[Assembly]:
+    """The model of a text at each value, with so many steps in a turn: side by side, and those that have to be by themselves."""
+
+    def alone(value: float) -> Assembly:
+        return stepped(loads(text, set=[(path, value)]), steps)
+
+    first, rest = alone(values[0]), values[1:]
+    together = nearby(text, {path: values[0]}, [(path, value) for value in rest], first)
+    return [first, *(alone(value) if one is None else one for value, one in zip(rest, together, strict=True))]
 
 
 def refuse(asked: Swept, every: Sequence[Assembly]) -> None:
@@ -112,20 +124,25 @@ def neighbours(asked: Swept, chain: int) -> Neighbours:
 
 def carried(asked: Swept, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:
     """The legs that are not known yet, their state carried on from value to value, with companions of some."""
-    chains, last = [every, every[::-1]], len(known.legs) - 1
-    near = [neighbours(asked, k) for k in range(len(chains))]
-    sweep, sample = Sweep(chains, near, asked.phase), sampled(len(every), asked.companions)
+    chains, there = [every, every[::-1]], len(known.legs)
+    if there == len(every):
+        return
+    near, sample = [neighbours(asked, k) for k in range(len(chains))], sampled(len(every), asked.companions)
+
+    def again(number: int, state: Array, done: int, look: Callable[[], None]) -> list[Companion]:
+        if number not in sample or number < there:
+            return []
+        numbers, here = (number, len(every) - 1 - number), [chain[number] for chain in chains]
+        return carried_companions(numbers, here, near, state, done, asked.turns, asked.dropped, asked.series, look)
+
+    sweep = Sweep(chains, near, asked.phase, again)
+    last = sweep.whole(there) - 1
     resume = None if kept is None or last < 0 else (last, kept.state(last).reshape(sweep.states.shape))
-    before = None if resume is None else resume[1]
     for leg in sweep.legs(asked.turns, asked.dropped, resume):
-        here = [chain[leg.number] for chain in chains]
-        points = [looked(one, sweep.kept, leg.rows[:, :, k], asked.series, asked.steps) for k, one in enumerate(here)]
-        beside: list[Companion] = []
-        if leg.number in sample and before is not None:
-            numbers, done = (leg.number, len(every) - 1 - leg.number), sweep.begun(leg.number, asked.turns)
-            beside = carried_companions(numbers, here, near, before, done, asked.turns, asked.dropped, asked.series, sweep.pace.look)
-        before = leg.state
-        yield leg.number, np.stack(points, axis=2).reshape(len(leg.rows), -1), leg.growth, leg.state, beside
+        if leg.number >= there:
+            here = [chain[leg.number] for chain in chains]
+            points = [looked(one, sweep.kept, leg.rows[:, :, k], asked.series, asked.steps) for k, one in enumerate(here)]
+            yield leg.number, np.stack(points, axis=2).reshape(len(leg.rows), -1), leg.growth, leg.state, leg.beside
 
 
 def anew(asked: Swept, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:

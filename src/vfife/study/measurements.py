@@ -23,6 +23,7 @@ HEAD = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))?\s*")
 ABSCISSAE: Mapping[str, tuple[Over, str]] = {"time": ("time", "s"), "t": ("time", "s"), "crank_angle": ("angle", "rad"), "angle": ("angle", "rad")}
 LARGEST, MOST_ROWS = 64_000_000, 500_000  # bytes; rows
 LEAST = 8  # samples
+TOLD = 10  # faults of one kind; more are counted
 
 
 @dataclass(frozen=True)
@@ -77,14 +78,15 @@ def measured(
     heads, rows = table(path, faults)
     columns = [split(one) for one in heads]
     place = next((k for k, (name, _) in enumerate(columns) if name.lower() in ABSCISSAE), None)
-    if not faults and place is None:
+    if heads and place is None:
         faults.append(Fault("line 1", "no column says when", shown(", ".join(heads)), "time or crank_angle", "name the first column time (s)"))
-    chosen = choice(columns, units, asked, faults) if not faults else {}
-    if not faults and not chosen:
+    before = len(faults)
+    chosen = choice(columns, units, asked, faults) if heads else {}
+    if heads and len(faults) == before and not chosen:
         remedy = f"name columns as channels are, or say which is which with --column; the mechanism has {', '.join(list(units)[:8])} ..."
         faults.append(Fault("line 1", "no column is a channel of the mechanism", shown(", ".join(heads)), "", remedy))
     for name, weight in (weights or {}).items():
-        if name not in {columns[k][0] for k in chosen} and not faults:
+        if name not in {columns[k][0] for k in chosen} and chosen:
             faults.append(Fault(f"weight of {name}", "there is no such column among those that count", "", "", suggestion(name, heads, "name one")))
         elif not 0.0 < weight < math.inf:
             faults.append(Fault(f"weight of {name}", "this is no weight", shown(weight), "a number above 0", "correct it"))
@@ -94,18 +96,17 @@ def measured(
     if place is not None:
         over, unit = ABSCISSAE[columns[place][0].lower()]
         factors[place] = factor(columns[place][1], unit, f"line 1, column {place + 1}", faults)
-    values = numbers(rows, heads, sorted(factors), faults) if not faults else {}
-    if not faults and place is not None:
-        check_places(values[place], heads[place], faults)
+    values = numbers(rows, heads, sorted(factors), faults)
+    if place is not None:
+        check_places(values[place], [line for line, _ in rows], heads[place], faults)
+    flat = [heads[k] for k in chosen if len(rows) and float(np.ptp(values[k])) == 0.0]
+    faults += [Fault(f"column {head}", "every value is the same", remedy="leave the column out") for head in flat]
     if faults or place is None:
         raise ModelError(faults, str(path))
     told = weights or {}
     curves = tuple(
         Curve(one.channel, heads[k], factors[k] * values[k], one.proportional, float(told.get(columns[k][0], 1.0))) for k, one in chosen.items()
     )
-    flat = [one.head for one in curves if float(np.ptp(one.values)) == 0.0]
-    if flat:
-        raise ModelError([Fault(f"column {flat[0]}", "every value is the same", remedy="leave the column out")], str(path))
     return Measured(over, factors[place] * values[place], curves, path.name)
 
 
@@ -141,10 +142,21 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
         faults.append(Fault("file", f"it has {len(rows) - 1} rows of numbers", "", f"{LEAST} or more", "measure more, or check the file"))
     if len(rows) - 1 > MOST_ROWS:
         faults.append(Fault("file", f"it has {len(rows) - 1:,} rows of numbers", "", f"{MOST_ROWS:,}", "thin it out"))
-    uneven = next(((line, row) for line, row in rows if len(row) != len(heads)), None)
-    if uneven is not None:
-        faults.append(Fault(f"line {uneven[0]}", f"it has {len(uneven[1])} values", "", f"{len(heads)}, as the first line", "give each column one"))
-    return heads, rows[1:]
+    uneven = [(line, row) for line, row in rows if len(row) != len(heads)]
+    some(faults, [fault_of_row(line, row, len(heads)) for line, row in uneven[:TOLD]], len(uneven), "lines have another number of values")
+    return heads, [(line, row) for line, row in rows[1:] if len(row) == len(heads)]
+
+
+def fault_of_row(line: int, row: Sequence[str], count: int) -> Fault:
+    """A line with more or fewer values than columns."""
+    return Fault(f"line {line}", f"it has {len(row)} values", "", f"{count}, as the first line", "give each column one")
+
+
+def some(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> None:
+    """Tells the first few faults of one kind, and how many more there are."""
+    faults += first
+    if count > len(first):
+        faults.append(Fault("file", f"{count - len(first):,} more {what}"))
 
 
 def split(head: str) -> tuple[str, str]:
@@ -189,19 +201,21 @@ def factor(unit: str, wanted: str, where: str, faults: list[Fault]) -> float:
 
 
 def numbers(rows: Sequence[tuple[int, list[str]]], heads: Sequence[str], which: Collection[int], faults: list[Fault]) -> dict[int, Array]:
-    """Columns as numbers; the first few cells that are none are told."""
-    found = {}
-    for k in which:
-        values = np.full(len(rows), np.nan)
-        for at, (line, row) in enumerate(rows):
+    """Columns as numbers; the first few cells that are none are told, line by line, and how many more there are."""
+    found = {k: np.full(len(rows), np.nan) for k in which}
+    bad: list[Fault] = []
+    count = 0
+    for at, (line, row) in enumerate(rows):
+        for k, column in found.items():
             try:
-                values[at] = float(row[k])
+                column[at] = float(row[k])
             except ValueError:
-                values[at] = math.nan
-            if not math.isfinite(values[at]):
-                faults.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *said_of(row[k])))
-                break
-        found[k] = values
+                column[at] = math.nan
+            if not math.isfinite(column[at]):
+                count += 1
+                if len(bad) < TOLD:
+                    bad.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *said_of(row[k])))
+    some(faults, bad, count, "cells are no numbers")
     return found
 
 
@@ -216,13 +230,21 @@ def said_of(cell: str) -> tuple[str, str, str, str]:
     return what, shown(text), "a number", "leave the row out, or correct it"
 
 
-def check_places(places: Array, head: str, faults: list[Fault]) -> None:
-    """Times or angles ascend."""
-    back = np.flatnonzero(np.diff(places) <= 0.0)
-    if len(back):
-        at = int(back[0])
-        what = f"sample {at + 2} is not after the one before it"
-        faults.append(Fault(f"column {head}", what, f"{places[at + 1]:g} after {places[at]:g}", "ascending values", "sort the rows"))
+def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fault]) -> None:
+    """Times or angles ascend; cells that are no numbers are told elsewhere."""
+    sound = np.flatnonzero(np.isfinite(places))
+    back = np.flatnonzero(np.diff(places[sound]) <= 0.0)
+    found = [
+        Fault(
+            f"line {lines[sound[at + 1]]}, column {head}",
+            f"it is not after line {lines[sound[at]]}",
+            f"{places[sound[at + 1]]:g} after {places[sound[at]]:g}",
+            "ascending values",
+            "sort the rows",
+        )
+        for at in back[:TOLD]
+    ]
+    some(faults, found, len(back), "lines are not after the line before them")
 
 
 def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, Asked] | None:

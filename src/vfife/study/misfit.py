@@ -8,7 +8,7 @@ Numerical Analysis 10 (1973) 413-432).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -42,12 +42,16 @@ class Offset:
 
 @dataclass(frozen=True)
 class Fitted:
-    """The curves of one member laid on the samples, shape (samples, curves): ``offset``, and of each curve its factor and level."""
+    """The curves of one member laid on the samples, shape (samples, curves): ``offset``, and of each curve its factor and level.
+
+    ``along``: the square of the residuals' slope along the offset, 0 where that is fixed.
+    """
 
     offset: float
     gains: Array
     values: Array
     residuals: Array
+    along: float = 0.0
 
     @property
     def cost(self) -> float:
@@ -66,13 +70,17 @@ class Misfit:
         self.wanted = self.seen(self.data)
         spread = self.wanted.std(axis=0) if how != "spectrum" else np.sqrt((self.wanted**2).mean(axis=0))
         self.scale = np.where(spread > 0.0, spread, 1.0)
-        self.slope_along = 0.0
         self.weights = np.array([one.weight for one in measured.curves]) / self.scale
 
     @property
     def count(self) -> int:
         """Residuals."""
         return self.wanted.size
+
+    @property
+    def any_turn(self) -> bool:
+        """Whether nobody knows in which turn of the motion the data begin: an offset that is free, an angle that is known to whole turns."""
+        return self.offset.free or self.measured.over == "angle"
 
     @property
     def lost(self) -> Array:
@@ -92,6 +100,14 @@ class Misfit:
             window = np.hanning(len(values))[:, None]
             return np.asarray(np.abs(np.fft.rfft(resampled * window, axis=0))[1:] * (2.0 / window.sum()))
         return values
+
+    def places(self) -> tuple[str, Array]:
+        """What the places of what is compared are, and where: times (s), angles (rad); of spectra frequencies (Hz), orders (cycles a turn)."""
+        seen, count = self.measured, len(self.wanted)
+        if self.how == "spectrum":
+            lines = np.arange(1, count + 1) * (len(seen.places) - 1) / (len(seen.places) * seen.span)
+            return ("order", 2.0 * math.pi * lines) if seen.over == "angle" else ("frequency", lines)
+        return seen.over, seen.places[self.window // 2 :][:count]
 
     def origin(self, trace: Trace) -> float:
         """Where a run's samples may begin: after what is skipped, in whole turns; a fixed offset counts from the begin."""
@@ -131,18 +147,18 @@ class Misfit:
     def polished(self, trace: Trace, at: float, ends: tuple[float, float]) -> Fitted:
         """The offset to many digits, by Gauss and Newton's steps along it: derivatives are taken of it."""
         side = SIDE * (ends[1] - ends[0])
-        here = self.laid(trace, at)
+        here, along = self.laid(trace, at), 0.0
         for _ in range(STEPS):
             slope = (self.laid(trace, at + side).residuals - self.laid(trace, at - side).residuals) / (2.0 * side)
-            self.slope_along = float(slope @ slope)
-            if not self.slope_along > 0.0:
+            along = float(slope @ slope)
+            if not along > 0.0:
                 break
-            after = min(max(at - float(slope @ here.residuals) / self.slope_along, ends[0]), ends[1])
+            after = min(max(at - float(slope @ here.residuals) / along, ends[0]), ends[1])
             there = self.laid(trace, after)
             if there.cost > here.cost:
                 break
             at, here = after, there
-        return here
+        return replace(here, along=along)
 
     def search(self, trace: Trace, low: float, high: float) -> tuple[float, float]:
         """The best of offsets that lie evenly between two, and how far they are apart; at some of the samples only."""
@@ -184,7 +200,11 @@ class Misfit:
         places = self.origin(trace) + offset + (self.measured.places - self.measured.places[0])
         raw = self.seen(between(places, trace))
         values, gains = self.levelled(raw, self.wanted)
-        return Fitted(offset, gains, values, ((values - self.wanted) * self.weights).T.reshape(-1))
+        return Fitted(offset, gains, values, self.residuals(values))
+
+    def residuals(self, values: Array) -> Array:
+        """What values miss the data by, over the deviations, one curve after the other."""
+        return np.asarray(((values - self.wanted) * self.weights).T.reshape(-1), dtype=float)
 
     def unsettled(self, trace: Trace) -> float:
         """By how much the turn after those that are skipped differs from the next, over the deviations of the measured curves; 0 where no turns are
@@ -214,7 +234,7 @@ def between(places: Array, trace: Trace) -> Array:
     """Values between outputs, by cubics with the slopes of their neighbours."""
     x, values = trace.places, trace.values
     at = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(x) - 2)
-    slopes = np.gradient(values, x, axis=0)
+    slopes = trace.slopes
     width = (x[at + 1] - x[at])[:, None]
     u = ((np.clip(places, x[0], x[-1]) - x[at])[:, None]) / width
     first, last = values[at], values[at + 1]

@@ -13,7 +13,7 @@ from ..assembly.together import Together
 from ..fields.members import Differing, members
 from ..model.functions import turn_of
 from ..modelfile import loads
-from .batches import TROUBLE
+from .batches import TROUBLE, unforeseen
 from .columns import Column, Unfit, column, together
 
 Change = tuple[str, float]  # a path, and the number (SI) there
@@ -54,10 +54,14 @@ def nearby(text: str, known: Mapping[str, float], changes: Sequence[Change], bas
             steps = members(np.broadcast_to(choice.step * np.asarray(scale), (len(which),)))
             for k, assembly in zip(which, kit.assembled(model, len(which), contacts, steps, one_of), strict=True):
                 found[k] = assembly
+            return
         except (Differing, *TROUBLE):
-            middle = len(which) // 2
-            made(which[:middle])
-            made(which[middle:])
+            pass
+        except Exception as error:  # each made by itself is right whatever is wrong here
+            unforeseen(error)
+        middle = len(which) // 2
+        made(which[:middle])
+        made(which[middle:])
 
     made([k for k, (path, value) in enumerate(changes) if (one := columns[path]) is not None and one.held.allows(value)])
     return found

@@ -27,19 +27,40 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Axis:
-    """What may be varied: from ``low`` to ``high`` in SI units, evenly or by its logarithm, or one of ``values``."""
+    """What may be varied: from ``low`` to ``high`` in SI units, evenly or by its logarithm, or one of ``values``; ``whole`` numbers are rounded."""
 
     name: str
     low: float = math.nan
     high: float = math.nan
     logarithmic: bool = False
     values: tuple[Number, ...] = ()
+    whole: bool = False
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it takes every value between its bounds."""
+        return not self.values and not self.whole
+
+    def value(self, share: float) -> float:
+        """The value at a share of the way from bound to bound."""
+        found = self.low * (self.high / self.low) ** share if self.logarithmic else self.low + share * (self.high - self.low)
+        return min(max(found, self.low), self.high)
+
+    def share(self, value: float) -> float:
+        """Where a value lies between the bounds."""
+        if self.logarithmic:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def slope(self, share: float) -> float:
+        """Derivative of the value by the share."""
+        return self.value(share) * math.log(self.high / self.low) if self.logarithmic else self.high - self.low
 
 
 @dataclass(frozen=True)
 class Search:
     """What is searched for: the least of ``minimised`` and the most of ``maximised`` measures over ``axes``, within ``bounds``, in so many
-    ``members``."""
+    ``members``, and ``refine`` more at the most that derivatives lead to."""
 
     axes: tuple[Axis, ...]
     minimised: tuple[str, ...]
@@ -48,6 +69,7 @@ class Search:
     seed: int = 0
     batch: int = BATCH
     maximised: tuple[str, ...] = ()
+    refine: int = 0
 
     @property
     def aims(self) -> tuple[tuple[str, float], ...]:

@@ -18,13 +18,15 @@ from ..modelfile.read import raw_of, text_of
 from .allocation import Allocated, Choice, Option, allocate, options_of
 from .carry import units_of
 from .distributions import Array, Clearance, Uniform
-from .growing import Growing
+from .growing import BrokenOff, Growing
 from .limits import Bound, flat, read_bounds
 from .optimise import BATCH, Axis, Found, Search, searched
 from .plan import MOST_MEMBERS, SEARCH, Parameter, Plan
 from .planfile import Written, understood
 from .quantiles import CONFIDENCE, needed
+from .refining import Refined, refined, slopes_of
 
+REFINE = 20  # members more that derivatives may lead to
 WIDTH = 128  # members that an allocation asks for at once
 OPTIMISE, ALLOCATION, COST, LIMIT = "optimise", "allocation", "cost", "limit"
 
@@ -38,6 +40,7 @@ class Optimised:
     members: int = described(Whole(1, MOST_MEMBERS), "how many members are computed", 200)
     seed: int = described(Whole(0, 2**31 - 1), "which members the search asks for: the same seed, the same search", 1)
     batch: int = described(Whole(1, 4096), "members that are asked for at once", BATCH)
+    refine: int = described(Whole(0, 10000), "members more that derivatives may lead to from the best one of one measure on; 0: none", REFINE)
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,10 @@ class Allotment:
     bound: Bound
     asked: Allotted
     fits: tuple[bool, ...]  # whose are to be chosen
+
+    def chosen(self, choice: Choice) -> dict[str, str]:
+        """The fits of a choice by the parameters for which there was one to be made."""
+        return {one.name: fit for one, fit, own in zip(self.parameters, choice.names, self.fits, strict=True) if own}
 
 
 def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
@@ -90,9 +97,11 @@ def search_of(raw: Mapping[str, Any], known_as: str, folder: Path | None = None,
         elif one.values is not None:
             axes.append(Axis(one.name, values=one.values))
         else:
-            axes.append(Axis(one.name, *one.distribution.limits))
+            low, high = one.distribution.limits
+            axes.append(Axis(one.name, low, high, whole=isinstance(one.held, Whole)))
     finished(by, known_as)
-    return plan, base, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch, tuple(asked.maximise))
+    refine = asked.refine if len(asked.minimise) + len(asked.maximise) == 1 else 0
+    return plan, base, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch, tuple(asked.maximise), refine)
 
 
 def load_allotment(path: str | Path) -> tuple[Plan, Mechanism, Allotment]:
@@ -191,9 +200,28 @@ def numbers_at(parameters: Sequence[Parameter], values: Mapping[str, float | str
     return found
 
 
-def optimised(grow: Growing, plan: Plan, search: Search, told: Callable[[list[Found]], None] | None = None) -> list[Found]:
-    """The members of a search, in a study file."""
-    return searched(search, lambda asked: grow([numbers_at(plan.parameters, one) for one in asked]), told)
+def optimised(
+    grow: Growing, plan: Plan, search: Search, base: Mechanism, told: Callable[[list[Found]], None] | None = None
+) -> tuple[list[Found], Refined]:
+    """The members of a search, in a study file, and of these the last that derivatives led to."""
+
+    def at(parameters: Mapping[str, float | str]) -> dict[str, float | str]:
+        return numbers_at(plan.parameters, parameters)
+
+    def ask(asked: Sequence[Mapping[str, float | str]]) -> Sequence[Mapping[str, float] | None]:
+        return grow([at(one) for one in asked])
+
+    slopes = slopes_of(plan, base, search, at)
+
+    def kept(parameters: Mapping[str, float | str]) -> Mapping[str, Mapping[str, float]]:
+        try:
+            return slopes(dict(parameters))
+        except KeyboardInterrupt:
+            raise BrokenOff from None
+
+    found = searched(search, ask, told)
+    more = refined(search, found, ask, kept, told) if search.refine else Refined()
+    return [*found, *more.members], more
 
 
 def allotted(grow: Growing, task: Allotment, told: Callable[[Choice, int, int], None] | None = None) -> Allocated:

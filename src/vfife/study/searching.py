@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 
 from ..model.mechanism import Mechanism
 from ..results.studied import Study
-from .allocation import Choice
 from .carry import read_back
 from .cluster import elsewhere, joined
 from .growing import BrokenOff, Growing, grown
@@ -26,11 +25,14 @@ Work = TypeVar("Work")
 @dataclass(frozen=True)
 class Optimum:
     """What a search came to: ``best``, the one best member or the Pareto front of several measures, the best of the first measure first, and empty
-    where none keeps the limits; every one of its ``members`` in order; the ``study`` that they are kept in. Numbers are in SI units."""
+    where none keeps the limits; every one of its ``members`` in order; the ``study`` that they are kept in; how many of the last members
+    derivatives led to (``refined``), and ``why`` there are no more of these, where they did not come to an end. Numbers are in SI units."""
 
     best: tuple[Found, ...]
     members: tuple[Found, ...]
     study: Study
+    refined: int = 0
+    why: str = ""
 
 
 @dataclass(frozen=True)
@@ -61,16 +63,17 @@ def optimise(
     **more: Any,
 ) -> Optimum:
     """Looks for the parameters with which measures are least, or largest, within limits: min f(x) with low ≤ g(x) ≤ high; of several f the Pareto
-    front. One f is searched by tree-structured Parzen estimators, several by NSGA-II (optuna, extra ``optimise``).
+    front. One f is searched by tree-structured Parzen estimators, several by NSGA-II (optuna, extra ``optimise``); from the best of one f on
+    derivatives of the run lead to at most ``refine`` members more (SLSQP), where the measures have any.
 
     >>> vfife.optimise(model, {"play": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}}, ["C.force.max", "C.impacts"],
     ...     optimise={"minimise": ["C.force.max"], "members": 100}, limit={"C.impacts": 40}).best  # doctest: +SKIP
 
     ``model``, ``vary`` and ``measures`` as of :func:`vfife.study`, or alone the path of a study file; every parameter has ``from`` and ``to``, or
-    ``values``. ``more`` are the other keys of a study file: ``optimise`` (``minimise``, ``maximise``, ``members``, ``seed``, ``batch``), ``limit``
-    (by measure the most allowed, or ``low`` and ``high``), ``turns``, ``settle``, ``last``, ``step``, ``set``. Numbers are in SI units, texts have
-    theirs. ``file`` keeps the members, and the same search goes on after what it has; ``force`` replaces another study there. ``workers``,
-    ``cluster``, ``device``: where members run. ``progress`` hears how many members have been computed.
+    ``values``. ``more`` are the other keys of a study file: ``optimise`` (``minimise``, ``maximise``, ``members``, ``seed``, ``batch``,
+    ``refine``), ``limit`` (by measure the most allowed, or ``low`` and ``high``), ``turns``, ``settle``, ``last``, ``step``, ``set``. Numbers are
+    in SI units, texts have theirs. ``file`` keeps the members, and the same search goes on after what it has; ``force`` replaces another study
+    there. ``workers``, ``cluster``, ``device``: where members run. ``progress`` hears how many members have been computed.
 
     Raises ModelError with all faults, VfifeError without optuna or where another study is in the file, HeldError, StorageError, DeviceError;
     KeyboardInterrupt after Ctrl-C, what ended being kept in ``file``.
@@ -78,11 +81,11 @@ def optimise(
     tables, known_as, folder, base, name = written(model, vary, measures, more, "optimise()")
     plan, base, search = search_of(tables, known_as, folder, base)
     imported()
-    found, study = kept(
-        file, plan, base, name, lambda grow: optimised(grow, plan, search), force=force, workers=workers, cluster=cluster, device=device,
+    (found, last), study = kept(
+        file, plan, base, name, lambda grow: optimised(grow, plan, search, base), force=force, workers=workers, cluster=cluster, device=device,
         progress=progress,
     )  # fmt: skip
-    return Optimum(tuple(best(search, found)), tuple(found), study)
+    return Optimum(tuple(best(search, found)), tuple(found), study, len(last.members), last.why)
 
 
 def allocate(
@@ -116,12 +119,8 @@ def allocate(
         file, plan, base, name, lambda grow: allotted(grow, task), force=force, workers=workers, cluster=cluster, device=device,
         progress=progress,
     )  # fmt: skip
-
-    def fits(choice: Choice) -> dict[str, str]:
-        return {one.name: fit for one, fit, own in zip(task.parameters, choice.names, task.fits, strict=True) if own}
-
-    chosen, rejected = found.choice, tuple((fits(one), one.cost) for one in found.rejected)
-    cheapest, cost = (None, None) if chosen is None else (fits(chosen), chosen.cost)
+    chosen, rejected = found.choice, tuple((task.chosen(one), one.cost) for one in found.rejected)
+    cheapest, cost = (None, None) if chosen is None else (task.chosen(chosen), chosen.cost)
     return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,20 +13,32 @@ from numpy.typing import NDArray
 from ..analysis.chaos import Exponent, exponent
 from ..analysis.verdict import Verdict, verdict
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, suggestion
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
 from ..solvers.sectioning import Sectioning
 from ..solvers.strikes import COLUMNS
-from .looks import chosen_series, kept_in, law_words, looked, refuse_idle, refuse_large_frame, seed, step_count, stepped, tupled
+from .looks import (
+    chosen_series,
+    kept_in,
+    law_words,
+    left_out,
+    looked,
+    refuse_idle,
+    refuse_large_frame,
+    refuse_unknown,
+    seed,
+    step_count,
+    stepped,
+    tupled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-WHAT = "section"
+WHAT, DROPPED = "section", 1 / 3
 
 
 @dataclass(frozen=True)
@@ -89,27 +99,18 @@ class PoincareSection:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for every turn that was looked at, and beside it, where contacts were, ``NAME.impacts.csv`` with a row for every onset."""
-        stream = io.StringIO(newline="")
-        table = csv.writer(stream)
-        table.writerow(["turn", *self.asked.series, "growth"])
-        for turn, row in enumerate(np.column_stack([*self.points.values(), self.growth]).tolist()):
-            table.writerow([self.asked.dropped + turn + 1, *row])
-        written(Path(path), stream.getvalue(), newline="")
+        every = np.column_stack([*self.points.values(), self.growth]).tolist()
+        write_rows(path, [["turn", *self.asked.series, "growth"], *([self.asked.dropped + turn, *row] for turn, row in enumerate(every, 1))])
         if self.struck:
-            stream = io.StringIO(newline="")
-            table = csv.writer(stream)
-            table.writerow(COLUMNS)
-            for name, one in self.struck.items():
-                for row in np.column_stack([one[column] for column in COLUMNS[1:]]).tolist():
-                    table.writerow([name, *row])
-            written(Path(path).with_suffix(".impacts.csv"), stream.getvalue(), newline="")
+            onsets = {name: np.column_stack([one[column] for column in COLUMNS[1:]]).tolist() for name, one in self.struck.items()}
+            write_rows(Path(path).with_suffix(".impacts.csv"), [COLUMNS, *([name, *row] for name, rows in onsets.items() for row in rows)])
 
 
 def poincare_section(
     mechanism: Mechanism,
     *,
     turns: int = 300,
-    dropped: int = 100,
+    dropped: int | None = None,
     series: Sequence[str] = (),
     phase: float = 0.0,
     joints: Sequence[str] = (),
@@ -117,13 +118,14 @@ def poincare_section(
     file: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> PoincareSection:
-    """The Poincaré section of a mechanism's motion: ``turns`` turns, of which ``dropped`` are not looked at.
+    """The Poincaré section of a mechanism's motion: ``turns`` turns, of which ``dropped`` are not looked at, a third unless said.
 
     ``series``: what is looked at once a turn, at a ``phase`` (1) of it, by its name in ``result.series``; the penetration and the largest force of
     the first contact unless said. ``joints`` with play: of these every contact that begins. ``step`` (s): the automatic one unless said, a whole
     number of them in a turn. With a ``file`` what is known is kept in it every fifty turns, and the same call goes on there, to the bit. Ctrl-C
     leaves what is complete. Raises ModelError for what cannot be looked at so, HeldError where another process writes the file.
     """
+    dropped = left_out(dropped, turns, DROPPED)
     refuse_idle(mechanism, turns, dropped)
     steps = step_count([mechanism], step)
     first = stepped(mechanism, steps)
@@ -153,13 +155,7 @@ def poincare_section(
 def struck_contacts(first: Assembly, joints: Sequence[str]) -> tuple[int, ...]:
     """Numbers of the contacts of joints. Raises ModelError for a joint without play."""
     known = list(dict.fromkeys(first.contact_joints))
-    wrong = [
-        Fault("joints", "there is no joint with play of this name", name, "", suggestion(name, known, "name one with clearance"))
-        for name in joints
-        if name not in known
-    ]
-    if wrong:
-        raise ModelError(wrong, first.mechanism.name)
+    refuse_unknown("joints", joints, known, "there is no joint with play of this name", "name one with clearance", first.mechanism.name)
     return tuple(k for k, name in enumerate(first.contact_joints) if name in joints)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -17,6 +16,7 @@ from ..fields import Measure, Refused
 from ..modelfile.numbers import numbers
 from ..modelfile.override import PathFault, resolve
 from ..modelfile.tables import Raw
+from ..units import ends_of
 from .places import held_at
 
 Array = NDArray[np.float64]
@@ -92,11 +92,7 @@ def pairs(given: Mapping[Any, Any] | Sequence[str], faults: list[Fault]) -> list
     for told, bounds in items:
         name = ",".join(told) if isinstance(told, tuple | list) else str(told).strip()
         if isinstance(bounds, str):
-            ends = tuple(part.strip() for part in bounds.split(".."))
-            if len(ends) == 2 and all(ends):
-                unit = re.sub(r"^[^A-Za-z%°µ]*(?:e[+-]?\d+)?", "", ends[1], flags=re.IGNORECASE).strip()
-                bare = not re.search(r"[A-Za-z%°µ]", re.sub(r"\d[eE][+-]?\d+", "1", ends[0]))
-                bounds = (f"{ends[0]} {unit}" if bare and unit else ends[0], ends[1])
+            bounds = ends_of(bounds) or bounds
         if isinstance(bounds, tuple | list) and len(bounds) == 2:
             found.append((name, (bounds[0], bounds[1])))
         else:

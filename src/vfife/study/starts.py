@@ -12,15 +12,11 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, suggestion
-from ..fields import Measure
 from ..kinematics.initial import Given, Seat, ideal_motion
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..modelfile.override import PathFault, resolve
-from ..modelfile.read import raw_of
-from .looks import stepped
-from .places import held_at
+from .looks import stepped, unit_at
 
 Array = NDArray[np.float64]
 CRANK = "start.crank"
@@ -43,19 +39,7 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
             known = [CRANK, *(f"start.{name}.{one}" for name in mechanism.clearances for one in AXES)]
             raise ValueError(f"{path}: there is no joint with clearance of this name; {suggestion(path, known, 'name one')}")
         return AXES[axis]
-    return unit_of_number(mechanism, path)
-
-
-def unit_of_number(mechanism: Mechanism, path: str) -> str:
-    """Unit of a number of the model. Raises ValueError for a path where there is none."""
-    raw = raw_of(dump(mechanism), mechanism.name)
-    try:
-        held = held_at(raw, resolve(raw, path))
-    except PathFault as fault:
-        raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
-    if not isinstance(held, Measure):
-        raise ValueError(f"{path}: this is no number of the model; name one")
-    return held.unit
+    return unit_at(mechanism, path)
 
 
 def spoken(numbers: Iterable[tuple[str, float]]) -> str:

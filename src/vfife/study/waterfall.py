@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,11 +13,11 @@ from numpy.typing import NDArray
 
 from ..analysis.spectral import COSINES, resolution_of, window_of
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, suggestion
+from ..errors import Fault, ModelError
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.mapfile import MapFile
 from ..results.spectra import spectrum
 from ..results.view import standing
@@ -27,7 +25,7 @@ from ..simulation import prepare
 from ..solvers.arguments import Asked
 from ..solvers.ensemble import placed
 from ..solvers.streaming import stepped
-from .looks import kept_in, refuse_large_frame, tupled, unit_at, unit_of
+from .looks import kept_in, law_words, refuse_large_frame, refuse_unknown, tupled, unit_at, unit_of
 from .spectral import Spectral
 
 if TYPE_CHECKING:
@@ -35,6 +33,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 WHAT = "waterfall"
+LAST = 4  # turns that are transformed unless said
+LOOKED_AT = 9  # values whose turns are looked at for a forecast
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,11 @@ class Waterfall:
         dropped = f", {asked.turns - asked.last} dropped" if asked.turns > asked.last else ""
         return f"{name} window over {asked.last} turns{dropped}; resolution {wide:.3g} orders; {asked.outputs} outputs a turn"
 
+    @property
+    def limits(self) -> str:
+        """Step and laws, in words."""
+        return f"steps of {1e6 * self.asked.step:.3g} µs at most; {law_words(loads(self.asked.model))}"
+
     def plot(self, hertz: bool = False) -> Figure:
         """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
         from ..plots.waterfall import drawn
@@ -95,16 +100,15 @@ class Waterfall:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for each value and order: the value, order, frequency (Hz) and the amplitude of each series. Raises OSError."""
-        stream = io.StringIO(newline="")
-        table, asked = csv.writer(stream), self.asked
+        asked = self.asked
         heads = (f"{name} [{unit}]" for name, unit in zip(asked.series, asked.units, strict=True))
-        table.writerow([f"{asked.path} [{asked.unit}]", "order [1]", "frequency [Hz]", *heads])
+        table: list[list[object]] = [[f"{asked.path} [{asked.unit}]", "order [1]", "frequency [Hz]", *heads]]
         every = np.stack([self.amplitudes[name] for name in asked.series], axis=2)
         for value, frequencies, amplitudes in zip(asked.values, self.frequencies.tolist(), every, strict=True):
             if np.isfinite(amplitudes).all():
                 rows = zip(self.orders.tolist(), frequencies, amplitudes.tolist(), strict=True)
-                table.writerows([value, order, frequency, *row] for order, frequency, row in rows)
-        written(Path(path), stream.getvalue(), newline="")
+                table += ([value, order, frequency, *row] for order, frequency, row in rows)
+        write_rows(path, table)
 
 
 def waterfall(
@@ -115,7 +119,7 @@ def waterfall(
     *,
     count: int = 50,
     turns: int = 12,
-    last: int = 4,
+    last: int | None = None,
     series: Sequence[str] = (),
     outputs: int = 1440,
     highest: float = 50.0,
@@ -126,11 +130,13 @@ def waterfall(
 ) -> Waterfall:
     """Spectra of ``series`` over the number at ``path``, as ``driver.crank.speed``, from ``low`` to ``high`` (SI) in ``count`` runs of their own.
 
-    Each makes so many ``turns``, of which the ``last`` are transformed: orders are told apart by 1/last of a turn, up to the ``highest``. What is
-    faster than half the ``outputs`` of a turn is folded back. ``series``: the forces of joints with play, of all joints where there is none, unless
-    said. ``step`` (s): the finer automatic one of both ends unless said. With a ``file`` each run is kept when it ends, and the same call goes on
-    there. Ctrl-C leaves what is complete. Raises ModelError for what cannot be, HeldError where another process writes the file.
+    Each makes so many ``turns``, of which the ``last`` are transformed, four unless said: orders are told apart by 1/last of a turn, up to the
+    ``highest``. What is faster than half the ``outputs`` of a turn is folded back. ``series``: the forces of joints with play, of all joints where
+    there is none, unless said. ``step`` (s): the finer automatic one of both ends unless said. With a ``file`` each run is kept when it ends, and
+    the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for what cannot be, HeldError where another process writes the
+    file.
     """
+    last = last_of(last, turns)
     asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
     places = round(asked.highest * asked.last) + 1
     with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
@@ -202,20 +208,36 @@ def planned(
             [Fault(path, "no crank turns here, so there are no orders", f"{still[0]:g}", "", "leave it out of the range")], mechanism.name
         )
     if step is None:
-        step = min(prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step for model in (models[0], models[-1]))
+        step = automatic(models)
     assemblies = [placed(model, step, turns, outputs) for model in models]
     refuse_large_frame(assemblies[0])
     start = standing(assemblies[0])
     series = series or usual(assemblies[0], list(start.series))
-    if wrong := [name for name in series if name not in start.series]:
-        told = [Fault("series", "the mechanism has none of this name", name, "", suggestion(name, start.series, "name one")) for name in wrong]
-        raise ModelError(told, mechanism.name)
+    refuse_unknown("series", series, list(start.series), "the mechanism has none of this name", "name one that it has", mechanism.name)
     if not series:
         raise ModelError([Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")], mechanism.name)
     units = tuple(unit_of(start, name) for name in series)
     return Fallen(
         text, path, unit_at(mechanism, path), tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step
     ), assemblies
+
+
+def last_of(last: int | None, turns: int) -> int:
+    """Turns that are transformed, of so many."""
+    return min(LAST, turns) if last is None else last
+
+
+def automatic(models: Sequence[Mechanism]) -> float:
+    """The finer automatic step (s) of the first and the last of models."""
+    return min(prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step for model in (models[0], models[-1]))
+
+
+def about_steps(mechanism: Mechanism, path: str, low: float, high: float, step: float | None) -> float:
+    """About so many steps a turn has, in the mean of a waterfall's runs; 0 where no crank turns, which is told when it is begun."""
+    text = dump(mechanism)
+    models = [loads(text, set=[(path, value)]) for value in np.linspace(low, high, LOOKED_AT).tolist()]
+    turns = [turn_of(model) or 0.0 for model in models]
+    return 0.0 if not all(turns) else sum(turns) / len(turns) / (step or automatic(models))
 
 
 def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:

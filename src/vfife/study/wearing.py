@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +17,13 @@ from ..errors import Fault, ModelError
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
-from ..results.lock import Lock
 from ..results.wearfile import WearFile, WornPoint
 from ..solvers.blocks import Blocks
 from ..solvers.halt import Halt
 from ..solvers.record import Record
 from ..solvers.transient import choose_loop
 from .jumps import Standing, between, jumps
-from .looks import step_count
+from .looks import kept_as, step_count
 from .worn import Asked, Surface, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
 
 Array = NDArray[np.float64]
@@ -57,8 +55,7 @@ def wear(
     ModelError for a mechanism that does not wear so, HeldError where another process writes the file.
     """
     asked, surfaces = planned(mechanism, turns, block, settle, tolerance, harmonics, clearance, force, step)
-    with nullcontext() if file is None else Lock(Path(file).absolute().parent, f"{Path(file).name}.lock", "this wear"):
-        kept = None if file is None else WearFile.going_on(Path(file), {"name": mechanism.name, "asked": dataclasses.asdict(asked)})
+    with kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept:
         points: list[WornPoint] = [] if kept is None else kept.points()
         try:
             with Halt() as halt:
@@ -72,9 +69,6 @@ def wear(
         except KeyboardInterrupt:
             if not points:
                 raise
-        finally:
-            if kept is not None:
-                kept.__exit__()
     return worn_of(mechanism.name, asked, points)
 
 

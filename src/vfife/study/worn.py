@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..model.wear import depth_at
 from ..modelfile import loads
-from ..results.folder import written
+from ..results.csvtable import write_rows
 from ..results.wearfile import WornPoint
 from ..solvers.record import Record
 
@@ -132,13 +130,11 @@ class Worn:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for every point, surface and place: turns, joint, side, angle (rad), depth (m)."""
-        stream = io.StringIO(newline="")
-        table = csv.writer(stream)
-        table.writerow(["turns", "joint", "side", "angle", "depth"])
+        rows: list[list[object]] = [["turns", "joint", "side", "angle", "depth"]]
         for turns, depths in zip(self.turns.tolist(), self.depth, strict=True):
             for surface, depth in zip(self.surfaces, depths, strict=True):
-                table.writerows([turns, surface.joint, surface.side, *pair] for pair in zip(ANGLES.tolist(), depth.tolist(), strict=True))
-        written(Path(path), stream.getvalue(), newline="")
+                rows += ([turns, surface.joint, surface.side, *pair] for pair in zip(ANGLES.tolist(), depth.tolist(), strict=True))
+        write_rows(path, rows)
 
 
 def surfaces_of(mechanism: Mechanism) -> list[Surface]:

@@ -1,87 +1,15 @@
-"""Rigid-mechanism analysis against published four-bar maxima, closed forms and balances it does not use itself."""
+"""Velocities, accelerations and reactions of ideal mechanisms, against published maxima, closed forms and balances they do not use themselves."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from rigid import Drive, Pin
+from kinematics.rods import GRAVITY, along, at_angle, double_crank, driven, four_bar, rods, rough_guess, weight
+from rigid import Drive
 from vfife.errors import AssemblyError
 from vfife.kinematics.mobility import mobility
-from vfife.kinematics.solve import RigidSystem, accelerations, close, velocities
-
-GRAVITY = 9.81
-
-
-def rods(names, lengths, masses, joints, drives=()):
-    """Uniform rods along their own x axis; ends of a joint are given as (body, fraction of half length) or a point."""
-    half = [0.0, *(0.5 * length for length in lengths)]
-
-    def end(body, at):
-        return at if body == 0 else (at * half[body], 0.0)
-
-    pins = [Pin(name, a, np.array(end(a, at_a)), b, np.array(end(b, at_b))) for name, a, at_a, b, at_b in joints]
-    mass = np.array([0.0, *masses])
-    inertia = np.array([0.0, *(m * length**2 / 12.0 for m, length in zip(masses, lengths, strict=True))])
-    return RigidSystem(("ground", *names), mass, inertia, pins, drives)
-
-
-def along(*points):
-    """Row of a rod from its end points: centre and angle."""
-    start, end = np.array(points[0]), np.array(points[1])
-    return [*(0.5 * (start + end)), np.arctan2(*(end - start)[::-1])]
-
-
-def four_bar(ground=0.150, crank=0.400, coupler=0.260, follower=0.460, drives=()):
-    return rods(
-        ("crank", "coupler", "follower"),
-        (crank, coupler, follower),
-        (3.120, 2.028, 3.588),
-        (
-            ("A", 0, (0.0, 0.0), 1, -1.0),
-            ("B", 1, 1.0, 2, -1.0),
-            ("C", 2, 1.0, 3, 1.0),
-            ("D", 3, -1.0, 0, (ground, 0.0)),
-        ),
-        drives,
-    )
-
-
-def driven(system, angle, speed=0.0, acceleration=0.0, body=1):
-    return replace(system, drives=(Drive(body, angle, speed, acceleration),))
-
-
-def rough_guess(side=1.0):
-    b, c, d = (0.4, 0.0), (0.55, side * 0.22), (0.15, 0.0)
-    return np.array([[0.0, 0.0, 0.0], along((0.0, 0.0), b), along(b, c), along(d, c)])
-
-
-def at_angle(angle, side=1.0):
-    """Closed drag-link four-bar at a crank angle, its branch followed from crank angle 0 in small steps."""
-    position = rough_guess(side)
-    for step in np.linspace(0.0, angle, max(2, int(abs(angle) / 0.1) + 2)):
-        position = close(driven(four_bar(), step), position).position
-    return position
-
-
-def double_crank(bars=3):
-    """Parallel cranks 0.2 m long from (x, 0) carrying one coupler; all cranks at 1.1 rad."""
-    feet, angle = (0.0, 0.3, 0.5)[:bars], 1.1
-    tip = 0.2 * np.array([np.cos(angle), np.sin(angle)])
-    joints = []
-    for k, x in enumerate(feet, start=1):
-        joints.append((f"A{k}", 0, (x, 0.0), k, -1.0))
-        joints.append((f"B{k}", k, 1.0, bars + 1, (x - 0.25) / 0.25))
-    names = (*(f"crank {k + 1}" for k in range(bars)), "coupler")
-    system = rods(names, (0.2,) * bars + (0.5,), (*(1.0, 1.5, 0.7)[:bars], 2.0), joints)
-    rows = [along((x, 0.0), (x + tip[0], tip[1])) for x in feet]
-    return system, np.array([[0.0, 0.0, 0.0], *rows, along(tip, (tip[0] + 0.5, tip[1]))]), angle
-
-
-def weight(system):
-    force = np.zeros((len(system.names), 3))
-    force[1:, 1] = -GRAVITY * system.mass[1:]
-    return force
+from vfife.kinematics.solve import accelerations, close, velocities
 
 
 def left_over(system, position, acceleration, force, reactions, torque):
@@ -138,58 +66,6 @@ def test_four_bar_returns_to_its_start_on_the_same_branch(full_turn):
     first, last = full_turn[0][1], full_turn[-1][1]
     np.testing.assert_allclose(last[:, :2], first[:, :2], atol=1e-14)
     np.testing.assert_allclose(last[1:, 2] - first[1:, 2], 2.0 * np.pi, rtol=1e-14)
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_closure_is_the_intersection_of_two_circles(side):
-    b, d = np.array([0.4, 0.0]), np.array([0.15, 0.0])
-    x = (0.25**2 + 0.46**2 - 0.26**2) / (2.0 * 0.25)
-    c = d + np.array([x, side * np.sqrt(0.46**2 - x**2)])
-    closure = close(driven(four_bar(), 0.0), rough_guess(side))
-    np.testing.assert_allclose(closure.position[2], along(b, c), atol=2e-15)
-    np.testing.assert_allclose(closure.position[3], along(d, c), atol=2e-15)
-    assert closure.residual < 1e-15
-    assert 1 < closure.iterations < 12
-
-
-def test_a_long_step_stays_on_the_branch_of_the_guess():
-    np.testing.assert_allclose(close(driven(four_bar(), 1.5), at_angle(0.0)).position, at_angle(1.5), atol=1e-13)
-
-
-def test_a_guess_whole_turns_away_takes_the_angle_of_the_drive():
-    guess = at_angle(0.7)
-    guess[1, 2] -= 4.0 * np.pi
-    guess[0] = 7.0
-    np.testing.assert_allclose(close(driven(four_bar(), 0.7), guess).position, at_angle(0.7), atol=1e-14)
-
-
-def test_wild_guesses_close_on_one_of_the_two_branches():
-    upper, lower = at_angle(0.7), at_angle(0.7, -1.0)
-    draw = np.random.default_rng(1)
-    for _ in range(60):
-        position = close(driven(four_bar(), 0.7), draw.normal(size=(4, 3)) * (1.0, 1.0, 2.0)).position
-        found = np.where(abs(position[2, 0] - upper[2, 0]) < abs(position[2, 0] - lower[2, 0]), upper, lower)
-        np.testing.assert_allclose(position[:, :2], found[:, :2], atol=1e-12)
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1e3])
-def test_size_does_not_matter(scale):
-    system = driven(four_bar(*(scale * length for length in (0.15, 0.4, 0.26, 0.46))), 0.0, 2.0)
-    position = close(system, rough_guess() * (scale, scale, 1.0)).position
-    here = at_angle(0.0)
-    np.testing.assert_allclose(position, here * (scale, scale, 1.0), rtol=1e-13, atol=1e-15 * scale)
-    turning = velocities(driven(four_bar(), 0.0, 2.0), here)[:, 2]
-    np.testing.assert_allclose(velocities(system, position)[:, 2], turning, rtol=1e-12)
-    assert mobility(system, position).free == 1
-
-
-def test_a_free_mechanism_closes_near_its_guess_and_a_closed_one_stays():
-    closed = at_angle(0.7)
-    np.testing.assert_array_equal(close(four_bar(), closed).position, closed)
-    disturbed = closed + 1e-4 * np.sin(np.arange(12.0)).reshape(4, 3)
-    closure = close(four_bar(), disturbed)
-    assert closure.residual < 1e-15
-    assert np.abs(closure.position - disturbed)[1:].max() < 5e-4
 
 
 def test_mirror_image_has_mirrored_motion_and_opposite_torque():
@@ -294,17 +170,6 @@ def test_a_caught_rod_keeps_its_angular_momentum_about_the_pin():
     np.testing.assert_array_equal(velocities(system, position), np.zeros((2, 3)))
 
 
-def test_parallel_cranks_report_the_redundant_joint_and_still_move():
-    system, position, angle = double_crank()
-    result = mobility(driven(system, angle), position)
-    assert (result.free, result.after_drives) == (1, 0)
-    assert (result.redundant, result.redundant_joints) == (1, ("B3",))
-    moving = driven(system, angle, 4.0)
-    assert close(moving, position + 0.01).residual < 1e-15
-    velocity = velocities(moving, position)
-    np.testing.assert_allclose(velocity[1:, 2], [4.0, 4.0, 4.0, 0.0], atol=1e-13)
-
-
 def test_redundant_pins_share_the_load_without_self_stress():
     system, position, angle = double_crank()
     moving = driven(system, angle, 4.0, -6.0)
@@ -318,45 +183,6 @@ def test_redundant_pins_share_the_load_without_self_stress():
         crank = np.zeros(2) if k == 0 else 1.0 / mass + 12.0 / mass * 0.25 * np.array([np.sin(angle), np.cos(angle)]) ** 2
         alone += [crank, crank + 0.5 + np.array([0.0, (x - 0.25) ** 2]) * 6.0 / 0.25]
     assert abs(np.sum(np.array(alone) * self_stress * reactions[:, :2])) < 1e-13 * largest * np.max(alone)
-
-
-def test_mobility_of_a_four_bar_is_one_and_none_when_driven():
-    position = at_angle(0.7)
-    assert mobility(four_bar(), position).after_drives == 1
-    result = mobility(driven(four_bar(), 0.7), position)
-    assert (result.free, result.after_drives, result.redundant, result.redundant_joints) == (1, 0, 0, ())
-
-
-def test_flat_parallelogram_gains_a_freedom_at_its_change_point():
-    system = four_bar(0.3, 0.2, 0.3, 0.2)
-    flat = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.35, 0.0, 0.0], [0.4, 0.0, 0.0]])
-    assert mobility(system, flat).free == 2
-    assert mobility(system, flat).redundant_joints == ("D",)
-    opened = close(driven(system, 1e-3), flat).position
-    assert mobility(system, opened).free == 1
-
-
-def test_a_loop_too_short_names_its_joints_and_the_missing_length():
-    guess = np.array([[0.0, 0.0, 0.0], [0.0, 0.1, 1.2], [0.3, 0.3, 0.4], [0.9, 0.2, 1.9]])
-    with pytest.raises(AssemblyError, match=r"C by 100 mm \(with A, B, D closed\).*A, B, C, D cannot reach") as info:
-        close(four_bar(1.0, 0.2, 0.3, 0.4), guess)
-    assert info.value.joints == ("C",)
-    assert sum(info.value.gaps) == pytest.approx(0.1, rel=1e-9)
-    assert isinstance(info.value, ValueError)
-
-
-def test_a_drive_beyond_its_range_is_blamed_with_the_gap_of_the_other_links():
-    system = driven(four_bar(1.0, 0.4, 0.5, 0.5), np.pi / 2.0)
-    guess = np.array([[0.0, 0.0, 0.0], [0.1, 0.2, 1.2], [0.4, 0.5, -0.2], [0.8, 0.2, 2.0]])
-    with pytest.raises(AssemblyError, match="driven angle of crank") as info:
-        close(system, guess)
-    assert sum(info.value.gaps) == pytest.approx(np.hypot(1.0, 0.4) - 1.0, rel=1e-8)
-
-
-def test_a_guess_between_two_branches_is_called_so():
-    guess = np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.53, 0.0, 0.0], [0.38, 0.0, 0.0]])
-    with pytest.raises(AssemblyError, match="between two branches"):
-        close(driven(four_bar(), 0.0), guess)
 
 
 def dead_centre():
@@ -395,24 +221,3 @@ def test_a_loose_body_moves_as_its_force_says():
     acceleration, reactions, _ = accelerations(system, position, position, np.array([[1.0, 1.0, 1.0], [4.0, 6.0, 0.3]]))
     np.testing.assert_allclose(acceleration, [[0.0, 0.0, 0.0], [2.0, 3.0, 5.0]], rtol=1e-14)
     assert reactions.shape == (0, 3)
-
-
-def test_bad_input_is_refused():
-    good = four_bar()
-    with pytest.raises(ValueError, match="one entry for each"):
-        replace(good, mass=np.ones(3))
-    with pytest.raises(ValueError, match="greater than zero"):
-        replace(good, inertia=np.array([0.0, 1.0, 0.0, 1.0]))
-    for body, point in ((1, (0.0, 0.0)), (4, (0.0, 0.0)), (0, (0.0, 0.0, 0.0)), (0, (0.0, np.nan))):
-        with pytest.raises(ValueError, match=r"joint X must join a point .* of two different bodies"):
-            replace(good, joints=[Pin("X", 1, (0.0,) * len(point), body, point)])
-    with pytest.raises(ValueError, match="every drive must be finite"):
-        replace(good, drives=(Drive(1, np.inf),))
-    with pytest.raises(ValueError, match="moving body of its own"):
-        replace(good, drives=(Drive(0, 0.0),))
-    with pytest.raises(ValueError, match="moving body of its own"):
-        replace(good, drives=(Drive(1, 0.0), Drive(1, 0.1)))
-    with pytest.raises(ValueError, match=r"guess must .* shape \(4, 3\)"):
-        close(good, np.zeros((3, 3)))
-    with pytest.raises(ValueError, match="guess_velocity must be finite"):
-        velocities(good, np.zeros((4, 3)), np.full((4, 3), np.nan))
