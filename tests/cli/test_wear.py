@@ -28,7 +28,9 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path):
     assert done.exit_code == 0, done.stderr
     said = " ".join(done.stdout.split())
     assert "pin bearing 1e-15" in said and "pin journal 4.38e-12" in said
-    assert "steps a turn, without companions; friction: pin ambrosio" in said
+    assert "steps a turn; friction: pin ambrosio. With half the step the last block wears" in said
+    assert "pin journal is that of mild steel on mild steel, dry, K = 0.007 (Archard: Contact and rubbing" in said
+    assert "within a factor of 10, 4.4e-13 to 4.4e-11 1/Pa, with oil 4.4e-15 and less" in said
     assert (tmp_path / "a-wear.png").read_bytes().startswith(b"\x89PNG") and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
     assert len(vfife.load_model(tmp_path / "worn.toml").contacts["pin"].wear.bearing_profile) == 15
     assert "2,000 of 2,000 turns" in done.stderr

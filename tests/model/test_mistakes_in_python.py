@@ -112,3 +112,16 @@ def test_a_misspelt_measure_is_a_key_error_that_reads_as_a_sentence() -> None:
         result().measures["pivot.force.mx"]
     assert str(told.value) == str(told.value).strip("'\"") and 'did you mean "pivot.force.max"' in str(told.value)
     assert result().measures.get("pivot.force.mx") is None and "pivot.force.mx" not in result().measures
+
+
+def test_a_pin_is_driven_by_a_builder_and_nothing_drives_two_things() -> None:
+    """What drives a pin is called after it, without its dot, and no driver is of a body and of a pin."""
+    m = vfife.Mechanism("carriage")
+    m.rigid_body("carriage", mass=1.0, inertia=1e-3, pins={"p": (0.0, 0.0)})
+    m.harmonic(point="carriage.p", amplitude=0.02, frequency=20.0)
+    assert list(m.drivers) == ["carriage p"] and m.drivers["carriage p"].point == "carriage.p"
+    two = vfife.Mechanism("two")
+    two.rigid_body("carriage", mass=1.0, inertia=1e-3, pins={"p": (0.0, 0.0)})
+    two.harmonic("none", point="carriage.p", amplitude=0.02, frequency=20.0)
+    with pytest.raises(vfife.VfifeError, match="it drives a body and a point. Name one of them"):
+        vfife.simulate(two, duration=0.01)

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import vfife
 from support import particle, times, with_settings
 from vfife.analysis import ledger
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.laws import Coulomb, FrictionLaw, Karnopp, LankaraniNikravesh, Stribeck
-from vfife.model.drivers import Torque
+from vfife.model.drivers import ConstantSpeed, Torque
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
@@ -266,3 +267,28 @@ def test_block_slides_down_an_incline():
     assert down[1:] == pytest.approx(expected * (time[1:] + 0.5 * STEP), rel=1e-6)
     assert np.abs(p["theta"] - angle).max() < 1e-9
     assert np.abs(record.block("contact_friction_force")[1:]) == pytest.approx(0.3 * record.block("contact_normal_force")[1:], rel=1e-12)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "karnopp", "stribeck"])
+def test_a_pin_on_a_driven_carriage_rubs_as_far_as_that_goes(law):
+    """Nothing gives way along the plate, which rounding may take below nothing: work is mu N times the way, and the drive gives it."""
+    press, speed, friction, end = 200.0, 0.5, 0.3, 0.02
+    m = Mechanism("pin on a plate", gravity=(0.0, 0.0))
+    m.point("O", 0.0, 0.0)
+    m.point("rail", 0.0, 0.05)
+    m.rigid_body("carriage", mass=1.0, inertia=1e-3, position=(0.0, 0.05), pins={"p": (0.0, 0.0)})
+    m.rigid_body("pin", mass=0.2, inertia=1e-5, position=(0.0, 0.03), pins={"tip": (0.0, -0.025), "top": (0.0, 0.02)})
+    m.slider("rail", "ground.rail", "carriage.p")
+    m.slider("sleeve", "carriage.p", "pin.top", direction=(0.0, 1.0))
+    m.force("press", "pin.tip", force=(0.0, -press))
+    dry = {"law": law, "coefficient": friction, **({} if law == "coulomb" else {"static_coefficient": friction})}
+    m.external_contact(
+        "plate", "ground.O", "pin.tip", journal_radius=0.005, friction=dry, contact={"law": "lankarani-nikravesh", "restitution": 0.1}
+    )
+    m.drivers["drive"] = ConstantSpeed(slider="rail", speed=speed)
+    found = vfife.simulate(m, duration=end, companions=0, reference=False)
+    assert found.record.status == "complete"
+    lost = found.channels["friction_energy"].values[:, 0]
+    late = found.time > 0.5 * end  # the pin has come to rest on the plate
+    slope = np.polyfit(found.time[late], lost[late], 1)[0]
+    assert slope == pytest.approx(friction * press * speed, rel=1e-3)

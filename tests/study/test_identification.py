@@ -343,7 +343,7 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
         "there is such a file": ["--fitted", str(out)], "is written by --fitted w.toml": ["-o", "w.toml"],
         "asks something else; name another file, or remove this one": [*options[2:], "-o", str(tmp_path / "s.fit")],
         "no fit file; name another one": ["-o", __file__],
-        "of 100,000,000,080 steps; add --yes": [*options[:-1], "10 ps", "-o", str(tmp_path / "h.fit")],
+        "steps; add --yes if that is meant, or give fewer points": [*options[:-1], "10 ps", "-o", str(tmp_path / "h.fit")],
     }  # fmt: skip
     for what, words in refused.items():
         answer = CliRunner().invoke(app, ["fit", str(model), str(path), *words])

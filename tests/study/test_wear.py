@@ -85,6 +85,7 @@ def test_a_steady_motion_wears_in_exact_proportion():
     assert found.volume("bore", "journal") == pytest.approx(volume, rel=1e-3, abs=0.0)
     assert found.volume("bore", "bearing") == pytest.approx(volume * SOFT / HARD, rel=1e-3, abs=0.0)
     assert smooth(found.depth[-1], 8)[1] == pytest.approx(HARD * 2.0 * 9.81 / 0.02 * turns, rel=0.02, abs=0.0)
+    assert max(found.beside) < 1e-3, "half the step wears the same"
     assert np.degrees(ANGLES[smooth(found.depth[-1], 8)[0].argmax()]) == pytest.approx(90.0, abs=2.0)
 
 
@@ -153,7 +154,8 @@ def test_it_goes_on_where_it_was_broken_off(tmp_path):
     assert not part.complete and len(part.turns) == 2
     whole = wear(loose_pin(), 4e6, **GIVEN, file=path)
     assert np.array_equal(whole.depth, worn().depth) and np.array_equal(whole.force, worn().force) and whole.simulated == worn().simulated
-    assert np.array_equal(load_wear(path).depth, whole.depth)
+    assert np.array_equal(load_wear(path).depth, whole.depth) and part.beside == ()
+    assert load_wear(path).beside == whole.beside == worn().beside and 0.0 < worn().beside[0] < 0.1 and worn().beside[1] < 0.3
     before = path.read_bytes()
     with pytest.raises(VfifeError, match="there is a wear file here that asks something else"):
         wear(loose_pin(), 5e6, **GIVEN, file=path)

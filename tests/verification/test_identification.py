@@ -5,11 +5,13 @@ import pytest
 import vfife
 from rigs import EXAMPLES, synthetic
 
+pytestmark = pytest.mark.verify
+
 TRUTH = {"joint.B.clearance": 3.1e-4, "joint.C.clearance": 1.5e-4, "driver.crank.speed": 150.0}
 BOUNDS = {"joint.B.clearance": ("0.05 mm", "0.6 mm"), "joint.C.clearance": ("0.05 mm", "0.6 mm"), "driver.crank.speed": (130.0, 180.0)}
 
 
-@pytest.mark.parametrize("seed", [7])
+@pytest.mark.parametrize("seed", [1])  # of this one the first four searches end in a wrong place, 23 % and 45 % off
 def test_three_numbers_of_the_papers_four_bar_come_back_within_3_per_cent(tmp_path, seed):
     """From a force, a torque and an acceleration over two turns with 2 % noise, measured at half the step, from somewhere in a turn on."""
     base = vfife.load(EXAMPLES / "four_bar.toml")

@@ -11,6 +11,7 @@ from .terminal import STORAGE, amount_of_bytes, counted, fail, sentences, span, 
 if TYPE_CHECKING:
     from ..study.identification import Task
 
+MADE = 0.03  # s that it takes to assemble a member and to read its channels
 LAID = 2e-6  # s that a sample of a curve takes, laid on a run at all offsets that are tried
 PACKED = 0.9  # of the bytes of numbers
 
@@ -33,7 +34,7 @@ def forecast(task: Task, place: Path) -> dict[str, Any]:
     free = free_bytes(place)
     return {
         "members": left, "kept": kept, "steps": one.choice.steps, "workers": cores, "lanes": lanes,
-        "seconds": left * (alone["seconds"] / min(cores * max(1.0, SHARED * lanes), at_once) + LAID * values),
+        "seconds": left * (alone["seconds"] / min(cores * max(1.0, SHARED * lanes), at_once) + MADE + LAID * values),
         "bytes": int(PACKED * 8 * values * left), "free": float("inf") if free is None else free,
         "memory": MEMORY * alone["bytes"] * min(cores * lanes, task.runs) + LIBRARIES,
     }  # fmt: skip

@@ -19,6 +19,7 @@ from .targets import refuse_inputs
 from .terminal import grid, output, row, sentences, span, tell, writing
 
 if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
     from ..study.worn import Worn
 
 MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
@@ -169,10 +170,11 @@ def said(found: Worn) -> list[str]:
     frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in found.joints)
     sentences = [
         f"{found.simulated:,.0f} turns were simulated, {asked.settle} of {asked.settle + asked.block} dropped each time, {asked.steps:,} steps a "
-        f"turn, without companions; friction: {frictions}.",
+        f"turn; friction: {frictions}.{companion(found)}",
         f"{len(found.turns) - 1} jumps, the largest error {1e6 * found.errors.max():.2g} µm, all together {1e6 * found.errors.sum():.2g} µm; "
         f"the turns of a block leave {100.0 * found.spread.max():.2g} % of a rate open.",
     ]
+    sentences.extend(named(mechanism, found))
     if asked.harmonics == 0:
         sentences.append("Clearances do not follow what is worn, so depths go with the turns.")
     if found.sharp.max() > 1.0:
@@ -188,6 +190,28 @@ def said(found: Worn) -> list[str]:
     elif asked.clearance is not None or asked.force is not None:
         sentences.append(f"Life: more than {found.turns[-1]:,.0f} turns; no limit was reached{later(found)}.")
     return sentences
+
+
+def named(mechanism: Mechanism, found: Worn) -> Iterator[str]:
+    """Of each surface whose coefficient is that of a named pair, where that is from and how far it is known."""
+    from ..laws.wear import OILED, PAIRS, SCATTER
+
+    for one in found.surfaces:
+        pair = getattr(mechanism.contacts[one.joint].wear, one.side)
+        if isinstance(pair, str):
+            number, source = PAIRS[pair]
+            yield (
+                f"The coefficient of {one.joint} {one.side} is that of {pair}, dry, K = {number:g} ({source}): tests lie within a factor of "
+                f"{SCATTER:g}, {one.k / SCATTER:.2g} to {one.k * SCATTER:.2g} 1/Pa, with oil {OILED * one.k:.2g} and less; depths go with it."
+            )
+
+
+def companion(found: Worn) -> str:
+    """What the last block again with half the step says."""
+    if not found.beside:
+        return " No companion with half the step was run: the wear is not complete."
+    volume, place = (100.0 * share for share in found.beside)
+    return f" With half the step the last block wears {volume:.2g} % of volume more or less, {place:.2g} % of the deepest place."
 
 
 def blurred(found: Worn) -> Iterator[str]:

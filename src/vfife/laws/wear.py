@@ -1,8 +1,8 @@
 """Wear coefficients of pairs of materials by name, as their sources have them.
 
 Archard's law, V = K F s/H: volume V that a surface loses under a normal force F over a sliding distance s, H its hardness, K a number of the pair.
-What a machine needs is k = K/H in 1/Pa; 1 mm^3/(N m) is 1e-9 1/Pa. Tests of one pair differ by a factor of ten from each other, and oil changes K
-by a factor of a thousand: a coefficient that was measured on the pair at hand is worth more than any table.
+What a machine needs is k = K/H in 1/Pa; 1 mm^3/(N m) is 1e-9 1/Pa. Tests of one pair differ by a factor of ten from each other (``SCATTER``), and
+oil changes K by a factor of a thousand and more (``OILED``): a coefficient that was measured on the pair at hand is worth more than any table.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ ARCHARD = (
     "conditions, Proc. R. Soc. A 236, 397 (1956), as tables of wear coefficients repeat them"
 )
 
+SCATTER = 10.0  # tests of one pair lie within so many times of K to either side
+OILED = 1e-3  # of K, and less, where oil separates the surfaces
 # Name: K (1) of the surface that is named first, dry in air; source.
 PAIRS: dict[str, tuple[float, str]] = {
     "mild steel on mild steel": (7e-3, ARCHARD),

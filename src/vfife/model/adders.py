@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Arguments = ParamSpec("Arguments")
 Noun = TypeVar("Noun")
-TARGETS = ("body", "slider", "point")  # what a driver is called after, where it has no name
+TARGETS = ("body", "slider", "point")  # what a driver is called after, where it has no name: of a pin without its dot
 BUILDERS: dict[str, dict[str, list[str]]] = {}  # of each section, with their keywords
 
 
@@ -42,7 +42,7 @@ def adds(section: str, noun: type[Noun]) -> Callable[[Callable[Arguments, Noun]]
         def add(*args: Any, **given: Any) -> Any:
             mechanism, *places = args
             found = dict(zip(leading, places, strict=False)) | given
-            name = found.get("name") or next((found[one] for one in TARGETS if found.get(one)), None)
+            name = found.get("name") or next((called(found[one]) for one in TARGETS if found.get(one)), None)
             path: Path = (section, name if isinstance(name, str) else "?")
             faults = strange(path, names, leading, places, given) + [
                 Fault(place((*path, one)), "this keyword is missing", remedy=f"add {one}=...") for one in needed if one not in found
@@ -59,6 +59,11 @@ def adds(section: str, noun: type[Noun]) -> Callable[[Callable[Arguments, Noun]]
         return add
 
     return decorate
+
+
+def called(target: Any) -> Any:
+    """The name of what has none of its own."""
+    return target.replace(".", " ") if isinstance(target, str) else target
 
 
 def keywords(noun: Any, names: list[str]) -> str:

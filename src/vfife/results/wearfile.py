@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -46,6 +47,18 @@ class WearFile(AskedFile):
         while (row := tables.sound(self._connection, "points", len(found))) is not None:
             found.append(WornPoint(unpacked(row[2]), unpacked(row[3]), json.loads(row[1])))
         return found
+
+    @told
+    def keep_beside(self, apart: Sequence[float]) -> None:
+        """How far the companion of the last block is apart from it."""
+        tables.insert(self._connection, "meta", "beside", json.dumps(list(apart)))
+
+    @property
+    @told
+    def beside(self) -> tuple[float, ...]:
+        """The same; empty where there was none."""
+        row = tables.sound(self._connection, "meta", "beside")
+        return () if row is None else tuple(json.loads(row[1]))
 
     @told
     def state(self, number: int) -> Array:

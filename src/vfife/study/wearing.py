@@ -24,6 +24,7 @@ from ..solvers.record import Record
 from ..solvers.transient import choose_loop
 from .jumps import Standing, between, jumps
 from .looks import kept_as, step_count
+from .wearcheck import beside
 from .worn import Asked, Surface, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
 
 Array = NDArray[np.float64]
@@ -49,14 +50,16 @@ def wear(
     """Wears the joints that have a table ``wear`` for so many ``turns`` of the crank, or until a limit.
 
     The rate of wear is that of ``block`` turns, after ``settle`` turns that nobody looks at. A jump errs by ``tolerance`` of the smallest clearance
-    at the most. The clearance follows the worn profiles by so many ``harmonics`` (1: their mean; 0: not at all). ``clearance`` (m) and ``force``
-    (N) are the limits that end a life: play of a joint, by the deepest places of its surfaces, and the largest force of one. ``step`` (s): the
-    automatic one unless said. With a ``file`` every jump is kept in it, and the same call goes on there. Ctrl-C leaves what is complete. Raises
-    ModelError for a mechanism that does not wear so, HeldError where another process writes the file.
+    at the most; what the step does to the rates is told by the last block again with half of it. The clearance follows the worn profiles by so many
+    ``harmonics`` (1: their mean; 0: not at all). ``clearance`` (m) and ``force`` (N) are limits that end a life: play of a joint, by the deepest
+    places of its surfaces, and the largest force of one. ``step`` (s): the automatic one unless said. With a ``file`` every jump is kept in it, and
+    the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for a mechanism that does not wear so, HeldError where another
+    process writes the file.
     """
     asked, surfaces = planned(mechanism, turns, block, settle, tolerance, harmonics, clearance, force, step)
     with kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept:
         points: list[WornPoint] = [] if kept is None else kept.points()
+        apart: tuple[float, ...] = () if kept is None else kept.beside
         try:
             with Halt() as halt:
                 wearing = Wearing(mechanism, asked, surfaces, halt)
@@ -66,17 +69,21 @@ def wear(
                     points.append(point)
                     if progress is not None:
                         progress(point.told["turns"], asked.turns, round(wearing.blocks.turns))
+                if not apart:
+                    apart = beside(asked, surfaces, wearing.blocks, points[-1].rate, halt)
+                    if kept is not None:
+                        kept.keep_beside(apart)
         except KeyboardInterrupt:
             if not points:
                 raise
-    return worn_of(mechanism.name, asked, points)
+    return worn_of(mechanism.name, asked, points, apart)
 
 
 def load_wear(path: str | Path) -> Worn:
     """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
     with WearFile.open(Path(path)) as file:
         said = file.asked
-        return worn_of(said["name"], Asked(**said["asked"]), file.points())
+        return worn_of(said["name"], Asked(**said["asked"]), file.points(), file.beside)
 
 
 def planned(

@@ -65,7 +65,8 @@ class Worn:
     ``rate`` (m a turn) has the same shape. Of each joint in ``joints`` its ``play`` (m), clearance and deepest places together, and the largest
     ``force`` (N) of the block of turns that was simulated there, shape (points, joints). ``errors`` (m) are those of the jumps that led to the
     points, ``spread`` (1) what the mean rate of a block leaves open, as a share. ``sharp`` (1): above 1
-    a journal would rest on the edges of what it wore.
+    a journal would rest on the edges of what it wore. ``beside``: how far the last rates are apart with half the step, of all volume and of
+    the deepest place, as shares; empty where that is not known.
     ``ended``: turns, joint and limit (``by``) of a life that ended, or empty.
     """
 
@@ -83,6 +84,7 @@ class Worn:
     sharp: Array
     simulated: float
     ended: dict[str, Any]
+    beside: tuple[float, ...] = ()
 
     @property
     def angles(self) -> Array:
@@ -249,7 +251,7 @@ def sharpness(found: Sequence[Surface], depth: Array, harmonics: int) -> float:
     return max(bent[joint] / play[joint] for joint in bent)
 
 
-def worn_of(name: str, asked: Asked, points: Sequence[WornPoint]) -> Worn:
+def worn_of(name: str, asked: Asked, points: Sequence[WornPoint], beside: Sequence[float] = ()) -> Worn:
     """What the points tell."""
     found = surfaces_of(loads(asked.model))
     own = np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
@@ -258,5 +260,5 @@ def worn_of(name: str, asked: Asked, points: Sequence[WornPoint]) -> Worn:
     return Worn(
         name, asked, tuple(found), tuple(told[0]["joints"]), column["turns"], np.stack([own + point.depth for point in points]),
         np.stack([point.rate for point in points]), column["play"], column["force"], column["error"], column["spread"], column["sharp"],
-        told[-1]["simulated"], told[-1]["ended"],
+        told[-1]["simulated"], told[-1]["ended"], tuple(beside),
     )  # fmt: skip

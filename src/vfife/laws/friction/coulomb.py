@@ -30,7 +30,7 @@ class Coulomb(FrictionLaw):
     def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
         """Friction force (N): the one that stops the sliding, -free_velocity/mobility, cut at the limit."""
         limit = p[0] * normal_force
-        force = abs(free_velocity) / (mobility + 1e-300)  # nothing to stop and nothing to move is no force
+        force = abs(free_velocity) / (abs(mobility) + 1e-300)  # nothing to stop and nothing to move is no force; what is driven rounds below 0
         force = limit if force > limit else force
         return -force if free_velocity > 0.0 else force, memory
 

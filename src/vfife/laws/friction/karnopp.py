@@ -47,7 +47,7 @@ class Karnopp(FrictionLaw):
         kinetic = coefficient * normal_force
         static = static_coefficient * normal_force
         speed = abs(free_velocity)
-        force = speed / (mobility + 1e-300)
+        force = speed / (abs(mobility) + 1e-300)
         force = static if force > static else force
         force = kinetic if speed - mobility * kinetic > band else force
         return -force if free_velocity > 0.0 else force, memory

@@ -64,7 +64,7 @@ class Stribeck(FrictionLaw):
         speed = -speed if left < 0.0 else speed
         slides = reach > 0.0
         rubbing = limit if left > 0.0 else -limit
-        holding = free_velocity / (mobility + 1e-300)
+        holding = free_velocity / (abs(mobility) + 1e-300)
         force = rubbing + half * (last + speed) if slides else holding
         return -force, (speed if slides else 0.0, last)
 

@@ -21,7 +21,10 @@ def check_drivers(checks: Checks) -> None:
 
 def check_target(checks: Checks, path: Path, name: str, driver: Any) -> None:
     """What is driven exists, and can be driven so."""
-    if driver.target not in driver.drives:
+    both = [one for one in ("body", "slider", "point") if getattr(driver, one)]
+    if len(both) > 1:
+        checks.add((*path, both[1]), f"it drives a {' and a '.join(both)}", "name one of them, or write a driver for each")
+    elif driver.target not in driver.drives:
         checks.add((*path, driver.target), f"a {driver.lead_key} does not act on a {driver.target}", f"name a {' or a '.join(driver.drives)}")
     elif driver.target == "slider":
         check_slider(checks, (*path, "slider"), driver.slider)
