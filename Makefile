@@ -11,12 +11,14 @@ XDIST ?= -n 2 --dist loadfile
 # Which Python makes .venv: the first of these that will do.
 BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 
-# The oldest dependencies that pyproject.toml allows, on the oldest Python, and the tests that see most of them at work.
+# The oldest dependencies and extras that pyproject.toml allows, on the oldest Python, and the tests that see most of them at work.
 OLDEST := .venv-oldest
 OLDEST_PYTHON ?= python3.11 python3.12 python3
 OLDEST_TESTS := tests/units tests/golden tests/modelfile/test_modelfile.py tests/modelfile/test_modelfile_set_by_path.py tests/modelfile/test_modelfile_nouns.py \
     tests/results/test_result.py tests/results/test_runfile.py tests/results/test_export.py \
-    tests/plots/test_figures_of_all_kinds.py tests/analysis tests/cli/test_run.py
+    tests/plots/test_figures_of_all_kinds.py tests/analysis tests/cli/test_run.py \
+    tests/study/test_cluster.py tests/study/test_indices.py tests/study/test_optimise.py tests/study/test_searching.py \
+    tests/codegen/test_cuda_bindings.py tests/live/test_served.py tests/plots/test_film.py::test_an_mp4_has_its_frames
 # The tests that call the kernels themselves; of what is compiled no tool sees a line.
 COVERAGE_TESTS := tests/kernels
 
@@ -106,7 +108,7 @@ $(OLDEST)/bin/python:
 $(OLDEST)/.test: pyproject.toml .ci/oldest.py $(OLDEST)/bin/python
 	@echo "Installing vfife with its oldest dependencies into $(OLDEST) (a minute or two the first time)"
 	@$(OLDEST)/bin/python .ci/oldest.py > $(OLDEST)/constraints.txt
-	@$(OLDEST)/bin/python -m pip install -qq --editable '.[test]' --constraint $(OLDEST)/constraints.txt
+	@$(OLDEST)/bin/python -m pip install -qq --editable '.[test,parquet,video]' --constraint $(OLDEST)/constraints.txt
 	@touch $@
 
 $(VENV)/.runtime: pyproject.toml $(PYTHON)

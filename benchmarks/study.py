@@ -24,7 +24,7 @@ from vfife.codegen.native import widest
 from vfife.codegen.runner import Runner
 from vfife.solvers.record import recorded_rows
 from vfife.study.engine import Wanted, run_members
-from vfife.study.preparing import FIRST, Preparing
+from vfife.study.preparing import FIRST, SIZES, Preparing
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")
@@ -71,9 +71,10 @@ class Study:
 
 
 def assembly_time(numbers: list[dict[str, float | str]]) -> float:
-    """Time of the processor (s) a member of making what goes into a lane, when the first batch is there."""
-    made = Preparing(load_model(MODEL), Wanted(WANTED, 1)).each([*numbers[:FIRST], *numbers])
-    deque(islice(made, FIRST), maxlen=0)
+    """Time of the processor (s) a member of making what goes into a lane, when the first ones are there."""
+    soon = FIRST + SIZES[0]
+    made = Preparing(load_model(MODEL), Wanted(WANTED, 1)).each([*numbers[:soon], *numbers])
+    deque(islice(made, soon), maxlen=0)
     began = time.process_time()
     deque(made, maxlen=0)
     return (time.process_time() - began) / len(numbers)

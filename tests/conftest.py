@@ -14,19 +14,24 @@ from one_loop import ForAllLaws
 from vfife.codegen import runner
 from vfife.laws import ContactLaw, FrictionLaw
 
-# The first compiles the data-driven loop, for some seconds where it is not in the cache yet. Then what takes long, so that no process is left alone
-# with it at the end.
+# The first compiles the data-driven loop, for some seconds where it is not in the cache yet. Then what takes long, longest first, so that no
+# process is left alone with it at the end.
 FIRST = (
-    "codegen/test_loops.py", "live/test_browser.py", "plots/test_figures_of_all_kinds.py", "cli/test_storage.py", "cli/test_nothing_is_lost.py",
-    "cli/test_signals_while_computing.py", "cli/test_run.py", "cli/test_names.py", "architecture/test_public_names.py",
-    "examples/test_examples.py", "cli/test_new_and_schema.py", "differential/test_against_equations.py", "kinematics/test_passage.py",
-    "laws/test_own_laws.py", "results/test_resume.py", "results/test_killed_processes.py", "verification/test_published_statics.py",
-    "paper/test_paper.py", "study/test_study_store.py", "verification/test_verification.py", "physics/test_machinery.py",
-    "laws/test_friction_solutions.py", "laws/test_bristles.py", "codegen/test_cache.py", "physics/test_random_mechanisms.py",
-    "study/test_derivatives.py", "laws/test_contact_laws.py", "modelfile/test_modelfile_roundtrip.py", "cli/test_compare.py",
-    "kernels/test_as_python.py", "report/test_reach.py", "paper/test_paper_independent.py", "cli/test_ended.py", "kinematics/test_ideal_motion.py",
-    "kinematics/test_rigid_motion.py", "results/test_result.py", "cli/test_check_and_laws.py", "plots/test_figures.py", "model/test_kinds.py",
-    "physics/test_symmetry.py", "codegen/test_threads.py", "golden/test_golden.py",
+    "codegen/test_loops.py", "live/test_browser.py", "plots/test_figures_of_all_kinds.py", "cli/test_run.py", "cli/test_names.py",
+    "architecture/test_public_names.py", "study/test_derivatives.py", "physics/test_machinery.py", "cli/test_map.py",
+    "cli/test_new_and_schema.py", "results/test_resume.py", "cli/test_storage.py", "cli/test_nothing_is_lost.py",
+    "cli/test_signals_while_computing.py", "examples/test_examples.py", "cli/test_compare.py", "study/test_batches.py",
+    "differential/test_against_equations.py", "cli/test_ended.py", "results/test_result.py", "codegen/test_cache.py", "study/test_basins.py",
+    "cli/test_check_and_laws.py", "verification/test_published_statics.py", "study/test_identification.py", "results/test_killed_processes.py",
+    "cli/test_mistakes.py", "physics/test_random_mechanisms.py", "plots/test_figures.py", "cli/test_searches.py",
+    "kinematics/test_ideal_motion.py", "cli/test_study.py", "kinematics/test_passage.py", "kinematics/test_rigid_motion.py",
+    "laws/test_own_laws.py", "report/test_reach.py", "golden/test_golden.py", "verification/test_verification.py", "paper/test_paper.py",
+    "cli/test_plot.py", "codegen/test_friction_in_loops.py", "cli/test_bad_input.py", "results/test_runfile.py", "laws/test_contact_laws.py",
+    "cli/test_start_up.py", "cli/test_sensitivity.py", "cli/test_wear.py", "model/test_kinds.py", "physics/test_ideal_joints.py",
+    "physics/test_worn_bearing.py", "study/test_engine.py", "report/test_document.py", "study/test_maps.py", "study/test_cluster.py",
+    "laws/test_friction_solutions.py", "laws/test_bristles.py", "codegen/test_ptx.py", "study/test_oracles.py", "study/test_wear.py",
+    "physics/test_lubricated_journal.py", "physics/test_sticking.py", "study/test_study_store.py", "paper/test_paper_independent.py",
+    "modelfile/test_modelfile_roundtrip.py", "kernels/test_as_python.py", "modelfile/test_fuzz.py",
 )  # fmt: skip
 
 # Files that go to one process: those of a browser, which takes four seconds to start and to end, those that parse all texts,

@@ -72,3 +72,10 @@ def test_what_is_still_coming_to_rest_is_not_settled():
 def test_halves_that_do_not_agree_tell_no_chaos():
     logs = np.concatenate([np.full(50, 0.4), np.full(50, -0.4)])
     assert verdict(np.random.default_rng(1).uniform(size=100), exponent(logs)).kind == "not settled"
+
+
+def test_what_repeats_but_for_rounding_has_period_one():
+    """A largest force that is known to some millionths of itself, as where a peak falls between steps, beside a place that is known better."""
+    for seed in range(6):
+        noise = np.random.default_rng(seed).uniform(-1.0, 1.0, (50, 2))
+        assert verdict(np.array([1.4e-6, 152.0]) * (1.0 + np.array([1e-8, 2e-6]) * noise)).kind == "period 1"

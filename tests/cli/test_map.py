@@ -19,6 +19,7 @@ def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path):
     words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--csv", "a.csv")
     done = command(*words)
     assert done.exit_code == 0, done.stderr
+    assert "Chaos was found " in done.stdout and "On the way down: " in done.stdout
     assert "2 turns" not in done.stdout and "3 turns at each value, 1 of them dropped" in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len((tmp_path / "a.csv").read_text().splitlines()) == 1 + 2 * 2 * 2
     assert "of 2 values" in done.stderr
@@ -139,6 +140,8 @@ def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_pa
     words = ("map", PIN, *over, *BRIEF, "-o", "a.map")
     assert "forecast: 2 values, some 18,852 steps each: " in command(*words).stderr
     assert "forecast" not in command(*words).stderr and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
+    long = command("map", PIN, *over, "--count", 40, "--turns", 500, "--drop", 499, "--companions", 0, "-o", "d.map", "--of", "nope")
+    assert "note: for a first look: --count 30 --turns 45 -o first.map, some" in " ".join(long.stderr.split()), long.stderr
     many = "--turns", 1_000_000, "--drop", 1, "-o", "c.map"
     for command_, more in (((), over), (("section",), ()), (("basins",), (*over, "--over", "start.crank=0..90deg"))):
         done = command("map", *command_, PIN, *more, *many)

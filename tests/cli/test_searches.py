@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from fake_card import FakeDriver, in_this_machine
 from study.studies import BASE, Closed
 from vfife.study import carry, cluster
 from vfife.study.distributions import of_fit
@@ -181,7 +182,7 @@ def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_
     head = f'model = "{BASE.parents[1] / "examples" / "slider_crank.toml"}"\nmeasures = ["pin.force.max"]\nturns = 1\n'
     (tmp_path / "s.toml").write_text(head + lengths + '[optimise]\nminimise = ["pin.force.max"]\nmembers = 4\n')
     done = command("optimise", "s.toml", "--json")
-    assert "forecast: up to 20 members more by derivatives" in done.stderr
+    assert "forecast: up to 20 members more by derivatives" in done.stderr and "half the step" not in done.stderr
     found = json.loads(done.stdout)
     assert 0 < found["refined"] == found["members"] - 4 and found["why"] == ""
     (least,) = found["best"]
@@ -190,6 +191,19 @@ def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_
     assert f"the last {found['refined']} by derivatives" in command("optimise", "s.toml").stdout
     (tmp_path / "s.toml").write_text((tmp_path / "s.toml").read_text() + "refine = 1\n")
     assert "derivatives lead no further: refine = 1 members are taken" in " ".join(command("optimise", "s.toml").stderr.split())
+
+
+@pytest.mark.parametrize("words", [("optimise",), ("study", "allocate")])
+def test_a_search_tells_that_there_is_no_card(command: Command, closed: Closed, tmp_path: Path, words: tuple[str, ...]) -> None:
+    (tmp_path / "s.toml").write_text(HEAD + (SPEED + SEARCH if words == ("optimise",) else PLAY + ALLOCATION.format(limit=1)))
+    with in_this_machine(FakeDriver(None, cuInit=100)):
+        done = command(*words, "s.toml", "--device", "cuda")
+    assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
+    done = command(*words, "s.toml", "--device", "gpu")
+    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    done = command(*words, "s.toml", "--device", "cuda", "--cluster", "local")
+    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), done.stderr
+    assert not closed.computed and not Path("runs").exists()
 
 
 def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Path) -> None:

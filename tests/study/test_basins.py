@@ -1,5 +1,6 @@
 """Basins of a double well, whose symmetry says which start comes where; values begun anew; companions."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -64,6 +65,8 @@ def test_a_double_well_has_two_basins_that_are_each_others_mirror(wells) -> None
     sides = np.sign(np.array(found.asked.x))
     assert np.array_equal(np.sign(np.array(rest))[labels[2].astype(int)], sides)
     assert {one.kind for one in found.attractors} == {"period 1"}
+    over = dataclasses.replace(found, asked=dataclasses.replace(found.asked, paths=(found.asked.paths[0], "spring.snap.stiffness")))
+    assert found.asked.varied == () and [one.kind for one in over.attractors] == ["period 1"]  # points would move with the stiffness
 
 
 def test_basins_go_on_where_they_were_broken_off(wells) -> None:

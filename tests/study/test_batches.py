@@ -12,12 +12,19 @@ import numpy as np
 import pytest
 
 from vfife import load_model, simulate
+from vfife.analysis.measures import PEAKS, last_turn, over_turn
 from vfife.assembly.together import MemberAssembly, Together
-from vfife.fields.members import Alone, Differing, members
+from vfife.fields.members import Alone, Differing, Members, members
+from vfife.kinematics import initial
+from vfife.kinematics.solve import close
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import dump
 from vfife.modelfile.numbers import numbers as numbers_of
+from vfife.solvers.transient import run
+from vfife.study import preparing
+from vfife.study.columns import column, together
 from vfife.study.engine import Wanted, run_members
+from vfife.study.ideals import peaks_of
 from vfife.study.member import Stepped
 from vfife.study.preparing import Preparing
 
@@ -32,6 +39,12 @@ NUMBERS = {
 }  # fmt: skip
 
 SOME = ("body.follower.length", "body.crank.length", "body.coupler.mass", "driver.crank.speed", "joint.C.contact.stiffness", "joint.D.clearance")
+
+
+@pytest.fixture(autouse=True)
+def all_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first of them as well, which would else be made one by one."""
+    monkeypatch.setattr(preparing, "FIRST", 0)
 
 
 def spread(path: str, count: int = COUNT) -> list[dict[str, float | str]]:
@@ -56,10 +69,10 @@ def same(one: Any, other: Any) -> bool:
 def test_a_member_is_assembled_as_it_is_alone(path: str) -> None:
     base = load_model(CASE_C)
     found = made(base, spread(path))
-    preparing = Preparing(base, Wanted(("C.force.max",), 2))
+    by_itself = Preparing(base, Wanted(("C.force.max",), 2))
     assert all(isinstance(one, Stepped) and isinstance(one.assembly, MemberAssembly) for one in found)
     for k, numbers in list(enumerate(spread(path)))[:: COUNT - 1]:
-        alone = preparing.make(numbers)
+        alone = by_itself.make(numbers)
         assert alone is not None and same(found[k].assembly, alone.assembly)
         assert found[k].reference == alone.reference and found[k].assembly.choice.automatic
     assert len({one.assembly.state.tobytes() for one in found}) == COUNT
@@ -69,10 +82,64 @@ def test_several_numbers_at_once() -> None:
     base = load_model(CASE_C)
     numbers = [{path: values[path] for path in SOME for values in spread(path, 5)[k : k + 1]} for k in range(5)]
     found = made(base, numbers)
-    preparing = Preparing(base, Wanted(("C.force.max",), 2))
+    by_itself = Preparing(base, Wanted(("C.force.max",), 2))
     for k in (0, 4):
-        alone = preparing.make(numbers[k])
+        alone = by_itself.make(numbers[k])
         assert alone is not None and same(found[k].assembly, alone.assembly) and isinstance(found[k].assembly, MemberAssembly)
+
+
+def test_the_first_of_a_study_are_made_one_by_one_and_are_what_they_are_in_a_batch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that lanes begin soon; but where each has a number of its own that reaches the start there is nothing to win."""
+    base, numbers = load_model(CASE_C), [{"joint.D.clearance": 2e-4 + 1e-6 * k} for k in range(COUNT)]
+    monkeypatch.setattr(preparing, "FIRST", 3)
+    found, batch = made(base, numbers), made(base, numbers[:3] * 2)
+    assert [isinstance(one.assembly, MemberAssembly) for one in found] == [False] * 3 + [True] * 3
+    assert all(same(found[k].assembly, batch[k + 3].assembly) and found[k].reference == batch[k + 3].reference for k in range(3))
+    assert all(isinstance(one.assembly, MemberAssembly) for one in made(base, spread("body.crank.length")))
+
+
+def test_one_ideal_run_of_many_tells_what_each_tells_alone() -> None:
+    """The largest values of many turns are taken at once, from one record of their last rows."""
+    base = load_model(CASE_C)
+    ideals = [one.ideal for k in range(4) if (one := Preparing(base, Wanted((), 1)).make({"body.coupler.mass": 2.0 + k})) is not None]
+    whole = [one for one in ideals if one is not None]
+    alone = [over_turn(record, last_turn(record), PEAKS) for record in map(run, whole)]
+    assert len(whole) == 4 and peaks_of(whole) == alone
+    assert len({one["C.force.max"] for one in alone}) == 4 and not any(name.endswith("A.moment.max") for name in alone[0])
+
+
+def test_what_a_batch_before_was_made_from_is_of_no_use_to_another_topology() -> None:
+    """A link that bends stands for whatever members differ in kind; they are then made from their own first one."""
+    base, other = load_model(CASE_C), Preparing(load_model(EXAMPLES / "four_bar_case_b.toml"), Wanted((), 1)).make({})
+    by_itself = Preparing(base, Wanted(("C.force.max",), 2))
+    batches = by_itself.batches()
+    assert other is not None
+    batches.models["body.coupler.mass",] = other
+    for _ in range(2):
+        found = batches.of(spread("body.coupler.mass"), 0)
+        assert len(found) == COUNT and batches.models["body.coupler.mass",] is not other
+    alone = by_itself.make(spread("body.coupler.mass")[4])
+    assert alone is not None and same(found[4].assembly, alone.assembly)
+
+
+def test_what_was_closed_for_some_members_is_not_closed_again_and_serves_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever their order, and whoever stood beside them then."""
+    base, closed, lengths = load_model(CASE_C), [], np.array([0.45, 0.455, 0.46, 0.47, 0.48, 0.455])
+    preparing_one = Preparing(base, Wanted((), 1))
+    where = [column(preparing_one.base, preparing_one.raw, "body.follower.length")]
+
+    def counted(system: Any, start: Any) -> Any:
+        closed.append(len(start))
+        return close(system, start)
+
+    monkeypatch.setattr(initial, "close", counted)
+    met: dict[Any, Any] = {}
+    for which in ([4, 1], [0, 1, 2, 3, 4, 5], [5, 2]):
+        nouns = together(base, where, lengths[which][:, None])[0]
+        found, alone = (initial.driven_start(nouns, one) for one in (met, None))
+        assert found.position.tobytes() == alone.position.tobytes() and found.velocity.tobytes() == alone.velocity.tobytes()
+        assert isinstance(found.position, Members) and len(found.position) == len(which)
+    assert closed == [2, 2, 3, 5, 2], "with what was met three are new the second time, and none the third"
 
 
 def test_the_start_of_members_is_that_of_the_law_of_cosines() -> None:
@@ -122,9 +189,9 @@ def test_what_cannot_be_assembled_side_by_side_is_assembled_alone(name: str, pat
     base = load_model(EXAMPLES / f"{name}.toml")
     value = dict(numbers_of(dump(base)))[path]
     numbers = [{path: value * (1.0 + 0.01 * k)} for k in range(4)]
-    found, preparing = made(base, numbers), Preparing(base, Wanted(("C.force.max",), 2))
+    found, by_itself = made(base, numbers), Preparing(base, Wanted(("C.force.max",), 2))
     for k in (1, 3):
-        alone = preparing.make(numbers[k])
+        alone = by_itself.make(numbers[k])
         assert alone is None if not isinstance(found[k], Stepped) else alone is not None and same(found[k].assembly, alone.assembly)
 
 

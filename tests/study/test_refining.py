@@ -14,7 +14,8 @@ import vfife
 from vfife.errors import VfifeError
 from vfife.study.limits import Bound
 from vfife.study.optimise import Axis, Found, Numbers, Search, Values, best, judged
-from vfife.study.refining import refined
+from vfife.study.refining import refined, slopes_of
+from vfife.study.searches import numbers_at, search_of
 
 XY = (Axis("x", -2.0, 2.0), Axis("y", 0.01, 10.0, logarithmic=True))
 DISK = Search((*XY, Axis("word", values=("a", "b")), Axis("teeth", 5.0, 9.0, whole=True)), ("f",), (Bound("r", high=1.0),), 1, refine=40)
@@ -131,6 +132,32 @@ def fastest(crank: float, rod: float) -> float:
         return -100.0 * crank * (sine + share * sine * math.cos(angle) / math.sqrt(1.0 - (share * sine) ** 2))
 
     return -float(minimize_scalar(speed, (1.0, 1.3), options={"xtol": 1e-12}).fun)
+
+
+CRANK: dict[str, Any] = {
+    "model": "examples/slider_crank.toml", "measures": ["pin.force.max"], "turns": 1, "optimise": {"minimise": ["pin.force.max"]},
+    "vary": {
+        "rod": {"path": "body.rod.length", "from": 0.1, "to": 0.2}, "speed": {"path": "driver.crank.speed", "from": 50, "to": 200},
+        "masses": {"path": ["body.block.mass", "body.crank.mass"], "from": 0.1, "to": 0.3},
+    },
+}  # fmt: skip
+
+
+def test_slopes_are_those_of_the_members_and_of_all_numbers_that_a_parameter_is() -> None:
+    """m w² r (1 + r/l), of which a crank's mass is no part."""
+    plan, base, search = search_of(CRANK, "here")
+    found = slopes_of(plan, base, search, lambda one: dict(numbers_at(plan.parameters, one)))({"rod": 0.12, "speed": 80.0, "masses": 0.2})
+    force = 0.2 * 80.0**2 * 0.05 * (1.0 + 0.05 / 0.12)
+    expected = {"rod": -0.2 * 80.0**2 * (0.05 / 0.12) ** 2, "speed": 2.0 * force / 80.0, "masses": force / 0.2}
+    assert found["pin.force.max"] == pytest.approx(expected, rel=1e-4)
+
+
+def test_means_of_several_turns_and_runs_that_diverge_have_no_slopes() -> None:
+    plan, base, search = search_of({**CRANK, "turns": 3, "last": 2}, "here")
+    with pytest.raises(VfifeError, match="means of several turns"):
+        slopes_of(plan, base, search, lambda one: dict(numbers_at(plan.parameters, one)))({"rod": 0.12, "speed": 80.0, "masses": 0.2})
+    with pytest.raises(VfifeError, match="the run ended as (diverged|energy) after step"):
+        vfife.sensitivity(vfife.load("examples/four_bar_case_c.toml"), turns=1, step=1e-4, force_step=True, companions=0)
 
 
 def test_a_slider_crank_has_its_least_force_where_two_limits_meet() -> None:

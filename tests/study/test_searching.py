@@ -9,7 +9,10 @@ from typing import Any
 import pytest
 
 import vfife
+from fake_card import FakeDriver, in_this_machine
 from study.studies import BASE, Closed
+from vfife.assembly.assemble import assemble
+from vfife.errors import DeviceError
 from vfife.study import carry
 from vfife.study.distributions import of_fit
 
@@ -65,6 +68,27 @@ def test_an_optimum_is_on_its_limit_and_nothing_is_computed_twice(closed: Closed
     assert len(closed.computed) == heard[-1]
     with pytest.raises(vfife.VfifeError, match="it is not measured"):
         vfife.optimise(BASE, vary, "C.impacts", optimise={"minimise": ["C.force.max"]})
+
+
+def test_members_of_a_search_run_on_a_card(tmp_path: Path) -> None:
+    """Where there is one they are what they are on the processor, to the bit; where there is none that is told, and nothing is begun."""
+    pytest.importorskip("optuna")
+    asked: dict[str, Any] = {"turns": 1, "step": 8e-6, "optimise": {"minimise": ["C.force.max"], "members": 4, "batch": 4, "refine": 0}}
+    asked |= {
+        "model": vfife.load_model(BASE),
+        "vary": {"play": {"path": "joint.C.clearance", "from": 1e-4, "to": 3e-4}},
+        "measures": ["C.force.max"],
+    }
+    with in_this_machine(FakeDriver(None, cuInit=100)), pytest.raises(DeviceError, match="the driver sees no card"):
+        vfife.optimise(**asked, file=tmp_path / "s.study", device="cuda")
+    with pytest.raises(ValueError, match="cluster local and device cuda exclude each other"):
+        vfife.optimise(**asked, file=tmp_path / "s.study", device="cuda", cluster="local")
+    assert not list(tmp_path.iterdir())
+    with in_this_machine(FakeDriver(assemble(asked["model"], 8e-6, turns=1.0, force_step=True).topology)) as driver:
+        found = vfife.optimise(**asked, device="cuda")
+    assert driver.threads and not driver.given
+    own = vfife.optimise(**asked)
+    assert [one.values for one in found.members] == [one.values for one in own.members] and len(found.members) == 4
 
 
 def test_the_cheapest_fit_that_keeps_a_limit(closed: Closed) -> None:

@@ -5,6 +5,8 @@ import pytest
 import vfife
 from rigs import EXAMPLES, synthetic
 
+pytestmark = pytest.mark.verify
+
 TRUTH = {"joint.B.clearance": 3.1e-4, "joint.C.clearance": 1.5e-4, "driver.crank.speed": 150.0}
 BOUNDS = {"joint.B.clearance": ("0.05 mm", "0.6 mm"), "joint.C.clearance": ("0.05 mm", "0.6 mm"), "driver.crank.speed": (130.0, 180.0)}
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ALIKE = 1e-6  # of their size, within which two points are one whatever the range of all is
+ALIKE = 1e-5  # of their size, within which two points are one whatever the range of all is
 LONGEST = 16  # points of a period that is looked for
 ANGLES = 100  # of the 0-1 test
 SHARE = 10  # the 0-1 test looks at displacements over up to a tenth of the series
@@ -45,8 +45,9 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
 def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> int | None:
     """The least number of points after which they repeat, None where they do not within ``longest``.
 
-    ``points``: shape (points,) or (points, coordinates); two are the same that lie within ``tolerance`` of the range of all of them, or a millionth
-    of their size: what comes to rest has no range. A period has to be seen three times.
+    ``points``: shape (points,) or (points, coordinates); two are the same that lie within ``tolerance`` of the range of all of them, or
+    :data:`ALIKE` of their size: what comes to rest has no range, and the largest force of a turn is known no better. A period has to be seen
+    three times.
     """
     points = np.asarray(points, dtype=float).reshape(len(points), -1)
     size = np.maximum(tolerance * np.ptp(points, axis=0), least(points))

@@ -30,6 +30,8 @@ from .wear import worn_depths, worn_volumes
 
 Window: TypeAlias = NDArray[np.bool_]
 Measure: TypeAlias = Callable[[Record, Window], dict[str, float]]
+Values: TypeAlias = NDArray[np.float64]
+MOMENT = ".moment.max"
 COUNTS = {
     "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest", "approach_speed.max": "fastest"
 }  # fmt: skip
@@ -96,34 +98,63 @@ def compared(record: Record, found: Mapping[str, float], reference: Mapping[str,
 
 def largest_loads(record: Record, window: Window) -> dict[str, float]:
     """Largest force of each joint (N), and largest moment (N m) of those that have one."""
-    found: dict[str, float] = {}
-    forces = joint_force_max(record)[window]
-    for k, name in enumerate(joint_rows(record)):
-        found[f"{name}.force.max"] = float(forces[:, k].max())
-    for index, name in enumerate(record.assembly.ideals):
-        if (moment := record.block("joint_moment_max")[window, index].max()) > 0.0:
-            found[f"{name}.moment.max"] = float(moment)
-    return found
+    return highest(loads(record), window)
 
 
 def deepest_penetrations(record: Record, window: Window) -> dict[str, float]:
     """Deepest penetration of each contact (m)."""
-    if not record.assembly.contacts:
-        return {}
-    depth = record.block("contact_penetration_max")[window]
-    return {f"{name}.penetration.max": float(depth[:, k].max()) for k, name in enumerate(record.assembly.contacts)}
+    return highest(depths(record), window)
 
 
 def largest_accelerations(record: Record, window: Window) -> dict[str, float]:
     """Largest angular acceleration of each body (rad/s^2), and largest torque of each driver (N m)."""
-    found: dict[str, float] = {}
-    turning = record.block("body_alpha_max")[window]
+    return highest(turnings(record), window)
+
+
+def highest(every: Mapping[str, Values], window: Window) -> dict[str, float]:
+    """The largest within a window of what stands in the rows of a record; a moment of nothing is none."""
+    found = {name: float(values[window].max()) for name, values in every.items()}
+    return {name: value for name, value in found.items() if value > 0.0 or not name.endswith(MOMENT)}
+
+
+def highest_of_each(record: Record) -> list[dict[str, float]]:
+    """Measures of a turn's extremes of many simulations of one mechanism but for its numbers, whose last rows stand as outputs in one record."""
+    every = {name: values.tolist() for rows in (loads, depths, turnings) for name, values in rows(record).items()}
+    return [
+        {name: own for name, values in every.items() if math.isfinite(own := values[k]) and (own > 0.0 or not name.endswith(MOMENT))}
+        for k in range(len(record.steps))
+    ]
+
+
+def loads(record: Record) -> dict[str, Values]:
+    """Largest force of each joint (N) and moment of each ideal one (N m) up to each output, shape (outputs,)."""
+    forces, found = joint_force_max(record), {}
+    for k, name in enumerate(joint_rows(record)):
+        found[f"{name}.force.max"] = forces[:, k]
+    if record.assembly.ideals:
+        moments = record.block("joint_moment_max")
+        found |= {f"{name}{MOMENT}": moments[:, k] for k, name in enumerate(record.assembly.ideals)}
+    return found
+
+
+def depths(record: Record) -> dict[str, Values]:
+    """Deepest penetration of each contact (m) up to each output, shape (outputs,)."""
+    if not record.assembly.contacts:
+        return {}
+    depth = record.block("contact_penetration_max")
+    return {f"{name}.penetration.max": depth[:, k] for k, name in enumerate(record.assembly.contacts)}
+
+
+def turnings(record: Record) -> dict[str, Values]:
+    """Largest angular acceleration of each body (rad/s^2) and torque of each driver (N m) up to each output, shape (outputs,)."""
+    found: dict[str, Values] = {}
+    turning = record.block("body_alpha_max")
     for name, body in record.assembly.bodies.items():
         noun = record.assembly.mechanism.bodies[name]
         if not (isinstance(noun, PointMass) and noun.inertia == 0.0):
-            found[f"{name}.angular_acceleration.max"] = float(turning[:, body.row].max())
+            found[f"{name}.angular_acceleration.max"] = turning[:, body.row]
         if body.driven is not None:
-            found[f"{name}.torque.max"] = float(record.block("driven_torque_max")[window, body.driven].max())
+            found[f"{name}.torque.max"] = record.block("driven_torque_max")[:, body.driven]
     return found
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import StepError
-from ..fields.members import Alone, Members, plain
+from ..fields.members import Alone, Members
 from ..fields.members import chosen as of_member
 from ..kernels.topology import Topology
 from ..kinematics.initial import driven_start
@@ -95,7 +95,8 @@ class Together:
             found = bounds(mechanism, filler.layout, filler.state, topology, parts.touches, expected, (), names)
         filler.put("damping", mechanism.settings.damping)
         ends = _Ends(self, mechanism, one_of or partial(of_member, mechanism), numbering, filler, mobility, tables)
-        return [ends.tried(k, found, None if steps is None else steps[k].item()) for k in range(count)]
+        sizes = [None] * count if steps is None else steps.tolist()
+        return [ends.tried(k, one, size) for k, (one, size) in enumerate(zip(found.each(count), sizes, strict=True))]
 
     def topology(self, coarse: int) -> Topology:
         """That of so many corrections more."""
@@ -117,7 +118,8 @@ class _Ends:
         self.kept = {name: value for name, value in vars(together.base).items() if name not in ("mechanism", "bodies")}
         self.state, self.row = np.ascontiguousarray(filler.state.view(np.ndarray)), filler.layout.row("step")
         self.mobility, self.moving = mobility, together.base.layout["particle_w"]
-        self.turn = turn_of(mechanism)
+        turn: Any = turn_of(mechanism)
+        self.turns_each = turn.tolist() if isinstance(turn, Members) else [turn] * len(self.state)
         for noun in (*mechanism.loads.values(), *(one for one in mechanism.drivers.values() if one.steady_speed is None)):
             if of_member(noun, 0) is not noun:
                 raise Alone("a function of time of its own")
@@ -137,11 +139,11 @@ class _Ends:
     def of(self, k: int, found: Bounds, step: float | None) -> Assembly:
         """One of them."""
         together, mechanism, state = self.together, self.mechanism, self.state[k]
-        turn = plain(self.turn, k)
+        turn = self.turns_each[k]
         length = length_of(mechanism, self.turns, self.duration, turn)
         told = partial(self._told, k, length) if self.told else partial(iter, ())
         choice = chosen(
-            mechanism.settings, found.of(k), turn, length, math.inf, told, together.step if step is None else step, self.outputs, self.force,
+            mechanism.settings, found, turn, length, math.inf, told, together.step if step is None else step, self.outputs, self.force,
             **self.contact_steps,
         )  # fmt: skip
         topology = together.base.topology

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .mapcost import Work
+from .mapcost import MADE, TURNED, Brief, Work
 from .mapmaking import Given, Question, answered
 from .mapoptions import Csv, Drop, Figured, Of, Phase, Step, Target, Yes, drop_of, number_range, quantity_at, turning_steps
 from .options import LawsOption, ModelArgument, SetOption
@@ -15,6 +15,7 @@ from .run import Quiet
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
 
+BRIEF = Brief(100, 30, "--count 10 --turns 30")
 MOST_TURNS, MOST_VALUES = 1_000_000, 2_000
 OVER = (
     "A number of the start or of the model, from and to; twice, as in start.pin.x=-0.2..0.2mm, start.crank=0..360deg, joint.pin.clearance=0.1..1mm."
@@ -29,7 +30,7 @@ Companions = Annotated[int, typer.Option("--companions", metavar="N", min=0, hel
 def basins(
     model: ModelArgument,
     over: Over,
-    count: Count = "20",
+    count: Count = "16",
     turns: Turns = 60,
     drop: Drop = None,
     of: Of = None,
@@ -60,7 +61,8 @@ def basins(
         x, y = (number_range(mechanism, text, starts=True) for text in over)
         size, some, left = quantity_at("--step", step), counts(count), drop_of(drop, turns)
         steps = turning_steps(models_along(mechanism, (x, y)), size, companions)
-        work = Work(some[0] * some[1], "start", turns, left, steps, 4, len(of or (1, 1)) + 1, companions, exponents)
+        made_in = TURNED if any(path == "start.crank" for path, *_ in (x, y)) else MADE
+        work = Work(some[0] * some[1], "start", turns, left, steps, 4, len(of or (1, 1)) + 1, companions, exponents, made=made_in, brief=BRIEF)
         given = {
             "x": x, "y": y, "count": some, "turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0, "exponents": exponents,
             "companions": companions, "step": size,

@@ -9,7 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from .basins import basins
-from .mapcost import Work
+from .mapcost import Brief, Work
 from .mapmaking import Given, Question, answered
 from .mapoptions import Csv, Drop, Figured, Kept, Of, Phase, Step, Target, Yes, drop_of, number_range, quantity_at, start_numbers, turning_steps
 from .mapped import drawn_and_told
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
 
 SWEEP = "sweep"
+BRIEF = Brief(30, 45, "--count 30 --turns 45")
 MOST_VALUES, MOST_TURNS = 10_000, 1_000_000
 OVER = "The number, from and to, as in joint.pin.clearance=0.1..1mm."
 Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
@@ -48,9 +49,10 @@ class Group(Plainly, TyperGroup):
 map_ = typer.Typer(
     cls=Group,
     no_args_is_help=True,
-    help="What becomes of a motion: vfife map MODEL --over PATH=LOW..HIGH sweeps a number up and down and draws a bifurcation diagram; "
-    "commands look at one motion once a turn and at its impacts, and at many starts. What is known is kept in one file; after a kill the same "
-    "command goes on.",
+    help="What becomes of a motion: vfife map MODEL --over PATH=LOW..HIGH sweeps a number up and down, draws a bifurcation diagram and says where "
+    "the motion is periodic and where chaotic; commands look at one motion once a turn and at its impacts, and at many starts. What is known is "
+    "kept in one file; after a kill the same command goes on.",
+    epilog="From which play on is it chaotic? vfife new slider-crank -o my.toml, then vfife map my.toml --over joint.pin.clearance=0.1..1mm",
 )
 
 
@@ -58,8 +60,8 @@ map_ = typer.Typer(
 def sweep(
     model: ModelArgument,
     over: Over,
-    count: Count = 100,
-    turns: Turns = 150,
+    count: Count = 60,
+    turns: Turns = 90,
     drop: Drop = None,
     of: Of = None,
     phase: Phase = 0.0,
@@ -88,7 +90,7 @@ def sweep(
         starts, size, left = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step), drop_of(drop, turns)
         lanes, chains = (4, 1) if starts else (2, 2)
         steps = turning_steps(models_along(mechanism, (swept,)), size, companions)
-        work = Work(count * max(len(starts), 1), "value", turns, left, steps, lanes, (len(of or (1, 1)) + 1) * chains, companions)
+        work = Work(count * max(len(starts), 1), "value", turns, left, steps, lanes, (len(of or (1, 1)) + 1) * chains, companions, brief=BRIEF)
         given = {
             "path": path, "low": low, "high": high, "count": count, "turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0,
             "companions": companions, "step": size, "starts": starts,

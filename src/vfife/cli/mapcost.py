@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,16 +16,32 @@ if TYPE_CHECKING:
 LANES = {1: (1.0, 3.2), 2: (1.1, 3.3), 4: (1.1, 3.7)}
 STRUCK = 1.8  # of a step that is looked at for onsets
 PACKED, BESIDE = 0.8, 2.8  # of the bytes of numbers; steps of both companions, in those of their member
-MADE = 0.02  # s that it takes to assemble a start and to look at what became of it
+MADE, TURNED = 0.02, 0.06  # s that it takes to assemble a start and to look at what became of it; and where the crank is turned to it first
 SHARED = 0.75  # of the lanes' speed that a stream of members has
+PATIENCE = 60.0  # s beyond which a first look is named
 ALIGNED = 10  # turns in which a difference is turned before it counts
+
+
+@dataclass(frozen=True)
+class Brief:
+    """A first look at the same: fewer members of fewer turns, and the ``words`` that ask for it."""
+
+    members: int
+    turns: int
+    words: str
+
+    def of(self, work: Work) -> Work:
+        """The work that it is."""
+        left = work.dropped * self.turns // work.turns
+        return replace(work, members=min(work.members, self.members), turns=self.turns, dropped=left, brief=None)
 
 
 @dataclass(frozen=True)
 class Work:
     """What is to be done: so many ``members``, each of ``turns``, ``dropped`` of them, of so many ``steps`` (0: there is no turn to count, which is
     told when it is begun), in so many ``lanes`` at once, a difference being watched or not (``grown``); of ``companions`` members again, and with
-    onsets looked for (``struck``). ``kept``: numbers of a turn that is looked at."""
+    onsets looked for (``struck``). ``kept``: numbers of a turn that is looked at. ``made``: time (s) to
+    assemble one. ``brief``: what takes less time."""
 
     members: int
     noun: str
@@ -37,6 +53,8 @@ class Work:
     companions: int = 0
     grown: bool = True
     struck: bool = False
+    made: float = MADE
+    brief: Brief | None = None
 
     def steps_of_one(self, cores: int) -> float:
         """Turns of one lane that a member takes as long as, with all cores at work."""
@@ -62,7 +80,7 @@ def forecast(work: Work, mechanism: Mechanism, place: Path) -> dict[str, Any]:
     cores = os.cpu_count() or 1
     found = estimate(assemble(mechanism, turns=1.0))
     step = 1e-9 * found["ns_per_step"]
-    each = step * work.steps * work.steps_of_one(cores) + MADE * (work.lanes > 2) / cores
+    each = step * work.steps * work.steps_of_one(cores) + work.made * (work.lanes > 2) / cores
     left = max(work.members - known(place), 0)
     again = BESIDE * min(work.companions, left)
     size = PACKED * 8 * (work.turns - work.dropped) * work.kept
@@ -109,3 +127,6 @@ def told_of(work: Work, mechanism: Mechanism, place: Path, yes: bool, quiet: boo
             f"{counted(found['workers'], 'thread')}, {amount_of_bytes(found['bytes'])} in {place}.",
             "bold",
         )
+    if not quiet and found["seconds"] > PATIENCE and found["members"] == work.members and (brief := work.brief) is not None:
+        seconds = forecast(brief.of(work), mechanism, place)["seconds"]
+        tell("note", f"for a first look: {brief.words} -o first{place.suffix}, some {span(seconds)}.")

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from ..study.sections import PoincareSection
     from ..study.waterfall import Fallen, Waterfall
 
-WAYS = {"up": "Way up", "down": "Way down"}
+WAYS = {"up": "On the way up", "down": "On the way down"}
+MOST_ATTRACTORS = 12  # that are told of basins
+LAST = 10**9  # after all periods
 MOST_SPELLS = 8  # that are told of a way
 GO_ON = "the same command goes on"
 
@@ -80,14 +82,35 @@ def tell_diagram(found: Bifurcation) -> None:
     heads = ("values on the way up", "on the way down") if not asked.starts else asked.ways
     table = grid("motion", *heads, title=f"{found.name}: {asked.path}", right=tuple(range(1, len(heads) + 1)))
     counts = [Counter(kind for kind in kinds if kind) for kinds in found.kinds]
-    for kind in dict.fromkeys(kind for one in counts for kind in one):
+    for kind in sorted({kind for one in counts for kind in one}, key=rank):
         row(table, kind, *(str(one[kind]) for one in counts))
     console.print(table)
+    print_line(said_chaos(found))
     for k, way in enumerate(asked.ways):
         print_line(f"{WAYS.get(way, way)}: {said_spells(found.spells(k), asked.unit)}.")
     print_line(f"{asked.turns} turns at each value, {asked.dropped} of them dropped, {asked.steps:,} steps a turn; {found.laws}.")
     print_line("A period is told within 0.1 % of the range, chaos where a small difference grows more than e-fold in each half of the turns.")
     print_line(f"Companions: {found.told or 'none.'}")
+
+
+def rank(kind: str) -> tuple[int, str]:
+    """Periodic motions come first, the shortest before longer ones."""
+    return (int(kind.removeprefix("period ")), "") if kind.startswith("period ") else (LAST, kind)
+
+
+def said_chaos(found: Bifurcation) -> str:
+    """Between which values chaos was found, each way; other motions may lie between them."""
+    from ..analysis.verdict import CHAOTIC
+    from ..report.study import quantity
+
+    said, unit = [], found.asked.unit
+    for way, kinds in zip(found.asked.ways, found.kinds, strict=True):
+        values = [value for value, kind in zip(found.asked.values, kinds, strict=True) if kind == CHAOTIC]
+        if values:
+            ends = f"{quantity(min(values), unit)} and {quantity(max(values), unit)}"
+            how = WAYS[way].lower() if way in WAYS else f"from {way}"
+            said.append(f"{how} between {ends} ({len(values)} of {sum(map(bool, kinds))} values)")
+    return f"Chaos was found {', '.join(said)}." if said else "Chaos was found nowhere."
 
 
 def said_spells(spells: Sequence[Spell], unit: str) -> str:
@@ -105,13 +128,20 @@ def tell_basins(found: Basins) -> None:
     """How many starts come to which motion."""
     console, asked = output(), found.asked
     table = grid("motion", "starts", "share", title=f"{found.name}: {asked.paths[0]}, {asked.paths[1]}", right=(1, 2))
-    for one in found.attractors:
-        row(table, one.kind, f"{len(one.members):,}", f"{100.0 * len(one.members) / max(len(found.verdicts), 1):.3g} %")
+    of_all, rest = max(len(found.verdicts), 1), found.attractors[MOST_ATTRACTORS:]
+    for one in found.attractors[:MOST_ATTRACTORS]:
+        row(table, one.kind, f"{len(one.members):,}", f"{100.0 * len(one.members) / of_all:.3g} %")
+    if rest:
+        left = sum(len(one.members) for one in rest)
+        row(table, f"{len(rest)} others", f"{left:,}", f"{100.0 * left / of_all:.3g} %")
     console.print(table)
     none = found.done - len(found.verdicts)
-    left = f" {none:,} of the grid are no start, a journal being outside its bearing." if none else ""
-    print_line(f"{asked.turns} turns of each start, {asked.dropped} of them dropped, {asked.steps:,} steps a turn; {found.laws}.{left}")
-    print_line("A period is told within 0.1 % of the range; periodic motions are one where their points are within 1 % of that of all.")
+    lost = f" {none:,} of the grid are no start, a journal being outside its bearing." if none else ""
+    print_line(f"{asked.turns} turns of each start, {asked.dropped} of them dropped, {asked.steps:,} steps a turn; {found.laws}.{lost}")
+    same = "whose points are within 1 % of that of all"
+    if asked.varied:
+        same = f"of one period, for their points move with {' and '.join(asked.varied)}"
+    print_line(f"A period is told within 0.1 % of the range; periodic motions are one {same}.")
     print_line(f"Companions: {found.told or 'none.'}")
 
 
@@ -123,7 +153,8 @@ def tell_section(found: PoincareSection) -> None:
     for name, one in found.struck.items():
         fastest = f", the fastest at {one['speed'].max():.4g} m/s" if len(one["speed"]) else ""
         count = len(one["speed"])
-        print_line(f"{name}: {count:,} contact{'' if count == 1 else 's'} began{fastest}.")
+        held = "" if count else "; if it is closed all the time, a law that has the speed of its onset in it remembers that of long ago"
+        print_line(f"{name}: {count:,} contact{'' if count == 1 else 's'} began{fastest}{held}.")
     print_line(f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn; {found.laws}. Without companions.")
 
 

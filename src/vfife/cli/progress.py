@@ -55,7 +55,8 @@ class ProgressLine:
 
     def __call__(self, progress: Progress) -> None:
         """Shows where the run stands; called after each chunk of steps."""
-        again = " (again, with half the step)" if self.step_count and progress.steps > self.step_count else ""
+        halved = self.step_count and progress.steps > self.step_count and not progress.text  # members of a search may become more, too
+        again = " (again, with half the step)" if halved else ""
         if again or not self.step_count:
             self.step_count, self.again = progress.steps, again
         self.last = sentence(progress) + self.again

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .mapcost import Work
+from .mapcost import Brief, Work
 from .mapmaking import Given, Question, answered
 from .mapoptions import Csv, Figured, Of, Phase, Step, Target, Yes, drop_of, quantity_at, turning_steps
 from .options import LawsOption, ModelArgument, SetOption
@@ -15,6 +15,7 @@ from .run import Quiet
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
 
+BRIEF = Brief(1, 90, "--turns 90")
 MOST_TURNS = 10_000_000
 Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns.")]
 Third = Annotated[int | None, typer.Option("--drop", metavar="N", min=0, help="So many of them are not looked at.", show_default="a third of them")]
@@ -50,7 +51,7 @@ def section(
 
         size, left = quantity_at("--step", step), drop_of(drop, turns, DROPPED)
         joints = tuple(mechanism.contacts) if impacts is None else tuple(impacts)
-        work = Work(1, "motion", turns, left, turning_steps([mechanism], size), 1, len(of or (1, 1)) + 1, struck=bool(joints))
+        work = Work(1, "motion", turns, left, turning_steps([mechanism], size), 1, len(of or (1, 1)) + 1, struck=bool(joints), brief=BRIEF)
         given = {"turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0, "joints": joints, "step": size}
         return Question(work, "turns", poincare_section, given)
 

@@ -116,7 +116,7 @@ def show(found: Sensitivity, top: int) -> None:
     if wide:
         most = max(wide, key=wide.__getitem__)
         what = f"displaced runs lie apart by up to {100.0 * wide[most]:.0f} % of the largest elasticity of {most}"
-        tell("note", f"{what}: a smaller --step, or more --runs, tells it more closely.")
+        tell("note", f"{what}: a smaller --step tells it more closely.")
     for path, why in found.refused.items():
         if not why.startswith("zero"):
             tell("note", f"{path}: {why}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .mapcost import Work
+from .mapcost import Brief, Work
 from .mapmaking import Given, Question, answered
 from .mapoptions import Yes, number_range, quantity_at
 from .options import LawsOption, ModelArgument, SetOption
@@ -68,7 +68,7 @@ def waterfall(
         path, low, high = number_range(mechanism, over)
         size, taken = quantity_at("--step", step), last_of(last, turns)
         steps, kept = about_steps(mechanism, path, low, high, size), max(len(of or ()), 1) * (highest * taken + 1) / taken
-        work = Work(count, "run", turns, turns - taken, steps, max(widest(), 3), kept, grown=False)
+        work = Work(count, "run", turns, turns - taken, steps, max(widest(), 3), kept, grown=False, brief=Brief(20, turns, "--count 20"))
         given = {
             "path": path, "low": low, "high": high, "count": count, "turns": turns, "last": taken, "series": of or (), "outputs": outputs,
             "highest": highest, "window": window, "step": size,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Collection, Iterable
+from functools import lru_cache
 from pathlib import Path
 
 from ..kernels.arrays import Layout
@@ -371,12 +372,18 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({three})", lanes(width), text])
 
 
+@lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
+def _traced(topology: Topology) -> tuple[list[Function], Trace, Trace, Trace]:
+    """Functions, lean step, whole step, and the change of a step's size."""
+    return functions(topology), trace(topology), trace(topology, True), resizing(topology)
+
+
 def written(topology: Topology, width: int, directions: int = 0) -> str:
     """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
-    found, layout, step = functions(topology), Layout(topology), trace(topology)
-    steps, change = [step, trace(topology, True)], resizing(topology)
+    layout, (found, step, long, change) = Layout(topology), _traced(topology)
+    steps = [step, long]
     if directions:
-        steps = [shared_tangent(step, layout.rows, directions), tangent(steps[1], layout.rows, directions)]
+        steps = [shared_tangent(step, layout.rows, directions), tangent(long, layout.rows, directions)]
         change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
     return "\n".join(
         [

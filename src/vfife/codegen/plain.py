@@ -15,7 +15,7 @@ from ..errors import SourceError
 from .expressions import Expressions
 from .values import TYPES, Array, Kind, Value, answered, members, types_of, wider
 
-APART = ("step", "functions", "resize")  # called from several places: written into each, they would be compiled as often
+APART = ("step", "functions", "resize", "newton", "residual")  # called from several places: written into each, they would be compiled as often
 DECLARED = "declare double @llvm.sqrt.f64(double)\ndeclare double @llvm.fabs.f64(double)\ndeclare i64 @llvm.abs.i64(i64, i1)\n"
 
 

@@ -25,6 +25,7 @@ from .solve import RigidSystem, accelerations, close, velocities
 from .system import mirrored
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -171,35 +172,48 @@ def driven_start(mechanism: Mechanism, met: dict[Any, tuple[Array, Array]] | Non
         raise Alone("free motions have velocities that follow from masses")
     values = [guess, solved.reach, *(value for one in solved.constraints for value in (*one.numbers, one.speed))]
     ties = tuple((one.body_a, one.body_b, one.body_c, one.held, one.driven) for one in solved.constraints)
-    key = ties, hand, tuple(np.asarray(value).tobytes() for value in values)
-    met = {} if met is None else met
-    position, velocity = met.get(key) or met.setdefault(key, _driven(solved, guess * flip, values))
+    first, back, alike = alike_closed(values)
+    keys = [(ties, hand, one) for one in alike]
+    position, velocity = _closings(solved, guess * flip, keys, first, back, {} if met is None else met)
     return Motion(system.names, position * flip, velocity * flip, np.zeros_like(velocity), {}, {}, datum, (), solved, hand)
 
 
-def _driven(solved: RigidSystem, guess: Array, values: list[Any]) -> tuple[Array, Array]:
-    """Positions and velocities, each closed once."""
-    first, back = alike_closed(values)
-    some, there = (solved, guess) if first is None else (of_members(solved, first), of_members(guess, first))
-    if first is None:  # masses move nothing that is determined
+def _closings(solved: RigidSystem, guess: Array, keys: list[Any], first: Places | None, back: Places | None, met: dict[Any, Any]) -> list[Array]:
+    """Positions and velocities: each of all has the one that ``back`` tells of those ``first``, which close by ``keys``, once for each of these."""
+    new = [k for k, key in enumerate(keys) if key not in met]
+    if new:
+        try:
+            found = _driven(solved, guess, None if first is None else first[new])
+        except Differing as apart:
+            where = np.ones(len(keys), dtype=bool)
+            where[new] = apart.where
+            raise Differing(where if back is None else where[back]) from None
+        met |= {keys[k]: [(one, False) if one.ndim < 3 else (one[at], True) for one in found] for at, k in enumerate(new)}
+    rows = zip(*(met[key] for key in keys), strict=True)
+    whole = ([one for one, _ in row] if row[0][1] else row[0][0] for row in rows)
+    return [np.array(one)[back].view(Members) if isinstance(one, list) else one for one in whole]
+
+
+def _driven(solved: RigidSystem, guess: Array, which: Places | None) -> tuple[Array, Array]:
+    """Positions and velocities of some of many, or of what all of them are."""
+    some, there = (solved, guess) if which is None else (of_members(solved, which), of_members(guess, which))
+    if which is None:  # masses move nothing that is determined
         mass, inertia = (np.array(one[0]) if isinstance(one, Members) else one for one in (solved.mass, solved.inertia))
         some = RigidSystem(solved.names, mass, inertia, solved.joints, solved.drives)
-    try:
-        position = close(some, there).position
-        velocity = velocities(some, position, independent=True)
-    except Differing as apart:
-        raise Differing(apart.where if back is None else apart.where[back]) from None
-    return position if back is None or position.ndim < 3 else position[back], velocity if back is None or velocity.ndim < 3 else velocity[back]
+    position = close(some, there).position
+    return position, velocities(some, position, independent=True)
 
 
-def alike_closed(values: list[Any]) -> tuple[NDArray[np.intp] | None, NDArray[np.intp] | None]:
-    """Members of which each stands for those that close alike, and the one that each of all has; None where nothing differs."""
+def alike_closed(values: list[Any]) -> tuple[Places | None, Places | None, list[Any]]:
+    """Members that each stand for those that close alike, the one that each of all has, None where nothing differs; what each closes by."""
     wide = [value for value in values if isinstance(value, Members)]
+    same = tuple(np.asarray(value).tobytes() for value in values if not isinstance(value, Members))
     if not wide:
-        return None, None
+        return None, None, [same]
     table = np.concatenate([np.asarray(value).reshape(len(value), -1) for value in wide], axis=1)
-    _, first, back = np.unique(table.view(np.uint64), axis=0, return_index=True, return_inverse=True)
-    return first, back.reshape(-1)
+    rows, first, back = np.unique(table.view(np.uint64), axis=0, return_index=True, return_inverse=True)
+    places = tuple(isinstance(value, Members) for value in values)
+    return first, back.reshape(-1), [(places, same, row.tobytes()) for row in rows]
 
 
 def ideal_motion(

@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 
 SECONDS, FIRST, GROWTH = 0.25, 1000, 4  # of a call between two looks at the clock; steps of the first; from one to the next, at the most
 PATIENCE = 0.2  # s between two looks at signals
+AHEAD = 64  # members that wait while the next are made, where there are several threads
 
 
 class Ending(Protocol):
@@ -86,31 +87,54 @@ class Kinds:
 
 @dataclass
 class Waiting:
-    """Members that wait for a lane, by their kinds; they are made when they are asked for."""
+    """Members that wait for a lane, by their kinds; they are made when they are asked for, ``ahead`` of them before, by one thread at a time."""
 
     source: Iterator[Member | Ending]
     found: Found
     share: int  # that one thread takes at first, so that few members are shared fairly
-    lock: threading.Lock = field(default_factory=threading.Lock)
+    ahead: int = 0
+    lock: threading.Lock = field(default_factory=threading.Lock)  # of what waits
+    making: threading.Lock = field(default_factory=threading.Lock)  # of the source: who makes members holds up nobody for whom some wait
     queues: dict[Kind, deque[Member]] = field(default_factory=dict)
     kinds: Kinds = field(default_factory=Kinds)
 
     def next(self, wanted: Kind | None) -> tuple[Kind, Member] | None:
         """A member of a kind, or of any; None where there is none left."""
+        if (found := self._first(wanted)) is not None:
+            return found
+        with self.making:
+            while (found := self._first(wanted)) is None and self._make():
+                pass
+        return found
+
+    def prepare(self, count: int) -> None:
+        """Makes so many members before they are asked for, where fewer than ``ahead`` wait and no other thread makes some."""
+        if self.ahead and self.making.acquire(blocking=False):
+            try:
+                while count and sum(map(len, self.queues.values())) < self.ahead and self._make():
+                    count -= 1
+            finally:
+                self.making.release()
+
+    def _first(self, wanted: Kind | None) -> tuple[Kind, Member] | None:
         with self.lock:
             for found, waiting in self.queues.items():
                 if waiting and wanted in (None, found):
                     return found, waiting.popleft()
-            for member in self.source:
-                if member.ended:
-                    self.found.put(member)
-                    continue
-                member = cast(Member, member)
-                found = self.kinds.of(member)
-                if wanted in (None, found):
-                    return found, member
-                self.queues.setdefault(found, deque()).append(member)
         return None
+
+    def _make(self) -> bool:
+        """One more that waits; whether there is any."""
+        for member in self.source:
+            if member.ended:
+                self.found.put(member)
+                continue
+            member = cast(Member, member)
+            found = self.kinds.of(member)
+            with self.lock:
+                self.queues.setdefault(found, deque()).append(member)
+            return True
+        return False
 
 
 def stepped(
@@ -128,8 +152,9 @@ def stepped(
     found: Found = queue.SimpleQueue()
     ended, stop = threading.Event(), stop or threading.Event()
     workers = max(1, min(workers or os.cpu_count() or 1, count))
-    waiting = Waiting(iter(members), found, max(1, -(-(alike or count) // workers)))
-    wide = lanes or min(widest(), 1 << (waiting.share - 1).bit_length())
+    share = max(1, -(-(alike or count) // workers))
+    waiting = Waiting(iter(members), found, share, AHEAD if workers > 1 else 0)
+    wide = lanes or min(widest(), 1 << (share - 1).bit_length())
     arguments = waiting, found, wide, lambda: ended.is_set() or stop.is_set(), DeviceStream if device == "cuda" else Stream
     threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
     for thread in threads:
@@ -192,6 +217,7 @@ class Lanes:
         while (self.members or any(self.next.values())) and not halted():
             if self.next and self.stream.beat == 0:
                 self._fill()
+                self.waiting.prepare(self.lanes)
             self._advance()
             self._look()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.attractors import Attractor, attractors
+from ..analysis.attractors import ALIKE, Attractor, attractors
 from ..analysis.chaos import exponent
 from ..analysis.verdict import Verdict, verdict
 from ..errors import Fault, ModelError
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Range: TypeAlias = tuple[str, float, float]
 WHAT, BESIDE = "basins", "beside"
+OF_START = {"position", "angle", "velocity"}  # of a body: with what it begins
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,11 @@ class Grid:
     def count(self) -> int:
         """Members."""
         return len(self.x) * len(self.y)
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The numbers that are of the model, not of a start: points of one motion move with them."""
+        return tuple(path for path in self.paths if not path.startswith("start.") and OF_START.isdisjoint(path.split(".")))
 
     def numbers(self, member: int) -> dict[str, float]:
         """What a member begins with; members go along x first."""
@@ -85,9 +92,9 @@ class Basins:
 
     @cached_property
     def attractors(self) -> list[Attractor]:
-        """The motions to which members come, that of most members first."""
-        members = range(self.asked.count)
-        return attractors([self.points[k] if k in self.verdicts else None for k in members], [self.verdicts.get(k) for k in members])
+        """The motions to which members come, that of most members first; over a number of the model those that are called the same."""
+        members, alike = range(self.asked.count), math.inf if self.asked.varied else ALIKE
+        return attractors([self.points[k] if k in self.verdicts else None for k in members], [self.verdicts.get(k) for k in members], alike)
 
     @property
     def labels(self) -> Array:
@@ -140,7 +147,7 @@ def basins(
     x: Range,
     y: Range,
     *,
-    count: tuple[int, int] = (20, 20),
+    count: tuple[int, int] = (16, 16),
     turns: int = 60,
     dropped: int | None = None,
     series: Sequence[str] = (),

@@ -23,7 +23,7 @@ from ..model.mechanism import Mechanism
 from ..model.validate import Checks, across
 from ..simulation import comparable
 from ..solvers.repeating import whole_outputs
-from .columns import Column, Numbers, Unfit, column, table, together, varied
+from .columns import Column, Numbers, Unfit, column, table, together
 from .ideals import peaks_of
 from .member import Plan, Stepped, Wanted
 
@@ -60,11 +60,23 @@ class Kept(Protocol):
 
 @dataclass(frozen=True)
 class Through:
-    """Whether ideal mechanisms get through their turns: ``found`` looks at one, which has a ``way`` of its own; ``known`` are those that do."""
+    """Whether ideal mechanisms get through their turns: ``found`` looks at one; each has one of ``ways``, and ``known`` are those that do."""
 
     found: Callable[[Numbers, Mechanism], bool]
-    way: Callable[[Numbers, Mechanism], tuple[Any, ...]]
+    ways: Callable[[Sequence[Numbers], Mechanism], list[tuple[Any, ...]]]
     known: set[Any]
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Members that are to be made: the paths that they differ in and where these are, values (members, paths), numbers; nouns of all and of one."""
+
+    paths: Sequence[str]
+    columns: Sequence[Column]
+    values: Any
+    which: Sequence[int]
+    mechanism: Mechanism
+    one_of: Callable[[int], Mechanism]
 
 
 @dataclass
@@ -78,6 +90,7 @@ class Batches:
     of_play: Callable[[str], Any]
     through: Through
     columns: dict[str, Column | None] = field(default_factory=dict)
+    models: dict[tuple[str, ...], Kept] = field(default_factory=dict)  # one made alone, by the paths that others may differ from it in
     peaks: dict[tuple[Any, ...], Mapping[str, float] | None] = field(default_factory=dict)
 
     def of(self, numbers: Sequence[Numbers], first: int) -> dict[int, Stepped]:
@@ -122,40 +135,50 @@ class Batches:
             return []
 
     def _made(self, paths: Sequence[str], which: Sequence[int], numbers: Sequence[Numbers]) -> list[tuple[int, Stepped]]:
+        """Members made from one that is known, or where they are of another topology from the first of them."""
         columns = [one for path in paths if (one := self.column(path)) is not None]
         values, read = table(columns, paths, [numbers[k] for k in which])
         if len(read) < FEW:
             return []
         which = [which[k] for k in read]
-        play = [bool(self.of_play(path)) for path in paths]
-        moved = [k for k, one in enumerate(play) if not one]
         mechanism, one_of = together(self.base, columns, values)
         if across(Checks(mechanism)):
             raise Unfit
-        model = self.made({path: numbers[which[0]][path] for path, own in zip(paths, play, strict=True) if not own})
+        asked = _Asked(paths, columns, values, which, mechanism, one_of)
+        moved = tuple(path for path in paths if not self.of_play(path))
+        if (known := self.models.get(moved)) is not None:
+            with suppress(*TROUBLE):
+                return self._from(known, asked)
+        model = self.made({path: numbers[which[0]][path] for path in moved})
         if model is None or not model.through:
             return []
-        asked: dict[str, Any] = {"turns": float(self.wanted.turns)}
+        found = self._from(model, asked)
+        self.models[moved] = model
+        return found
+
+    def _from(self, model: Kept, asked: _Asked) -> list[tuple[int, Stepped]]:
+        """Members made from one of them, or from one that is as they are but for its numbers."""
         met: dict[Any, Any] = {}
-        references = self._references(model, [paths[k] for k in moved], [columns[k] for k in moved], values[:, moved], met)
+        references = self._references(model, asked, met)
         names = [name for name in references[0] or {} if name.endswith(".force.max")]
         if any(one is None or not one.keys() >= set(names) for one in references) and model.ideal is not None:
             return []
         expected = {name.removesuffix(".force.max"): members([one[name] for one in references if one is not None]) for name in names}
-        kit = Together(model.assembly, self.wanted.step, met, **asked)
+        turns: dict[str, Any] = {"turns": float(self.wanted.turns)}
+        kit = Together(model.assembly, self.wanted.step, met, **turns)
+        forces = {name: value.tolist() for name, value in expected.items()}
         found = []
-        for k, assembly in enumerate(kit.assembled(mechanism, len(which), expected, one_of=one_of)):
+        for k, assembly in enumerate(kit.assembled(asked.mechanism, len(asked.which), expected, one_of=asked.one_of)):
             if assembly is not None and whole_outputs(assembly.choice) is not None:
-                forces = {name: value[k].item() for name, value in expected.items()}
-                again = partial(assemble, expected=forces, **asked)
-                found.append((which[k], Stepped(which[k], assembly, model.plan, references[k], again)))
+                again = partial(assemble, expected={name: value[k] for name, value in forces.items()}, **turns)
+                found.append((asked.which[k], Stepped(asked.which[k], assembly, model.plan, references[k], again)))
         return found
 
-    def _references(
-        self, model: Kept, paths: Sequence[str], columns: Sequence[Column], values: Any, met: dict[Any, Any]
-    ) -> list[Mapping[str, float] | None]:
+    def _references(self, model: Kept, asked: _Asked, met: dict[Any, Any]) -> list[Mapping[str, float] | None]:
         """The largest values of the ideal mechanism of each; None where there is none to compare with."""
-        if not len(columns):
+        moved = [k for k, path in enumerate(asked.paths) if not self.of_play(path)]
+        paths, columns, values = [asked.paths[k] for k in moved], [asked.columns[k] for k in moved], asked.values[:, moved]
+        if not moved:
             return [model.reference] * len(values)
         _, first, back = np.unique(np.ascontiguousarray(values).view(np.uint64), axis=0, return_index=True, return_inverse=True)
         rows, back = [tuple(values[k].tolist()) for k in first], back.reshape(-1)
@@ -175,23 +198,23 @@ class Batches:
     ) -> NDArray[np.bool_]:
         """Which of them surely get through their turns; those that are not far from where they would not are looked at one by one."""
         numbers = [dict(zip(paths, row, strict=True)) for row in rows]
-        models = [varied(self.base, list(zip(columns, row, strict=True))) for row in rows]
-        ways = [self.through.way(one, model) for one, model in zip(numbers, models, strict=True)]
+        mechanism, one_of = together(self.base, columns, values)
+        ways = self.through.ways(numbers, mechanism)
         unknown = {way: k for k, way in enumerate(ways) if way not in self.through.known}
         if len(unknown) >= FEW:
             which = sorted(unknown.values())
-            mechanism = together(self.base, columns, values[which])[0]
-            speeds = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
+            some = together(self.base, columns, values[which])[0]
+            speeds = [driver.steady_speed for driver in some.drivers.values() if driver.moves]
             if len(speeds) == 1 and speeds[0] is not None:
                 with suppress(*TROUBLE), told_of(which, len(rows)):
-                    sure = clear(driven_start(mechanism, met), spread(speeds[0], (len(which),)))
+                    sure = clear(driven_start(some, met), spread(speeds[0], (len(which),)))
                     self.through.known.update(ways[k] for k, one in zip(which, sure, strict=True) if one)
         found = np.ones(len(rows), dtype=bool)
         for k, way in enumerate(ways):
             if way not in self.through.known:
                 with suppress(VfifeError):
                     found[k] = False
-                    found[k] = self.through.found(numbers[k], models[k])
+                    found[k] = self.through.found(numbers[k], one_of(k))
         return found
 
     def _ideal(self, base: Assembly, columns: Sequence[Column], values: Any, keys: Sequence[Any], met: dict[Any, Any]) -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.measures import PEAKS, last_turn, over_turn
+from ..analysis.measures import PEAKS, highest_of_each, last_turn, over_turn
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds, limited_rows
+from ..model.bodies import PointMass
 from ..solvers.record import Columns, Record, places, recorded_rows
 from ..solvers.status import Status
 from ..solvers.streaming import stepped
@@ -26,41 +29,53 @@ class Ideal:
     number: int
     assembly: Assembly
     handed: NDArray[np.uint32]
-    columns: Columns
     limited: NDArray[np.intp]
     loop: str = "auto"
     ended: bool = False
-    peaks: dict[str, float] | None = None
-    before: Array = field(init=False, repr=False)
+    sound: bool = False
 
     def __post_init__(self) -> None:
         self.every, self.outputs = self.assembly.choice.steps, 1
 
     def start(self, state: Array) -> None:
         """The first output."""
-        self.before = state[None, self.handed]
+        self.rows = [state[None, self.handed]]
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
         """The last one."""
         self.ended = True
-        every = np.concatenate([self.before, rows])
-        if broken < 0 and not Bounds(self.assembly, self.handed, self.limited).unsound(every).any():
-            record = Record(self.assembly, np.array([0, self.every]), every, self.handed, columns=self.columns)
-            self.peaks = over_turn(record, last_turn(record), PEAKS)
+        self.rows.append(rows)
+        self.sound = broken < 0 and (not len(self.limited) or not Bounds(self.assembly, self.handed, self.limited).unsound(rows).any())
 
     def end(self) -> None:
         """Nothing takes its place."""
 
 
 def peaks_of(ideals: Sequence[Assembly]) -> list[dict[str, float] | None]:
-    """Those of each over its last turn; None where it does not come to its end."""
+    """Those of each over its last turn; None where it does not come to its end. They have one topology."""
     if len(ideals) == 1:
         record = run(ideals[0])
         return [over_turn(record, last_turn(record), PEAKS) if record.status == Status.COMPLETE else None]
     handed = recorded_rows(ideals[0])
-    shared = handed, Columns(ideals[0].layout, handed), places(handed, limited_rows(ideals[0]))
+    limited = places(handed, limited_rows(ideals[0]))
     found: list[dict[str, float] | None] = [None] * len(ideals)
-    for one in stepped((Ideal(k, assembly, *shared) for k, assembly in enumerate(ideals)), len(ideals)):
-        if isinstance(one, Ideal):
-            found[one.number] = one.peaks
+    every = (Ideal(k, assembly, handed, limited) for k, assembly in enumerate(ideals))
+    ended = [cast(Ideal, one) for one in stepped(every, len(ideals), workers=max(1, (os.cpu_count() or 1) // 2))]  # others have lanes to step
+    for one, peaks in zip(ended, peaks_at_ends(ended), strict=True):
+        if one.sound and all(np.isfinite(rows).all() for rows in one.rows):
+            found[one.number] = peaks
     return found
+
+
+def peaks_at_ends(ended: Sequence[Ideal]) -> list[dict[str, float]]:
+    """The measures of each turn: those of all at once where nouns with other numbers have the same measures."""
+    first, columns = ended[0], Columns(ended[0].assembly.layout, ended[0].handed)
+
+    def turn(one: Ideal) -> Record:
+        return Record(one.assembly, np.array([0, one.every]), np.concatenate(one.rows), one.handed, columns=columns)
+
+    own = any(isinstance(body, PointMass) for body in first.assembly.mechanism.bodies.values())  # of those without inertia nothing is told
+    if own or last_turn(turn(first))[0]:
+        return [over_turn(turn(one), last_turn(turn(one)), PEAKS) for one in ended]
+    every = np.concatenate([one.rows[-1] for one in ended])
+    return highest_of_each(Record(first.assembly, np.arange(len(ended)), every, first.handed, columns=columns))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -129,7 +130,10 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
     except PathFault as fault:
         raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
     if not isinstance(held, Measure):
-        raise ValueError(f"{path}: this is no number of the model; name one")
+        at = path.split(".")
+        alike = lambda name: sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), at, strict=False)))  # noqa: E731
+        known = sorted((name for name, _ in numbers(dump(mechanism))), key=alike, reverse=True)
+        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, known, 'name one')}")
     return held.unit
 
 

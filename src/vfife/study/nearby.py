@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ from ..assembly.assembled import Assembly
 from ..assembly.together import Together
 from ..fields.members import Differing, members
 from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
 from ..modelfile import loads
 from .batches import TROUBLE, unforeseen
-from .columns import Column, Unfit, column, together
+from .columns import Column, Unfit, column, together, varied
 
 Change = tuple[str, float]  # a path, and the number (SI) there
 FEW = 2
@@ -42,17 +44,22 @@ def nearby(text: str, known: Mapping[str, float], changes: Sequence[Change], bas
     kit = Together(base, None, met, **run)
     contacts = dict.fromkeys(base.contacts, 1.0)
 
+    def one_of(which: Sequence[int], k: int) -> Mechanism:
+        path, value = changes[which[k]]
+        where = columns[path]
+        return mechanism if where is None else varied(mechanism, [(where, value)])
+
     def made(which: Sequence[int]) -> None:
         if len(which) < FEW:
             return
         try:
             paths = list(dict.fromkeys(changes[k][0] for k in which))
             values = np.array([[changes[k][1] if changes[k][0] == path else known[path] for path in paths] for k in which])
-            model, one_of = together(mechanism, [one for path in paths if (one := columns[path]) is not None], values)
+            model = together(mechanism, [one for path in paths if (one := columns[path]) is not None], values)[0]
             turn = turn_of(model)
             scale = 1.0 if turn is None or choice.turn is None else turn / choice.turn
             steps = members(np.broadcast_to(choice.step * np.asarray(scale), (len(which),)))
-            for k, assembly in zip(which, kit.assembled(model, len(which), contacts, steps, one_of), strict=True):
+            for k, assembly in zip(which, kit.assembled(model, len(which), contacts, steps, partial(one_of, which)), strict=True):
                 found[k] = assembly
             return
         except (Differing, *TROUBLE):

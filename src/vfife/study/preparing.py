@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from ..analysis.measures import PEAKS, last_turn, over_turn
 from ..analysis.wanted import WantedMeasures
 from ..assembly.assemble import assemble
@@ -29,14 +31,15 @@ from ..results.reductions import Reductions
 from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run
-from .batches import Batches, Through
+from .batches import FEW, Batches, Through
 from .member import Plan, Stepped, Wanted, streams
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
 FORCES = ("gravity", "load", "material")
 OF_FORCE = {("body", "mass"), ("body", "inertia"), ("spring", "stiffness"), ("spring", "damping")}
-FIRST, MOST = 32, 512  # members that are made at once: so that lanes begin soon, and then
+FIRST = 8  # members that are made one by one, so that lanes begin soon, where they differ in numbers of play alone
+SIZES = (64, 512)  # of batches, one after the other
 KEPT = 64  # mechanisms with other numbers than those of play that are remembered
 
 
@@ -75,7 +78,7 @@ class Preparing:
     known: dict[tuple[tuple[str, float | str], ...], Made | str | None] = field(default_factory=dict)
     paths: dict[str, tuple[Path, Measure] | None] = field(default_factory=dict)
     forces: dict[str, bool] = field(default_factory=dict)
-    ways: set[Any] = field(default_factory=set)
+    through_already: set[Any] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         settings = dataclasses.replace(self.base.settings, settle=self.wanted.settle, companions=0)
@@ -87,25 +90,39 @@ class Preparing:
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | Unstepped]:
         """The members, in their order; they are made in batches, and one by one where that is not possible."""
-        batches = Batches(self.base, self.raw, self.wanted, self.made, self.of_play, Through(self.through, self.way, self.ways))
-        begin, size = 0, FIRST
+        batches, begin, sizes = self.batches(), self.soon(numbers), iter(SIZES)
+        yield from (self._alone(k, one) for k, one in enumerate(numbers[:begin]))
         while begin < len(numbers):
-            some = numbers[begin : begin + size]
+            some = numbers[begin : begin + next(sizes, SIZES[-1])]
             found = batches.of(some, begin)
-            for k, one in enumerate(some):
-                if k in found:
-                    yield found[k]
-                    continue
-                try:
-                    yield self.member(begin + k, one)
-                except VfifeError as error:
-                    yield Unstepped(begin + k, sentence(error))
-            begin, size = begin + size, MOST
+            yield from (found[k] if k in found else self._alone(begin + k, one) for k, one in enumerate(some))
+            begin += len(some)
+
+    def batches(self) -> Batches:
+        """What makes many of them at once."""
+        return Batches(self.base, self.raw, self.wanted, self.made, self.of_play, Through(self.through, self.ways, self.through_already))
+
+    def soon(self, numbers: Sequence[Numbers]) -> int:
+        """How many of the first members are quicker made one by one than in a batch."""
+        rests = [self._parted(one)[1] for one in numbers[:FIRST]]
+        alike = next((k for k, rest in enumerate(rests) if rest != rests[0]), len(rests))
+        return alike if alike >= FEW else 0
+
+    def _parted(self, numbers: Numbers) -> tuple[Numbers, Numbers]:
+        """Numbers of play, and others."""
+        play = {path: value for path, value in numbers.items() if self.of_play(path)}
+        return play, {path: value for path, value in numbers.items() if path not in play}
+
+    def _alone(self, k: int, numbers: Numbers) -> Stepped | Unstepped:
+        """One of them, or why there is none."""
+        try:
+            return self.member(k, numbers)
+        except VfifeError as error:
+            return Unstepped(k, sentence(error))
 
     def member(self, k: int, numbers: Numbers) -> Stepped | Unstepped:
         """One of them. Raises VfifeError where it cannot be assembled."""
-        play = {path: value for path, value in numbers.items() if self.of_play(path)}
-        rest = {path: value for path, value in numbers.items() if path not in play} if len(play) < len(numbers) else {}
+        play, rest = self._parted(numbers)
         try:
             made = self.made(rest)
         except VfifeError:
@@ -203,18 +220,22 @@ class Preparing:
 
     def through(self, numbers: Numbers, mechanism: Mechanism) -> bool:
         """Whether the ideal mechanism gets through its turns: its geometry decides, and which way it is driven. Raises VfifeError."""
-        key = self.way(numbers, mechanism)
-        if key not in self.ways:
+        (key,) = self.ways([numbers], mechanism)
+        if key not in self.through_already:
             if not outlook(mechanism, float(self.wanted.turns)).through:
                 return False
-            self.ways.add(key)
+            self.through_already.add(key)
         return True
 
-    def way(self, numbers: Numbers, mechanism: Mechanism) -> tuple[Any, ...]:
-        """What decides whether the ideal mechanism gets through: its geometry, and which way it is driven."""
+    def ways(self, numbers: Sequence[Numbers], mechanism: Mechanism) -> list[tuple[Any, ...]]:
+        """What decides whether ideal mechanisms get through: the geometry of each, and which way it is driven.
+
+        They have ``numbers`` of the same paths; ``mechanism`` is that of one, or of all side by side.
+        """
         moving = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
-        shape = {path: value for path, value in numbers.items() if not self.of_play(path) and not self.moves_nothing(path, len(moving))}
-        return (*sorted(shape.items()), *(speed is not None and speed > 0.0 for speed in moving))
+        shape = sorted(path for path in numbers[0] if not self.of_play(path) and not self.moves_nothing(path, len(moving)))
+        towards = [np.broadcast_to(np.asarray(speed is not None and speed > 0.0), len(numbers)).tolist() for speed in moving]
+        return [(*((path, one[path]) for path in shape), *(each[k] for each in towards)) for k, one in enumerate(numbers)]
 
     def moves_nothing(self, path: str, drivers: int) -> bool:
         """Whether a number is none of the geometry: a mass, what a spring or load has of force, the only steady speed."""

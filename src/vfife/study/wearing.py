@@ -71,7 +71,8 @@ def wear(
                         progress(point.told["turns"], asked.turns, round(wearing.blocks.turns))
                 if not apart:
                     apart = beside(asked, surfaces, wearing.blocks, points[-1].rate, halt)
-                    kept.keep_beside(apart) if kept is not None else None
+                    if kept is not None:
+                        kept.keep_beside(apart)
         except KeyboardInterrupt:
             if not points:
                 raise

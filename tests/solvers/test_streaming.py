@@ -1,0 +1,95 @@
+"""Members wait for lanes: they are made when they are asked for, once each, and who makes some holds up nobody for whom others wait."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+from vfife.solvers.streaming import Waiting
+
+LONG = 30.0  # s, after which a test has failed
+
+
+@dataclass
+class Plain:
+    """A member of a kind, which nobody steps."""
+
+    number: int
+    kind: str = "one"
+    ended: bool = False
+
+
+def waiting(source: Iterator[Any], ahead: int = 8) -> Waiting:
+    return Waiting(source, queue.SimpleQueue(), 4, ahead, kinds=SimpleNamespace(of=lambda member: member.kind))  # type: ignore[arg-type]
+
+
+def number(found: Any) -> int:
+    return int(found[1].number)
+
+
+def test_a_batch_that_is_made_holds_up_nobody_for_whom_members_wait() -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def source() -> Iterator[Plain]:
+        yield from map(Plain, range(3))
+        begun.set()
+        assert go_on.wait(LONG)
+        yield Plain(3)
+
+    members = waiting(source())
+    assert number(members.next(None)) == 0
+    maker = threading.Thread(target=members.prepare, args=(8,), daemon=True)
+    maker.start()
+    assert begun.wait(LONG), "what is wanted next is made before it is asked for"
+    assert [number(members.next(None)) for _ in range(2)] == [1, 2], "these wait, so they are had at once"
+    members.prepare(8)  # another one makes some
+    go_on.set()
+    assert number(members.next(None)) == 3
+    maker.join(LONG)
+    assert members.next(None) is None and not maker.is_alive()
+
+
+def test_no_more_are_made_than_are_to_wait_and_none_for_one_thread() -> None:
+    made: list[int] = []
+
+    def source() -> Iterator[Plain]:
+        for k in range(100):
+            made.append(k)
+            yield Plain(k)
+
+    members = waiting(source(), ahead=5)
+    for _ in range(4):
+        members.prepare(2)
+    assert made == list(range(5))
+    members.ahead = 0
+    members.next(None)
+    members.prepare(4)
+    assert made == list(range(5))
+
+
+def test_members_of_another_kind_wait_and_those_that_have_ended_are_told() -> None:
+    members = waiting(iter([Plain(0, "other"), Plain(1, ended=True), Plain(2), Plain(3, "other")]))
+    assert number(members.next("one")) == 2  # type: ignore[arg-type]
+    assert members.found.get_nowait().number == 1  # type: ignore[union-attr]
+    assert members.next("one") is None  # type: ignore[arg-type]
+    assert [number(members.next(None)) for _ in range(2)] == [0, 3] and members.next(None) is None
+
+
+def test_many_threads_take_each_member_once() -> None:
+    members, taken = waiting(map(Plain, range(400))), queue.SimpleQueue[int]()
+
+    def take() -> None:
+        while (found := members.next(None)) is not None:
+            taken.put(number(found))
+            members.prepare(3)
+
+    threads = [threading.Thread(target=take, daemon=True) for _ in range(6)]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join(LONG)
+    assert sorted(taken.get_nowait() for _ in range(400)) == list(range(400)) and taken.empty()
