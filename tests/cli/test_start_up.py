@@ -54,3 +54,15 @@ def test_both_ways_in_say_the_version() -> None:
 
     done = subprocess.run([sys.executable, "-m", "vfife", "--version"], env=ENVIRONMENT, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, f"vfife {vfife.__version__}\n")
+
+
+@pytest.mark.parametrize("words", [["schema"], ["map", "--nonsense"], ["rum"]], ids=" ".join)
+def test_only_the_command_that_is_named_is_loaded(words: list[str]) -> None:
+    """The others are known by their names alone, also to what suggests one for a word that is none."""
+    program = LISTED.format(words=words).replace('.partition(".")[0]', "")
+    done = subprocess.run([sys.executable, "-c", program], env=ENVIRONMENT, capture_output=True, text=True)
+    loaded = set(done.stderr.splitlines()[-1].split())
+    others = {"animate", "compare", "fitted", "schema", "searched", "study", "wear"} - set(words)
+    assert "vfife.cli.app" in loaded
+    assert not loaded & {f"vfife.cli.{name}" for name in others}
+    assert words != ["rum"] or "Did you mean 'run'" in done.stderr

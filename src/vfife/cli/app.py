@@ -1,4 +1,4 @@
-"""The command line. Commands load what they need when they run, so that ``vfife --help`` is quick."""
+"""The command line. A command is loaded when it is named, and loads what it needs when it runs."""
 
 from __future__ import annotations
 
@@ -8,38 +8,22 @@ import typer
 from typer.core import TyperGroup
 
 from .. import __version__
-from .animate import animate
-from .check import check
-from .compare import compare
-from .ended import export, info
-from .fitted import fit
-from .impacts import impacts
-from .laws import laws
-from .live import live
-from .map import map_
-from .materials import materials
-from .modes import modes
-from .new import new
-from .paper import paper
-from .plainly import Command, Plainly, UsageError
-from .plot import plot
-from .report import report
-from .resume import resume
-from .run import run
-from .schema import schema
-from .searched import optimise
-from .sensitivity import sensitivity
+from .commands import Named
+from .plainly import Plainly, UsageError
 from .signals import NOW, Signals
-from .spectrum import spectrum
-from .study import study
 from .terminal import BAD_INPUT, fail, failed
-from .verify import verify
-from .waterfall import waterfall
-from .wear import wear
 
 
 class Group(Plainly, TyperGroup):
     """The commands; a signal ends each of them with a sentence."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given)
+        self.commands = Named()
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Their names, for which none is made."""
+        return list(self.commands)
 
     def invoke(self, ctx: Any) -> Any:
         """Runs the command that is named."""
@@ -76,34 +60,3 @@ def root(
     version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end.")] = False,
 ) -> None:
     """Planar mechanisms whose pins have play."""
-
-
-for command in (
-    new,
-    run,
-    resume,
-    check,
-    modes,
-    compare,
-    sensitivity,
-    fit,
-    info,
-    impacts,
-    optimise,
-    waterfall,
-    plot,
-    spectrum,
-    animate,
-    report,
-    live,
-    export,
-    laws,
-    materials,
-    schema,
-    paper,
-    verify,
-    wear,
-):
-    app.command(cls=Command)(command)
-app.add_typer(map_, name="map")
-app.add_typer(study, name="study")
