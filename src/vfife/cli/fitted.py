@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -234,7 +235,7 @@ def refuse_beside_file(
         raise ValueError(f"{said}: a fit file alone is shown as it is; leave it out, or name model and data: vfife fit MODEL.toml DATA.csv ...")
 
 
-def idle(given: dict[str, object]) -> str:
+def idle(given: Mapping[str, object]) -> str:
     """Names of the options that were given."""
     return ", ".join(option for option, value in given.items() if value is not None)
 
