@@ -171,7 +171,8 @@ def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ..
 
 def carried_out(task: Task, place: Path, own: bool, force: bool, quiet: bool) -> Fit:
     """The fit, with a line on how far it is; ``own``: the folder of its file is made."""
-    place.parent.mkdir(parents=True, exist_ok=True) if own else None
+    with writing(str(place)):
+        place.parent.mkdir(parents=True, exist_ok=True) if own else None
     NOW.saved = f"What was looked at is kept in {place}; the same command goes on after it."
     with sentences(str(place)), writing(str(place)), ProgressLine(quiet) as line:
         return task.run(place, lambda one: line(dataclasses.replace(one, text=f"{one.text}{left(one)}")), replace=force)
