@@ -80,3 +80,22 @@ def test_what_is_wrong_is_told_with_a_next_step(command, tmp_path, case):
     text = " ".join(done.stderr.split())
     assert done.exit_code == 2 and said in text and "cannot convert" not in text and "Traceback" not in text, text
     assert (tmp_path / "mine-wear.png").read_bytes() == b"\x89PNG, drawn by hand" and not (tmp_path / "mine.wear").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("fit", "pin.toml", "data.csv", "-p", "joint.pin.clearance=0.1..0.3mm", "--screened", "2", "--starts", "1", "--step", "10us"),
+        ("map", "section", "pin.toml", "--turns", "3", "--step", "10us"),
+        ("waterfall", "pin.toml", "--over", "driver.crank.speed=800..900rpm", "--count", "2", "--turns", "3", "--step", "10us"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_where_no_folder_of_runs_can_be_made_a_sentence_says_so(command, tmp_path, words):
+    """A file of that name stands for a folder that nobody may write in: tests may be run by one who may."""
+    (tmp_path / "pin.toml").write_text((ROOT / "examples" / "slider_crank_loose_pin.toml").read_text())
+    (tmp_path / "data.csv").write_text("time (s), pin.force (N)\n" + "".join(f"{k}e-4,{k % 5}\n" for k in range(20)))
+    (tmp_path / "runs").write_text("mine")
+    done = command(*words)
+    assert isinstance(done.exception, SystemExit) and done.exit_code == 2 and "File exists" in done.stderr, (done.exception, done.stderr)
+    assert (tmp_path / "runs").read_text() == "mine"

@@ -118,6 +118,12 @@ def test_a_number_without_influence_is_named(tmp_path):
     assert any(one.startswith("body.idle.mass:") for one in found.undetermined)
 
 
+def test_a_number_that_changes_nothing_at_all_is_told_without_a_division_by_zero():
+    """Nothing is known of it: an error beyond all bounds, no NaN, and no warning of numpy (warnings are errors here)."""
+    found = confident([np.sin(np.arange(40.0))], [Sought("a", ("a",), "kg", 1.0, 2.0)], np.array([0.5]), np.zeros((40, 1)), 1, 0.95)
+    assert found.errors[0] > 1e6 and np.isfinite(found.covariance).all() and found.correlation[0, 0] == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("noise, told", [(0.1, False), (0.5, True)])
 def test_what_the_model_misses_is_told_where_it_is_much(tmp_path, noise, told):
     """Noise of half the deviation leaves 1/sqrt(5) of that of the file; the errors alone would look good."""
@@ -292,6 +298,15 @@ FAULTS = {
     "free without turns": ("time, b.x\n" + LINES, BOUNDS, {"offset": "free"}, "nothing turns round"),
     "an offset": ("time, b.x\n" + LINES, BOUNDS, {"offset": "2 mm"}, "offset"),
     "a word": ("time, b.x\n" + LINES, BOUNDS, {"compare": "shape"}, '"curve"'),
+    "before the start": ("time, b.x\n" + LINES, BOUNDS, {"offset": "-5..5 ms"}, "the first sample lies before the run begins"),
+    "no window": ("time, b.x\n" + LINES, BOUNDS, {"compare": "envelope", "width": "0 ms"}, "width = 0 s: zero or negative"),
+    "a window beyond the data": (
+        "time, b.x\n" + LINES,
+        BOUNDS,
+        {"compare": "envelope", "width": 1.0},
+        "width = 1 s: too large; allowed: above 0 and at",
+    ),
+    "a step back": ("time, b.x\n" + LINES, BOUNDS, {"step": "-1 us"}, "step = -1e-06 s: zero or negative; allowed: above 0 s"),
     "a weight": ("time, b.x\n" + LINES, BOUNDS, {"weights": {"b.y": 2.0}}, "no such column among those that count"),
 }
 
@@ -349,6 +364,14 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
         answer = CliRunner().invoke(app, ["fit", str(model), str(path), *words])
         assert answer.exit_code == 2 and what in answer.output, answer.output
     assert not (tmp_path / "h.fit").exists()
+    alone = {
+        "-o, --force: a fit file alone is shown as it is": [tmp_path / "s.fit", "--force", "-o", "t.fit"],
+        "this is no fit file; name one": [model], "there is no such file; name a file that vfife fit left": [tmp_path / "none.fit"],
+        "--width: it is the window of an envelope": [model, path, *options, "--width", "1 ms"],
+    }  # fmt: skip
+    for what, words in alone.items():
+        answer = CliRunner().invoke(app, ["fit", *map(str, words)])
+        assert answer.exit_code == 2 and what in " ".join(answer.output.split()), answer.output
     told = CliRunner().invoke(app, ["fit", str(model), str(tmp_path / "t.csv"), *options])
     assert told.exit_code == 2 and 'Did you mean "s.csv"' in told.output
 

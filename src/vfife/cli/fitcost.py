@@ -11,7 +11,6 @@ from .terminal import STORAGE, amount_of_bytes, counted, fail, sentences, span, 
 if TYPE_CHECKING:
     from ..study.identification import Task
 
-MADE = 0.03  # s that it takes to assemble a member and to read its channels
 LAID = 2e-6  # s that a sample of a curve takes, laid on a run at all offsets that are tried
 PACKED = 0.9  # of the bytes of numbers
 
@@ -24,7 +23,7 @@ def forecast(task: Task, place: Path) -> dict[str, Any]:
     from ..results.tables import free_bytes
     from ..study.sought import numbers_at
     from .cost import LIBRARIES, MEMORY, estimate
-    from .forecast import SHARED
+    from .forecast import MADE, SHARED
 
     one = task.curves().members.assembled(numbers_at(task.sought, np.full(len(task.sought), 0.5)))
     alone, cores, lanes = estimate(one), os.cpu_count() or 1, widest()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -113,6 +114,7 @@ def fit(
         check_targets(figure, csv, model)
         refuse_inputs((("--figure", figure), ("--csv", csv), ("--fitted", model)), (*files, *(laws or ())))
         if kept:
+            refuse_beside_file(parameter, column, weight, offset, width, step, set_, target, law, force)
             found: Any = shown(files[0], model)
         elif law is not None:
             refuse_beside_law(parameter, column, weight, offset, model, target)
@@ -120,7 +122,9 @@ def fit(
     if law is None and not kept:
         with sentences(str(files[-1])):
             if len(files) != 2:
-                raise ValueError("name a model and a file of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B")
+                raise ValueError(few_or_many(files))
+            if width is not None and compare is not Compared.envelope:
+                raise ValueError("--width: it is the window of an envelope; add --compare envelope, or leave it out")
             place = placed(files[0], target, force, (*files, *(laws or ())))
             mechanism = read_model(files[0], set_, laws)
             from ..study.identification import planned
@@ -167,7 +171,8 @@ def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ..
 
 def carried_out(task: Task, place: Path, own: bool, force: bool, quiet: bool) -> Fit:
     """The fit, with a line on how far it is; ``own``: the folder of its file is made."""
-    place.parent.mkdir(parents=True, exist_ok=True) if own else None
+    with writing(str(place)):
+        place.parent.mkdir(parents=True, exist_ok=True) if own else None
     NOW.saved = f"What was looked at is kept in {place}; the same command goes on after it."
     with sentences(str(place)), writing(str(place)), ProgressLine(quiet) as line:
         return task.run(place, lambda one: line(dataclasses.replace(one, text=f"{one.text}{left(one)}")), replace=force)
@@ -214,9 +219,36 @@ def refuse_beside_law(
 ) -> None:
     """Raises ValueError for options that the fit of a law has no use for."""
     given = {"--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "--fitted": model, "-o": target}
-    idle = [option for option, value in given.items() if value is not None]
-    if idle:
-        raise ValueError(f"{', '.join(idle)}: a law is fitted without; leave it out (numbers of a law are fixed by --set NAME=VALUE)")
+    if said := idle(given):
+        raise ValueError(f"{said}: a law is fitted without; leave it out (numbers of a law are fixed by --set NAME=VALUE)")
+
+
+def refuse_beside_file(
+    parameter: list[str] | None, column: list[str] | None, weight: list[str] | None, offset: str | None, width: str | None, step: str | None,
+    set_: list[str] | None, target: Path | None, law: str | None, force: bool,
+) -> None:  # fmt: skip
+    """Raises ValueError for options that a fit which is only shown has no use for."""
+    given = {
+        "--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "--width": width, "--step": step, "--set": set_,
+        "-o": target, "--law": law, "--force": force or None,
+    }  # fmt: skip
+    if said := idle(given):
+        raise ValueError(f"{said}: a fit file alone is shown as it is; leave it out, or name model and data: vfife fit MODEL.toml DATA.csv ...")
+
+
+def idle(given: Mapping[str, object]) -> str:
+    """Names of the options that were given."""
+    return ", ".join(option for option, value in given.items() if value is not None)
+
+
+def few_or_many(files: list[Path]) -> str:
+    """What is wrong with one file alone that is no fit file, or with more than two."""
+    both = "a model and a file of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
+    if len(files) > 1:
+        return f"{len(files)} files are named; name {both}"
+    if not files[0].exists():
+        return f"there is no such file; name a file that vfife fit left, or {both}"
+    return f"this is no fit file; name one that vfife fit left, or {both}"
 
 
 def check_targets(figure: Path | None, csv: Path | None, model: Path | None) -> None:

@@ -16,6 +16,7 @@ LOOKED_AT = 5  # members that are assembled for a forecast
 SHARED = 0.75  # of the lanes' speed that is had
 BYTES = 400, 60  # of a member, and of each number it has or leaves
 MOST_KINDS = 12
+MADE = 0.03  # s that it takes to assemble a member and to read what it leaves, one after another
 
 
 def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, target: Path, anew: bool = False) -> dict[str, Any]:
@@ -68,7 +69,7 @@ def expected(
         "members": left,
         "done": done,
         "steps": sum(steps) / count,
-        "seconds": each / count * left / min(cores * max(1.0, SHARED * lanes), at_once),
+        "seconds": left * (each / count / min(cores * max(1.0, SHARED * lanes), at_once) + MADE),
         "bytes": left * (first + more * len(next(iter(chosen), {}))),
         "free": float("inf") if free is None else free,
         "workers": cores,

@@ -63,7 +63,8 @@ def answered(given: Given, understood: Callable[[Mechanism], Question]) -> None:
         mechanism = read_model(given.model, given.set_, given.laws)
         asked = understood(mechanism)
     told_of(asked.work, mechanism, place, given.yes, given.quiet)
-    place.parent.mkdir(parents=True, exist_ok=True) if place.parent == RUNS else None
+    with writing(str(place)):
+        place.parent.mkdir(parents=True, exist_ok=True) if place.parent == RUNS else None
     NOW.saved = f"What is complete is kept in {place}; {GO_ON} after it."
 
     def progress(done: int, of_all: int) -> None:

@@ -50,7 +50,7 @@ def confident(
     follow = autocorrelation(residuals)
     variance = sum(float(one @ one) for one in residuals) / freedom * inflation * (1.0 + follow) / (1.0 - follow)
     _, sizes, rows = np.linalg.svd(jacobian, full_matrices=False)
-    known = np.maximum(sizes, WEAK * max(float(sizes.max(initial=0.0)), 1e-300))
+    known = np.maximum(sizes, WEAK * max(float(sizes.max(initial=0.0)), 1e-100))  # whose square is a number
     covariance = variance * (rows.T / known**2) @ rows
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     correlation = covariance / np.maximum(np.outer(spread, spread), 1e-300)

@@ -53,12 +53,27 @@ def offset_of(told: Any, seen: Measured, mechanism: Mechanism) -> Offset:
         raise ModelError([Fault("offset", str(error), "", f"free, a number or two bounds in {unit}", "")], "fit") from None
     if low > high:
         raise ModelError([Fault("offset", "the bounds do not ascend", f"{low:g} .. {high:g}", "", "exchange them")], "fit")
+    if seen.over == "time" and seen.places[0] + low < -1e-9 * seen.span:  # an angle is known to whole turns, a time is not
+        first = f"{-seen.places[0]:.4g} s or more"
+        raise ModelError([Fault("offset", "the first sample lies before the run begins", f"{low:.4g} s", first, "the run begins at 0 s")], "fit")
     return Offset(low, high)
 
 
 def length(told: Any, seen: Measured) -> float:
-    """The width of an envelope's window (s or rad)."""
-    return seen.span / 50.0 if told is None else float(number(told, "rad" if seen.over == "angle" else "s"))
+    """The width of an envelope's window (s or rad). Raises ModelError for one that is none, or wider than the data."""
+    if told is None:
+        return seen.span / 50.0
+    unit = "rad" if seen.over == "angle" else "s"
+    return wanted("width", told, unit, seen.span, f"above 0 and at most {seen.span:.4g} {unit}, the length of the data")
+
+
+def wanted(name: str, told: Any, unit: str, most: float, limit: str) -> float:
+    """An argument in its unit. Raises ModelError for zero, less, or more than ``most``."""
+    value = float(number(told, unit))
+    if not 0.0 < value <= most:
+        what = "zero or negative" if value <= 0.0 else "too large"
+        raise ModelError([Fault(name, what, f"{value:.4g} {unit}", limit, "correct it, or leave it out")], "fit")
+    return value
 
 
 def timing_of(mechanism: Mechanism, text: str, seen: Measured, sought: Sequence[Sought], laid: Offset, skip: float, step: Any) -> Timing:
@@ -68,7 +83,7 @@ def timing_of(mechanism: Mechanism, text: str, seen: Measured, sought: Sequence[
         raise ModelError([Fault("data", "it goes by the angle of a crank, and no driver turns one", remedy="give times instead")], seen.name)
     corners = [numbers_at(sought, shares) for shares in middle_and_ends(len(sought))]
     found = [mechanism, *(one for one in (made(text, numbers) for numbers in corners) if one is not None)]
-    size = number(step, "s") if step not in (None, "auto") else min(assemble(one).choice.step for one in found)
+    size = wanted("step", step, "s", math.inf, "above 0 s") if step not in (None, "auto") else min(assemble(one).choice.step for one in found)
     end = seen.places[-1] + max(laid.high, 0.0)
     if turn is None:
         outputs = int(np.clip(FINER * math.ceil(end / seen.spacing), COARSEST, FINEST))

@@ -177,7 +177,7 @@ def choice(
     found = {}
     for name, one in asked.items():
         if name not in names:
-            faults.append(Fault(f"column {name}", "there is no such column", "", "", suggestion(name, names, f"there are {', '.join(names[:8])}")))
+            faults.append(Fault(f"column {name}", "there is no such column", "", "", suggestion(name, names, "name one")))
         elif one.channel not in units:
             near = f"there are {', '.join(list(units)[:8])} ..."
             faults.append(
