@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,16 +11,17 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
     from ..model.mechanism import Mechanism
-    from ..study.plan import Plan
+    from ..study.plan import Asked, Plan
 
 LOOKED_AT = 5  # members that are assembled for a forecast
 SHARED = 0.75  # of the lanes' speed that is had
 BYTES = 400, 60  # of a member, and of each number it has or leaves
 MOST_KINDS = 12
+PARTS = 360  # of a turn, of which whole numbers of steps go into lanes
 MADE = 0.03  # s that it takes to assemble a member and to read what it leaves, one after another
 
 
-def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, target: Path, anew: bool = False) -> dict[str, Any]:
+def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, asked: Asked, target: Path, anew: bool = False) -> dict[str, Any]:
     """Members to compute, steps of each, seconds, bytes; estimates, and called so."""
     left = list(numbers)
     if target.is_file() and not anew:
@@ -29,11 +31,11 @@ def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, turns: int, tar
         there = {one.hash for one in Study.open(target).done}
         left = [one for one in left if hash_of(one) not in there]
     chosen = [left[k * (len(left) - 1) // max(LOOKED_AT - 1, 1)] for k in range(min(LOOKED_AT, len(left)))]
-    return expected(chosen, len(left), len(numbers) - len(left), base, turns, target)
+    return expected(chosen, len(left), len(numbers) - len(left), base, asked, target)
 
 
 def sought(
-    chosen: Sequence[dict[str, Any]], members: int, at_once: int, base: Mechanism, turns: int, target: Path, anew: bool = False
+    chosen: Sequence[dict[str, Any]], members: int, at_once: int, base: Mechanism, asked: Asked, target: Path, anew: bool = False
 ) -> dict[str, Any]:
     """The same of a search for so many members, some of which are ``chosen``; those that end in its file already are taken for its own."""
     done = 0
@@ -41,27 +43,33 @@ def sought(
         from ..results.studied import Study
 
         done = min(len(Study.open(target).done), members)
-    return expected(chosen, members - done, done, base, turns, target, at_once)
+    return expected(chosen, members - done, done, base, asked, target, at_once)
 
 
 def expected(
-    chosen: Sequence[dict[str, Any]], left: int, done: int, base: Mechanism, turns: int, target: Path, at_once: float = float("inf")
+    chosen: Sequence[dict[str, Any]], left: int, done: int, base: Mechanism, asked: Asked, target: Path, at_once: float = float("inf")
 ) -> dict[str, Any]:
-    """What so many members will cost that are ``left``, from those ``chosen`` of them; ``at_once`` are asked for together."""
+    """What so many members will cost that are ``left``, from those ``chosen`` of them; ``at_once`` are asked for together.
+
+    Members of which a turn holds no whole number of outputs, as a step that is given may have it, go into no lanes.
+    """
     from ..codegen.native import widest
     from ..errors import VfifeError
     from ..results.tables import free_bytes
+    from ..study.member import streams
     from .cost import estimate
 
-    seconds, steps = [0.0], [0]
+    seconds, steps, unfit = [0.0], [0], set()
     for one in chosen:
         try:
-            assembly = member(base, one, turns)
+            assembly = member(base, one, asked)
         except VfifeError:  # told when it is run
             continue
         seconds.append(estimate(assembly)["seconds"])
         steps.append(assembly.choice.steps)
-    cores, lanes = os.cpu_count() or 1, widest()
+        if not streams(assembly) and not assembly.choice.automatic and assembly.choice.turn is not None:
+            unfit.add(assembly.choice.turn)
+    cores, lanes = os.cpu_count() or 1, 1 if unfit else widest()
     each, count = sum(seconds), max(len(seconds) - 1, 1)
     free = free_bytes(target)
     first, more = BYTES
@@ -74,15 +82,16 @@ def expected(
         "free": float("inf") if free is None else free,
         "workers": cores,
         "lanes": lanes,
+        "turns": unfit,
     }
 
 
-def member(base: Mechanism, numbers: dict[str, Any], turns: int) -> Assembly:
+def member(base: Mechanism, numbers: dict[str, Any], asked: Asked) -> Assembly:
     """A member assembled."""
     from ..assembly.assemble import assemble
     from ..modelfile import dump, loads
 
-    return assemble(loads(dump(base), list(numbers.items())), turns=float(turns))
+    return assemble(loads(dump(base), list(numbers.items())), asked.step, turns=float(asked.turns))
 
 
 def too_much(found: dict[str, Any], place: Path) -> str:
@@ -118,11 +127,23 @@ def tell_forecast(found: dict[str, Any], place: Path, plan: Plan) -> None:
     tell(
         "forecast",
         f"{counted(found['members'], 'member')}{done}, some {found['steps']:,.0f} steps each: {span(found['seconds'])} with "
-        f"{found['workers']} threads of {found['lanes']} lanes, {amount_of_bytes(found['bytes'])} in {place}.",
+        f"{found['workers']} threads of {counted(found['lanes'], 'lane')}, {amount_of_bytes(found['bytes'])} in {place}.",
         "bold",
     )
     if said := beside_last(plan.asked):
         tell("note", said)
+    if found["turns"] and found["lanes"] == 1:
+        tell("note", one_by_one(found["turns"], plan.asked))
+
+
+def one_by_one(turns: set[float], asked: Asked) -> str:
+    """Why members go into no lanes, in words, and what step of theirs would."""
+    said = f"a turn of the crank is no whole number of outputs at the step that is given, {asked.step:g} s: members run one by one, not in lanes"
+    if len(turns) > 1:
+        return f'{said}; with step = "auto" many more run in a second.'
+    (turn,) = turns
+    fitting = turn / (PARTS * math.ceil(turn / asked.step / PARTS))
+    return f'{said}; with step = "{fitting!r} s" or "auto" many more run in a second.'
 
 
 def groups(numbers: Sequence[dict[str, Any]], base: Mechanism) -> list[str]:

@@ -28,7 +28,7 @@ def told_of_search(plan: Plan, base: Mechanism, search: Search, target: Path, ye
 
     chosen = [numbers_at(plan.parameters, {axis.name: along(axis, share) for axis in search.axes}) for share in SHARES]
     with sentences(str(target)):
-        found = sought(chosen, search.members, search.batch, base, plan.asked.turns, target, anew)
+        found = sought(chosen, search.members, search.batch, base, plan.asked, target, anew)
         more = refinement(plan, search, chosen, base)
     found["seconds"] += choosing(search) + more
     refuse_absurd(found, target, yes, "search")
@@ -52,7 +52,7 @@ def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | st
     paths = sum(len(one.paths) for one in plan.parameters if one.name in names)
     for one in chosen:
         try:
-            assembly = member(base, one, plan.asked.turns)
+            assembly = member(base, one, plan.asked)
         except VfifeError:  # told when it is run
             continue
         directions = EACH * paths * (DISPLACED if assembly.contacts else 1) / widest()
@@ -78,7 +78,7 @@ def told_of_allotment(plan: Plan, base: Mechanism, task: Allotment, target: Path
     first = [(one.name, options[0].clearance) for one, options in zip(task.parameters, task.options, strict=True)]
     chosen = [numbers_at(plan.parameters, {name: float(drawn.quantile(share)) for name, drawn in first}) for share in SHARES]
     with sentences(str(target)):
-        found = sought(chosen, machines + FIRST * (choices - 1), WIDTH, base, plan.asked.turns, target, anew)
+        found = sought(chosen, machines + FIRST * (choices - 1), WIDTH, base, plan.asked, target, anew)
     refuse_absurd(found, target, yes, "search")
     if found["members"] and not quiet:
         tell_forecast(found, target, plan)

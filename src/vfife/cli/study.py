@@ -173,7 +173,7 @@ def told_of(plan: Plan, base: Mechanism, target: Path, yes: bool, quiet: bool, a
 
     with sentences(str(target)):
         numbers = plan.numbers()
-        found = forecast(numbers, base, plan.asked.turns, target, anew)
+        found = forecast(numbers, base, plan.asked, target, anew)
         kinds = groups(numbers, base)
     refuse_absurd(found, target, yes)
     if quiet:
