@@ -16,7 +16,7 @@ from .options import LawsOption, SetOption, positive, read_model
 from .run import Quiet
 from .signals import NOW
 from .targets import refuse_inputs
-from .terminal import grid, output, row, sentences, span, tell, writing
+from .terminal import counted, grid, output, row, sentences, span, tell, writing
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -171,8 +171,13 @@ def said(found: Worn) -> list[str]:
     sentences = [
         f"{found.simulated:,.0f} turns were simulated, {asked.settle} of {asked.settle + asked.block} dropped each time, {asked.steps:,} steps a "
         f"turn; friction: {frictions}.{companion(found)}",
-        f"{len(found.turns) - 1} jumps, the largest error {1e6 * found.errors.max():.2g} µm, all together {1e6 * found.errors.sum():.2g} µm; "
-        f"the turns of a block leave {100.0 * found.spread.max():.2g} % of a rate open.",
+        f"{counted(len(found.turns) - 1, 'jump')}, the largest error {1e6 * found.errors.max():.2g} µm, all together "
+        f"{1e6 * found.errors.sum():.2g} µm; "
+        + (
+            f"the turns of a block leave {100.0 * found.spread.max():.2g} % of a rate open."
+            if asked.block > 1
+            else "what a block of one turn leaves of a rate open is not known."
+        ),
     ]
     sentences.extend(named(mechanism, found))
     if asked.harmonics == 0:

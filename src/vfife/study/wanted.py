@@ -40,6 +40,7 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
         by.tell(("model",), Refused(f"it cannot be assembled: {error}", base.name, "", "see vfife check"))
         return
     known = known_measures(view)
+    endings = {name.partition(".")[2] for name in known}  # what is there from the start, where it is at all; others begin later
     owners = {name for part in (base.bodies, base.joints, base.drivers, base.springs, base.loads) for name in part} | {"ground", "mechanism"}
     for k, name in enumerate(names or ()):
         reduced = REDUCTION.fullmatch(name)
@@ -49,7 +50,7 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
                 by.tell(("measures", k), Refused("there is no such channel", shown(name), "", remedy))
         elif name not in known:
             owner, _, ending = name.partition(".")
-            if owner not in owners or ending not in UNITS:
+            if owner not in owners or ending not in UNITS or ending in endings:
                 remedy = suggestion(name, known, "the names are those of vfife run MODEL.toml --json")
                 by.tell(("measures", k), Refused("there is no such measure", shown(name), "", remedy))
     if names and len(set(names)) < len(names):
