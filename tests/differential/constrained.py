@@ -242,7 +242,7 @@ class System:
         rank = int(np.linalg.matrix_rank(g / self.root, tol=1e-7)) if len(g) else 0
         return 3 * (len(self.q) - 1) - rank, len(g) - rank
 
-    def advance(self, v: Array, times: Sequence[float], tight: float) -> list[tuple[Array, Array]]:
+    def advance(self, v: Array, times: Sequence[float], tight: float = 1e-10) -> list[tuple[Array, Array]]:
         """Positions and velocities of the free bodies at the times, from the start with velocities ``v``."""
         n, t = len(self.mass) - 1, 0.0
         y = np.concatenate([np.array(self.q)[1:].ravel(), v.ravel()])
