@@ -93,4 +93,4 @@ def along(axis: Axis, share: float) -> float | str:
     """A value of a parameter, so far along what it may be."""
     if axis.values:
         return axis.values[int(share * len(axis.values))]
-    return axis.low + share * (axis.high - axis.low)
+    return axis.value(share)

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from ..errors import VfifeError
+from .between import Between
 from .limits import Bound
 
 EXTRA = 'the search is done by optuna, which is not installed here: pip install "vfife[optimise]"'
@@ -26,7 +27,7 @@ Values = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class Axis:
+class Axis(Between):
     """What may be varied: from ``low`` to ``high`` in SI units, evenly or by its logarithm, or one of ``values``; ``whole`` numbers are rounded."""
 
     name: str
@@ -40,21 +41,6 @@ class Axis:
     def continuous(self) -> bool:
         """Whether it takes every value between its bounds."""
         return not self.values and not self.whole
-
-    def value(self, share: float) -> float:
-        """The value at a share of the way from bound to bound."""
-        found = self.low * (self.high / self.low) ** share if self.logarithmic else self.low + share * (self.high - self.low)
-        return min(max(found, self.low), self.high)
-
-    def share(self, value: float) -> float:
-        """Where a value lies between the bounds."""
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
-
-    def slope(self, share: float) -> float:
-        """Derivative of the value by the share."""
-        return self.value(share) * math.log(self.high / self.low) if self.logarithmic else self.high - self.low
 
 
 @dataclass(frozen=True)

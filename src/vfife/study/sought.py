@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -17,6 +16,7 @@ from ..modelfile.numbers import numbers
 from ..modelfile.override import PathFault, resolve
 from ..modelfile.tables import Raw
 from ..units import ends_of
+from .between import Between
 from .places import held_at
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ WIDE = 10.0  # ratio of the bounds from which a parameter is looked for by its l
 
 
 @dataclass(frozen=True)
-class Sought:
+class Sought(Between):
     """A parameter: its name, the paths of all numbers that it is, unit and bounds (SI), and the value that the model has, if they agree on one."""
 
     name: str
@@ -39,23 +39,6 @@ class Sought:
     def logarithmic(self) -> bool:
         """Whether it is looked for by its logarithm; what has no unit is not."""
         return self.unit != "1" and self.low > 0.0 and self.high / self.low >= WIDE
-
-    def value(self, share: float) -> float:
-        """The value (SI) at a share of the way from bound to bound."""
-        share = min(max(share, 0.0), 1.0)
-        if share == 1.0:
-            return self.high
-        return self.low * (self.high / self.low) ** share if self.logarithmic else self.low + share * (self.high - self.low)
-
-    def share(self, value: float) -> float:
-        """Where a value lies between the bounds."""
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
-
-    def slope(self, share: float) -> float:
-        """Derivative of the value by the share."""
-        return self.value(share) * math.log(self.high / self.low) if self.logarithmic else self.high - self.low
 
 
 def numbers_at(sought: Sequence[Sought], shares: Array) -> Numbers:
