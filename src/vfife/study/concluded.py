@@ -45,7 +45,7 @@ def concluded(
     if one is None:
         raise VfifeError("no member has a motion")
     found = None if slopes is None else doubt(looked.curves, sought, misfit, shares, one, slopes.jacobian)
-    nuisance = 2 * int(misfit.proportional.sum()) + (0 if misfit.offset.fixed and not misfit.offset.free else 1)
+    nuisance = 2 * int(misfit.proportional.sum()) + (0 if misfit.offset.fixed else 1)
     parts, jacobian = list(misfit.columns(one.residuals).T), None if slopes is None else slopes.jacobian
     told = confident(parts, sought, shares, jacobian, len(sought) + nuisance, confidence, 1.0 if found is None else found.inflation)
     errors, limits = (told.errors, told.limits) if found is None else widened(told, found, sought, shares, looked.points)

@@ -64,7 +64,7 @@ def confident(
 
 def offset_error(slopes: Slopes | None, told: Confident, misfit: Misfit, along: float) -> float:
     """Standard error of the offset: its own, from how the curves change ``along`` it, and what it follows of the parameters."""
-    if misfit.offset.fixed and not misfit.offset.free:
+    if misfit.offset.fixed:
         return 0.0
     if slopes is None:
         return math.nan

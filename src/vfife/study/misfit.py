@@ -37,7 +37,7 @@ class Offset:
     @property
     def fixed(self) -> bool:
         """Whether there is nothing to look for."""
-        return self.low == self.high
+        return self.low == self.high and not self.free
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class Misfit:
     def __call__(self, trace: Trace, near: float | None = None) -> Fitted:
         """The best place of the samples in a trace, near an offset that is known, or in all of its range."""
         low, high = self.range(trace)
-        if self.offset.fixed and not self.offset.free:
+        if self.offset.fixed:
             return self.laid(trace, low)
         from scipy.optimize import minimize_scalar
 
