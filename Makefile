@@ -121,9 +121,9 @@ $(VENV)/.test: pyproject.toml $(PYTHON)
 	@$(PYTHON) -m pip install -qq --editable '.[test]'
 	@touch $(VENV)/.runtime $@
 
-# Where there is no emulator for this machine, the tests that need one say so.
+# Where there are no emulators for this machine, the tests that need them say so.
 $(VENV)/.verify: $(VENV)/.test
-	@$(PYTHON) -m pip install -qq --only-binary bochscpu-python --editable '.[verify]' || echo "No emulated processor here: code for AVX-512 is read, not run."
+	@$(PYTHON) -m pip install -qq --only-binary bochscpu-python,unicorn --editable '.[verify]' || echo "No emulated processors here: code for AVX-512 and AArch64 is read, not run."
 	@touch $(VENV)/.runtime $(VENV)/.test $@
 
 $(VENV)/.dev: pyproject.toml $(PYTHON)

@@ -1,7 +1,7 @@
 """The golden cases in every width, number of threads and kind of processor: the hashes that are kept, to the sign of a zero.
 
 Code for a processor without vectors wider than two numbers, and for one with AVX2, runs on any of today. Code with AVX-512 runs where there is such
-a processor, and in an emulated one elsewhere.
+a processor, and in an emulated one elsewhere; code for AArch64, with the two lanes of its registers, in an emulated one.
 """
 
 import platform
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import emulated
+from emulated import arm, loading, x86
 from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.codegen import native
@@ -87,8 +87,8 @@ def eight_wide(code_for, monkeypatch):
     here = native.widest() == 8
     code_for(AVX512)
     if not here:
-        emulated.processor()
-        monkeypatch.setattr(native, "Loaded", emulated.Emulated)
+        x86.processor()
+        monkeypatch.setattr(native, "Loaded", loading(x86.processor))
 
 
 @X86
@@ -113,6 +113,28 @@ def test_a_fused_product_would_move_the_bits(eight_wide, monkeypatch):
     monkeypatch.setattr(native.cache, "read", lambda name: None)
     monkeypatch.setattr(native.cache, "keep", lambda name, code: None)
     assert golden.digest("four_bar_case_b", "generated", companions=7) != golden.known("four_bar_case_b")
+
+
+@pytest.fixture
+def aarch64(monkeypatch):
+    """Steps run in an emulated processor of telephones and of newer Macs."""
+    arm.processor()
+    for name, value in {
+        "processor": lambda: (arm.NAME, ""),
+        "machine": arm.machine,
+        "object_code": arm.object_code,
+        "Loaded": loading(arm.processor),
+    }.items():
+        monkeypatch.setattr(native, name, value)
+    native.straight_line.cache_clear()
+    yield
+    native.straight_line.cache_clear()
+
+
+@pytest.mark.parametrize("lanes", [1, 2])
+@pytest.mark.parametrize("name", golden.RICH)
+def test_code_for_aarch64(name, lanes, aarch64):
+    assert golden.digest(name, "generated", companions=lanes - 1) == golden.known(name)
 
 
 @pytest.mark.parametrize("name", [name for name in golden.RICH if name not in golden.ON_CARD])

@@ -1,30 +1,24 @@
-"""Runs machine code of this process in an emulated processor that has AVX-512: Bochs, as a library.
-
-Code and data lie where they lie in this process, for the emulated page tables name the same addresses, and what is stored there is seen here.
-"""
+"""A processor with AVX-512: Bochs, as a library."""
 
 from __future__ import annotations
 
 import ctypes
-import mmap
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from vfife.codegen import native
+from emulated import PAGE, STACK, Room, mappings, numbers, wanted
 
-PAGE, WIDEST = 4096, 512 << 20  # bytes; the widest mapping that is taken in
 ALLOWED = 0b111  # of a page: present, may be written, by everybody
 REGISTERS = "rdi", "rsi", "rdx", "rcx", "r8", "r9"  # of the first arguments
 SAVED_STATE = 0xE7  # x87, SSE, AVX, masks and both parts of what AVX-512 adds
 EXTENDED = 1 << 9 | 1 << 10 | 1 << 18  # of control register 4: SSE, its exceptions, and the extended states
 CALM_SSE, CALM_X87 = 0x1F80, 0x37F  # no operation stops the processor
-STACK = 1 << 20
+HALT = 0xF4
 # Names that the library asks of a C library newer than some have.
 NEWER = """
 #include <stdarg.h>
@@ -53,37 +47,23 @@ def bochs() -> Any:
     return bochscpu
 
 
-def mappings() -> Iterator[tuple[int, int, str, bool]]:
-    """Begin, end and rights of the memory of this process, and whether it is nobody's file."""
-    for line in Path("/proc/self/maps").read_text().splitlines():
-        where, rights, *_ = words = line.split()
-        begin, end = (int(one, 16) for one in where.split("-"))
-        yield begin, end, rights, len(words) == 5
-
-
-class Processor:
+class X86:
     """One that begins anew with every call."""
 
     def __init__(self) -> None:
-        self.bochs = bochs()
+        self.bochs, self.room = bochs(), Room()
         from bochscpu import memory
 
         self.memory, self.session = memory, self.bochs.Session()
         self.session.missing_page_handler = self._missing
-        self.physical, self.known, self.kept = 0x100000, set[int](), list[mmap.mmap]()
+        self.physical, self.known = 0x100000, set[int]()
         self.top = self._table()
-        self.stack, self.halt = self._room(STACK), self._room(PAGE)
-        ctypes.memset(self.halt, 0xF4, 2)  # the instruction that ends a call
+        self.stack, self.end = self.room.made(STACK), self.room.made(PAGE)
+        ctypes.memset(self.end, HALT, 1)
         self.fault: tuple[int, ...] = ()
-        self.calls = 0
 
     def _missing(self, address: int) -> None:
         raise MemoryError(f"no page at {address:#x} of the emulated memory")
-
-    def _room(self, size: int) -> int:
-        """Address of so many bytes of zeros."""
-        self.kept.append(mmap.mmap(-1, size))
-        return ctypes.addressof(ctypes.c_char.from_buffer(self.kept[-1]))
 
     def _page(self, address: int) -> int:
         """Number of a page of the emulated memory that is a page of this process."""
@@ -92,7 +72,7 @@ class Processor:
         return self.physical
 
     def _table(self) -> tuple[int, Any, dict[int, Any]]:
-        address = self._room(PAGE)
+        address = self.room.made(PAGE)
         return self._page(address), (ctypes.c_uint64 * 512).from_address(address), {}
 
     def _insert(self, address: int) -> None:
@@ -109,17 +89,6 @@ class Processor:
             node = node[2][entry]
         node[1][address >> 12 & 511] = self._page(address) | ALLOWED
 
-    def _include(self, addresses: list[int]) -> None:
-        """Whole mappings of addresses, those that join them, and all that is nobody's file: tables of code lie apart from it."""
-        joined = 0
-        for begin, end, rights, nobodys in mappings():
-            asked = any(begin <= one < end for one in addresses) or begin == joined
-            if "r" not in rights or end - begin > WIDEST or not (asked or (nobodys and end - begin < STACK << 4)):
-                continue
-            joined = end if asked else joined
-            for page in range(begin, end, PAGE):
-                self._insert(page)
-
     def _state(self, function: int, arguments: list[int]) -> Any:
         """Registers and stack of a call in the convention of System V."""
         import bochscpu.cpu
@@ -128,7 +97,7 @@ class Processor:
         bochscpu.cpu.set_long_mode(state)
         state.cr4, state.cr3, state.xcr0 = state.cr4 | EXTENDED, self.top[0], SAVED_STATE
         state.mxcsr, state.fpcw, state.fptw, state.rflags = CALM_SSE, CALM_X87, 0xFFFF, 2
-        words = [self.halt, *arguments[len(REGISTERS) :]]
+        words = [self.end, *arguments[len(REGISTERS) :]]
         state.rsp = (self.stack + STACK - 8 * len(words) - PAGE & ~63) - 8
         (ctypes.c_uint64 * len(words)).from_address(state.rsp)[:] = words
         for name, value in zip(REGISTERS, arguments, strict=False):
@@ -142,17 +111,19 @@ class Processor:
         return state
 
     def renewed(self) -> None:
-        """Code has been laid somewhere: what lay there before is kept decoded by the number of its page, so the pages get others."""
+        """What lay where code lies now is kept decoded by the number of its page, so the pages get others."""
         for begin, end, rights, nobodys in mappings():
             if "x" in rights and nobodys:
                 self.known.difference_update(range(begin, end, PAGE))
 
     def call(self, function: int, *arguments: Any) -> int:
-        """What a function of whole numbers and pointers returns."""
-        numbers = [int(one or 0) % 2**64 for one in arguments]
-        self._include([function, self.stack, self.halt, *numbers])
-        self.session.cpu.state = self._state(function, numbers)
-        self.fault, self.calls = (), self.calls + 1
+        """What a function returns."""
+        given = numbers(arguments)
+        for begin, end in wanted([function, self.stack, self.end, *given]):
+            for page in range(begin, end, PAGE):
+                self._insert(page)
+        self.session.cpu.state = self._state(function, given)
+        self.fault = ()
         hook = self.bochs.Hook()
         hook.hlt = lambda session, _: session.stop()
         hook.exception = self._stopped
@@ -167,19 +138,6 @@ class Processor:
 
 
 @cache
-def processor() -> Processor:
+def processor() -> X86:
     """One for all tests of a process."""
-    return Processor()
-
-
-class Emulated(native.Loaded):
-    """A step in memory that is called in the emulated processor."""
-
-    def __init__(self, code: bytes, width: int) -> None:
-        super().__init__(code, width)
-        processor().renewed()
-        self.code.function, self.stream = map(self._calling, ("advance", "stream"))
-
-    def _calling(self, name: str) -> Callable[..., int]:
-        address = self.code.engine.get_function_address(name)
-        return lambda *arguments: processor().call(address, *arguments)
+    return X86()
