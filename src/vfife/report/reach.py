@@ -15,7 +15,7 @@ from ..model.functions import motion_function
 from ..model.mechanism import Mechanism
 from ..solvers.record import Record
 
-HALVINGS = 40  # of the time between a position that closes and one that does not
+HALVINGS = 30  # of the time between a position that closes and one that does not
 LEAST = 50  # positions on the way
 
 
