@@ -105,6 +105,7 @@ FILES = {
 
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("what", FILES)
+@pytest.mark.usefixtures("unrendered")
 def test_every_other_file_is_whole_or_as_it_was(command: Callable, monkeypatch: pytest.MonkeyPatch, what: str, fault: Any) -> None:
     words = FILES[what]
     Path(words[-1]).write_text("before")

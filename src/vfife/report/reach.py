@@ -18,7 +18,7 @@ from ..solvers.record import Record
 
 Array = NDArray[np.float64]
 
-HALVINGS = 40  # of the time between a position that closes and one that does not
+HALVINGS = 30  # of the time between a position that closes and one that does not
 LEAST = 50  # positions on the way
 
 
