@@ -61,7 +61,7 @@ def test_two_writers_of_a_map_are_kept_apart(command, tmp_path):
 
 @pytest.mark.usefixtures("unrendered")
 def test_a_damaged_map_says_that_it_is_a_map(command, tmp_path):
-    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "-q")
+    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "--companions", 0, "-o", "a.map", "-q")
     assert command(*words).exit_code == 0
     (tmp_path / "a.map").write_bytes((tmp_path / "a.map").read_bytes()[:3000])
     done = command(*words)
@@ -140,7 +140,7 @@ def test_faults_of_starts_are_sentences(command):
 def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_path):
     """Members that a file has are not counted; what takes hours is begun with --yes alone."""
     over = "--over", "joint.pin.clearance=0.2..0.3mm"
-    words = ("map", PIN, *over, *BRIEF, "-o", "a.map")
+    words = ("map", PIN, *over, *BRIEF, "--companions", 0, "-o", "a.map")
     assert "forecast: 2 values, some 18,852 steps each: " in command(*words).stderr
     assert "forecast" not in command(*words).stderr and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
     long = command("map", PIN, *over, "--count", 40, "--turns", 500, "--drop", 499, "--companions", 0, "-o", "d.map", "--of", "nope")
