@@ -59,8 +59,9 @@ def test_two_writers_of_a_map_are_kept_apart(command, tmp_path):
     assert done.exit_code == 2 and "writes this map" in done.stderr and not (tmp_path / "a.map").exists()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_damaged_map_says_that_it_is_a_map(command, tmp_path):
-    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "-q")
+    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "--companions", 0, "-o", "a.map", "-q")
     assert command(*words).exit_code == 0
     (tmp_path / "a.map").write_bytes((tmp_path / "a.map").read_bytes()[:3000])
     done = command(*words)
@@ -105,6 +106,7 @@ def test_a_range_is_what_is_said() -> None:
     assert number_range(model, "driver.crank.speed=500..1500rpm")[1:] == pytest.approx((500.0 * math.tau / 60.0, 50.0 * math.pi), rel=1e-14)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_values_are_begun_anew(command):
     done = command("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--start", "own", "--start", "start.crank=90deg")
     assert done.exit_code == 0, done.stderr
@@ -134,10 +136,11 @@ def test_faults_of_starts_are_sentences(command):
         assert "Traceback" not in done.stderr
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_path):
     """Members that a file has are not counted; what takes hours is begun with --yes alone."""
     over = "--over", "joint.pin.clearance=0.2..0.3mm"
-    words = ("map", PIN, *over, *BRIEF, "-o", "a.map")
+    words = ("map", PIN, *over, *BRIEF, "--companions", 0, "-o", "a.map")
     assert "forecast: 2 values, some 18,852 steps each: " in command(*words).stderr
     assert "forecast" not in command(*words).stderr and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
     long = command("map", PIN, *over, "--count", 40, "--turns", 500, "--drop", 499, "--companions", 0, "-o", "d.map", "--of", "nope")
