@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinematics.rods import GRAVITY, along, at_angle, double_crank, driven, four_bar, rods, rough_guess, weight
+from kinematics.turns import extremes
 from rigid import Drive
 from vfife.errors import AssemblyError
 from vfife.kinematics.mobility import mobility
@@ -27,22 +28,6 @@ def left_over(system, position, acceleration, force, reactions, torque):
     return (total - inertial)[1:]
 
 
-@pytest.fixture(scope="module")
-def full_turn():
-    position, path = rough_guess(), []
-    for angle in np.linspace(0.0, 2.0 * np.pi, 721):
-        position = close(driven(four_bar(), angle), position).position
-        path.append((angle, position))
-    return path
-
-
-def peak(samples):
-    """Largest of equally spaced samples, refined by the parabola through its neighbours."""
-    k = int(np.argmax(samples[1:-1])) + 1
-    left, top, right = samples[k - 1 : k + 2]
-    return top - (right - left) ** 2 / (8.0 * (left - 2.0 * top + right))
-
-
 @pytest.mark.parametrize(
     ("speed", "follower", "maxima"),
     [
@@ -50,20 +35,24 @@ def peak(samples):
         (50.0 * np.pi, 22816.05, (39425.3, 65338.1, 113464.7)),
     ],
 )
-def test_four_bar_reaches_the_published_maxima(full_turn, speed, follower, maxima):
-    turning, pins = [], []
-    for angle, position in full_turn:
+def test_four_bar_reaches_the_published_maxima(speed, follower, maxima):
+    def at(angle, guess):
         system = driven(four_bar(), angle, speed)
+        position = close(system, rough_guess() if guess is None else guess).position
         acceleration, reactions, _ = accelerations(system, position, velocities(system, position), np.zeros((4, 3)))
-        turning.append(abs(acceleration[3, 2]))
-        pins.append(np.hypot(*reactions.T[:2]))
-    assert peak(turning) == pytest.approx(follower, rel=1e-6)
-    assert peak(turning) == pytest.approx(0.924700 * speed**2, rel=1e-6)
-    np.testing.assert_allclose([peak(row) for row in np.array(pins).T[1:]], maxima, rtol=1e-5)
+        return [acceleration[3, 2], *np.hypot(*reactions.T[:2])[1:]], position
+
+    least, largest = extremes(at)
+    turning = max(-least[0], largest[0])
+    assert turning == pytest.approx(follower, rel=1e-6)
+    assert turning == pytest.approx(0.924700 * speed**2, rel=1e-6)
+    np.testing.assert_allclose(largest[1:], maxima, rtol=1e-5)
 
 
-def test_four_bar_returns_to_its_start_on_the_same_branch(full_turn):
-    first, last = full_turn[0][1], full_turn[-1][1]
+def test_four_bar_returns_to_its_start_on_the_same_branch():
+    first = last = close(driven(four_bar(), 0.0), rough_guess()).position
+    for angle in np.linspace(0.0, 2.0 * np.pi, 37)[1:]:
+        last = close(driven(four_bar(), angle), last).position
     np.testing.assert_allclose(last[:, :2], first[:, :2], atol=1e-14)
     np.testing.assert_allclose(last[1:, 2] - first[1:, 2], 2.0 * np.pi, rtol=1e-14)
 

@@ -142,9 +142,8 @@ def test_a_law_in_a_script(tmp_path):
             "exec(compile(text, '<cell 1>', 'exec'))",
         )
     )
-    done = subprocess.run([sys.executable, "-c", cell], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-"], input=f"{cell}\n{COPY}{SCRIPT}", capture_output=True, text=True)  # a shell: neither file nor cell
     assert done.stdout.strip() == "2.0", done.stderr
-    done = subprocess.run([sys.executable, "-"], input=COPY + SCRIPT, capture_output=True, text=True)
     assert "write the law in a file" in done.stderr
 
 

@@ -10,6 +10,7 @@ from support import bits, lanes, mirrored, order, with_settings
 from vfife.analysis import ledger
 from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
 from vfife.codegen.python import straight_line
 from vfife.kernels.blocks import BLOCKS
 from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
@@ -110,8 +111,14 @@ MODELS = {guides: 4e-6, springs: 4e-6}
 
 
 @cache
+def assembled(model, lane: int = 0) -> Assembly:
+    """A lane of a model, with a step of its own."""
+    return assemble(model(lane), MODELS[model] * (1 - 0.05 * lane), duration=0.03, outputs=60, force_step=True)
+
+
+@cache
 def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]:
-    assemblies = [assemble(model(lane), MODELS[model] * (1 - 0.05 * lane), duration=0.03, force_step=True) for lane in range(width)]
+    assemblies = [assembled(model, lane) for lane in range(width)]
     runner = lanes(assemblies, loop)
     rows = np.concatenate([runner.advance(1, 1), runner.advance(50, 6 if loop == "interpreted" else 100)])
     layout = assemblies[0].layout
@@ -134,7 +141,7 @@ def test_interpreted_is_data_driven(model):
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_the_generated_text_is_data_driven(model):
     rows, names = computed(model, "data-driven", 4)
-    runner = lanes([assemble(model(0), MODELS[model], duration=0.03, force_step=True)], "interpreted")
+    runner = lanes([assembled(model)], "interpreted")
     runner.take = straight_line(runner.topology)(runner.memory)
     with np.errstate(invalid="ignore"):  # both sides of a choice are computed, also the one that means nothing
         plain = np.concatenate([runner.advance(1, 1), runner.advance(50, 6)])
@@ -208,9 +215,8 @@ def reflected(m: Mechanism) -> Mechanism:
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_the_mirror_image_moves_as_the_mirror_image(model):
     """Rounding alone tells them apart: tables of functions and corners of blocks are not summed in the same order."""
-    ours, theirs = (
-        run(assemble(m, MODELS[model], duration=0.03, outputs=60, force_step=True), loop="data-driven") for m in (model(), reflected(model()))
-    )
+    image = assemble(reflected(model()), MODELS[model], duration=0.03, outputs=60, force_step=True)
+    ours, theirs = (run(a, loop="data-driven") for a in (assembled(model), image))
     checks = {"particle_x": (1.0, 1e-9), "particle_y": (-1.0, 1e-9), "particle_theta": (-1.0, 1e-9), "body_alpha": (-1.0, 1e-6)}
     for block, (sign, tolerance) in checks.items():
         a, b = ours.block(block), sign * theirs.block(block)

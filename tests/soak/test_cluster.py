@@ -8,6 +8,7 @@ import random
 import signal
 import threading
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,7 @@ from vfife.study.cluster import cluster
 from vfife.study.engine import Wanted, run_members
 from vfife.study.planfile import understood
 
-pytestmark = pytest.mark.soak
-pytest.importorskip("distributed")
+pytestmark = [pytest.mark.soak, pytest.mark.skipif(find_spec("distributed") is None, reason="no distributed here")]
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
 EVERY = 5.0  # s

@@ -88,7 +88,7 @@ def test_the_elastica_converges_with_the_square_of_the_element():
 def test_cantilever_rolled_up_by_an_end_moment():
     """x = sin(2 pi q)/(2 pi q), y = (1 - cos(2 pi q))/(2 pi q), as far as a closed circle; chords of equal arcs, so right to L/n squared."""
     turns = (0.25, 0.5, 1.0)
-    m = cantilever(40, *turns)
+    m = cantilever(40, *turns, **slender(slenderness=300.0))
     m.loads["M"] = PointForce(name="M", at="beam.end", moment=2.0 * math.pi)
     record = settled(m)
     for q, end, clamp in zip(turns, at(record, "beam", "end"), reaction(record, "clamp"), strict=True):
@@ -118,7 +118,7 @@ def follower(load: float) -> tuple[float, float, float]:
 
 def test_cantilever_under_a_follower_force():
     loads = (0.5, 1.0, 2.0, 4.0)
-    m = cantilever(40, *loads)
+    m = cantilever(40, *loads, **slender(slenderness=300.0))
     m.loads["P"] = PointForce(name="P", at="beam.end", force=(0.0, 1.0), follow=True)
     for load, end in zip(loads, at(settled(m), "beam", "end"), strict=True):
         assert end == pytest.approx(follower(load), rel=1e-3)

@@ -58,7 +58,7 @@ class _Descent:
         self.phi, self.jacobian = self.opened(position)
         self.damping, self.taken = np.full(count, 0.1), np.zeros(count, dtype=int)
         self.going, self.fresh = np.ones(count, dtype=bool), np.ones(count, dtype=bool)
-        self.refused, self.least = np.full_like(position, np.nan), DampedStep()
+        self.refused, self.least, self.changed = np.full_like(position, np.nan), DampedStep(), True
 
     def closure(self) -> Closure:
         """Where they are."""
@@ -101,17 +101,25 @@ class _Descent:
         phi, jacobian = opened(self.system, position[0])
         return phi[None], jacobian[None] if isinstance(jacobian, np.ndarray) else jacobian
 
+    def look(self) -> None:
+        """What follows from phi: the error of this step, whose drives advance no faster than the joints can follow, and whose is round-off."""
+        self.error = np.clip(self.phi, -self.limit, self.limit)
+        self.square, self.merit = _square(self.error), np.sqrt(_square(self.weight * self.error))
+        self.closed = np.abs(self.error).max(axis=-1, initial=0.0) <= self.finest
+        self.changed = False
+
     def step(self) -> None:
         """One more of each that goes on."""
-        error = np.clip(self.phi, -self.limit, self.limit)  # the drives advance no faster than the joints can follow
-        self.going &= ~(np.abs(error).max(axis=-1, initial=0.0) <= self.finest)
-        fresh = self.fresh & self.going
+        if self.changed:
+            self.look()
+        self.going &= ~self.closed
         if not self.going.any():
             return
+        fresh = self.fresh & self.going
         if fresh.any():
-            self.least.take(fresh, weighted(self.weight, self.jacobian), self.weight * error)
+            self.least.take(fresh, weighted(self.weight, self.jacobian), self.weight * self.error)
             self.fresh &= ~fresh
-        step = self.limited(self.damping * _square(error) / (self.scale * self.scale))
+        step = self.limited(self.damping * self.square / (self.scale * self.scale))
         self.going &= ~(np.abs(step * self.lengths).max(axis=-1) <= self.finest)
         self.taken += self.going
         trial = self.position.copy()
@@ -120,13 +128,13 @@ class _Descent:
         self.damping[again] *= 8.0
         looked = self.going & ~again
         if looked.any():
-            self._take(looked, trial, error)
+            self._take(looked, trial)
         self.going &= self.taken < STEPS
 
-    def _take(self, looked: NDArray[np.bool_], trial: Array, error: Array) -> None:
+    def _take(self, looked: NDArray[np.bool_], trial: Array) -> None:
         """Goes there where it is better."""
         phi, jacobian = self.opened(trial)
-        better = looked & (np.sqrt(_square(self.weight * (phi - self.phi + error))) < np.sqrt(_square(self.weight * error)))
+        better = looked & (np.sqrt(_square(self.weight * (phi - self.phi + self.error))) < self.merit)
         worse = looked & ~better
         if better.any():
             self.position[better], self.phi[better] = trial[better], phi[better]
@@ -134,6 +142,7 @@ class _Descent:
             self.damping[better] = np.maximum(self.damping[better] / 4.0, 1e-6)
             self.refused[better] = np.nan
             self.fresh |= better
+            self.changed = True
         self.damping[worse] *= 8.0
         self.refused[worse] = trial[worse]
 

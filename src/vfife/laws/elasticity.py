@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
@@ -13,6 +14,8 @@ from ..fields.members import Alone, Differing, anyone, both, each_of, members, n
 from .law import ContactLaw
 
 Array = NDArray[np.float64]
+
+BISECTIONS = 60  # of depths that differ by a factor of two
 
 
 def tangent(law: ContactLaw, slots: tuple[Any, ...], force: Any) -> tuple[Any, Any]:
@@ -31,13 +34,22 @@ def tangent(law: ContactLaw, slots: tuple[Any, ...], force: Any) -> tuple[Any, A
 
 @lru_cache(maxsize=4096)
 def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tuple[float, float]:
-    """The same, of what decides it: the law's static function and its parameters."""
-    found: tuple[float, float] = _bisected(law.force, slots, load)
-    return found
+    """The same, of what decides it: the law's static function and its parameters. A static analysis asks for thousands, so numbers are plain."""
+    force = law.force
+    low, high = 1e-15, 1e-9
+    while force(high, 0.0, slots)[0] < load and high < 1.0:
+        low, high = high, 2.0 * high
+    for _ in range(BISECTIONS):
+        middle = math.sqrt(low * high)
+        if force(middle, 0.0, slots)[0] < load:
+            low = middle
+        else:
+            high = middle
+    return high, (float(force(1.001 * high, 0.0, slots)[0]) - float(force(0.999 * high, 0.0, slots)[0])) / (0.002 * high)
 
 
 def _bisected(force: Callable[..., Any], slots: tuple[Any, ...], load: Any) -> tuple[Any, Any]:
-    """Plain numbers, or those of members."""
+    """The same of members, to the bit."""
 
     def elastic(depth: Any) -> Any:
         return number(force(depth, 0.0, slots)[0])
@@ -46,7 +58,7 @@ def _bisected(force: Callable[..., Any], slots: tuple[Any, ...], load: Any) -> t
     high: Any = 1e-9
     while anyone(more := both(elastic(high) < load, high < 1.0)):
         low, high = select(more, high, low), select(more, 2.0 * high, high)
-    for _ in range(60):
+    for _ in range(BISECTIONS):
         middle = sqrt(low * high)
         less = elastic(middle) < load
         low, high = select(less, middle, low), select(less, high, middle)

@@ -54,23 +54,29 @@ def _contacts(assembly: Assembly, force: Array) -> list[float]:
     return found
 
 
-def floors(assembly: Assembly, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
-    """Masses and inertias with ``least`` (N/m) for what has no stiffness of its own, which loads alone would hold: a pendulum, a cable.
+class Floors:
+    """The least masses and inertias of an assembly's particles."""
 
-    Inertias of rigid bodies are at least the mass times the square of their radius of gyration.
-    """
-    if least <= 0.0:
-        positive = mass[mass > 0.0]
-        least = float(np.median(positive)) * OMEGA if len(positive) else OMEGA
-    mass = np.maximum(mass, least / OMEGA)
-    gyration = np.zeros(len(mass))
-    for body in assembly.bodies.values():
-        if body.elements:
-            continue
-        reach = max([0.0, *(np.hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
-        gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach**2)
-    inertia = np.maximum(inertia, gyration * mass)
-    return mass, np.where(inertia > 0.0, inertia, mass * extent(assembly, assembly.state) ** 2)
+    def __init__(self, assembly: Assembly) -> None:
+        self.size = extent(assembly, assembly.state)
+        self.gyration = np.zeros(assembly.topology.particles)
+        for body in assembly.bodies.values():
+            if body.elements:
+                continue
+            reach = max([0.0, *(np.hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
+            self.gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach**2)
+
+    def __call__(self, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
+        """Masses and inertias with ``least`` (N/m) for what has no stiffness of its own, which loads alone would hold: a pendulum, a cable.
+
+        Inertias of rigid bodies are at least the mass times the square of their radius of gyration.
+        """
+        if least <= 0.0:
+            positive = mass[mass > 0.0]
+            least = float(np.median(positive)) * OMEGA if len(positive) else OMEGA
+        mass = np.maximum(mass, least / OMEGA)
+        inertia = np.maximum(inertia, self.gyration * mass)
+        return mass, np.where(inertia > 0.0, inertia, mass * self.size**2)
 
 
 def extent(assembly: Assembly, state: Array) -> float:

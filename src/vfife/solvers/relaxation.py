@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
-from .fictitious_mass import demands, extent, floors
+from .fictitious_mass import Floors, demands, extent
 from .pace import Pace
 
 Array = NDArray[np.float64]
@@ -32,6 +32,11 @@ LOADED = 100.0  # what nothing but loads holds is moved by a hundredth of the si
 FLAT = 100.0  # times the masses where joints come apart
 NOISE = 1e-14  # of size and stiffness: forces that rounding alone makes
 REMEMBERED = ("frequency", "iterations", "kinetic", "kinetic_max", "between")
+FORCES = (
+    "particle_load_x", "particle_load_y", "frame_axial_force", "joint_fx", "joint_fy", "contact_normal_force",
+    "spring_fx", "spring_fy", "driven_fx", "driven_fy",
+)  # fmt: skip
+MOMENTS = ("frame_moment_1", "frame_moment_2", "joint_moment", "spring_moment", "driven_torque", "particle_load_m")
 HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffness has outgrown them
 
 
@@ -73,6 +78,9 @@ class Relaxation:
         state[self.layout["damping"]] = 0.0
         state[self.layout["contact_floor"]] = 1e30  # contacts press by their elastic part alone
         watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]).astype(np.uint32)
+        self.forces, self.moments = (np.concatenate([self.layout[name] for name in some]) for some in (FORCES, MOMENTS))
+        self.ends = self.layout["frame_moment_1"], self.layout["frame_moment_2"]
+        self.floors = Floors(assembly)
         self.longest = FEW if assembly.contacts else LONGEST
         self.pressed = np.zeros(len(assembly.contacts))
         self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1)
@@ -89,7 +97,8 @@ class Relaxation:
 
     def reweigh(self) -> bool:
         """Gives particles that are too light for their stiffness more mass. True where any was so light that iterations were unstable."""
-        needed = floors(self.assembly, *demands(self.assembly, self.state, self.force, self.pressed), LOADED * self.force / self.size)
+        wanted = demands(self.assembly, self.state, self.force, self.pressed)
+        needed = self.floors(*wanted, LOADED * self.force / self.size)
         unstable, first = False, not self.mass.any()
         for name, need in zip(("mass", "inertia"), needed, strict=True):
             own = getattr(self, name)
@@ -204,15 +213,11 @@ class Relaxation:
         """Largest force (N) and moment (N m) among loads, elements, joints, contacts and springs."""
         layout, state = self.layout, self.state
 
-        def top(*names: str) -> float:
-            return max((float(np.abs(state[layout[name]]).max(initial=0.0)) for name in names), default=0.0)
+        def top(rows: NDArray[np.intp]) -> float:
+            return float(np.fmax.reduce(np.abs(state[rows]), initial=0.0))
 
         value = np.abs(state[layout["function_value"]])[list(self.assembly.topology.load_function)]
         loads = [float((value * np.abs(state[layout[f"load_{axis}"]])).max(initial=0.0)) for axis in ("fx", "fy", "m")]
-        force = top(
-            "particle_load_x", "particle_load_y", "frame_axial_force", "joint_fx", "joint_fy", "contact_normal_force",
-            "spring_fx", "spring_fy", "driven_fx", "driven_fy",
-        )  # fmt: skip
-        shear = (state[layout["frame_moment_1"]] + state[layout["frame_moment_2"]]) / state[layout["reference_length"]]
-        moment = top("frame_moment_1", "frame_moment_2", "joint_moment", "spring_moment", "driven_torque", "particle_load_m")
-        return max(force, *loads[:2], float(np.abs(shear).max(initial=0.0))), max(moment, loads[2])
+        first, second = self.ends
+        shear = (state[first] + state[second]) / state[layout["reference_length"]]
+        return max(top(self.forces), *loads[:2], float(np.abs(shear).max(initial=0.0))), max(top(self.moments), loads[2])
