@@ -78,10 +78,10 @@ def kept(folder: Path) -> Path:
 
 
 def test_a_second_process_compiles_nothing_and_needs_no_numba(folder):
-    first, second = process(), process()
+    first = process()
     before = {p.name: p.stat().st_mtime_ns for p in folder.iterdir()}
-    third = process()
-    assert (first[0], second[0], third[0]) == (1, 0, 0)
+    second = process()
+    assert (first[0], second[0]) == (1, 0)
     assert not first[1] and not second[1]
     assert first[2] == second[2]
     assert {p.name: p.stat().st_mtime_ns for p in folder.iterdir()} == before
@@ -91,7 +91,7 @@ def test_a_second_process_compiles_nothing_and_needs_no_numba(folder):
 def test_several_processes_may_start_at_once(folder):
     """All write under names of their own; none fails, all are right, one entry is left."""
     given = {"env": environment(VFIFE_CACHE=str(folder)), "stdout": subprocess.PIPE, "text": True}
-    some = [subprocess.Popen(command(), **given) for _ in range(rounds(8, 4))]
+    some = [subprocess.Popen(command(), **given) for _ in range(rounds(8, 3))]
     rows = {answer(one.communicate(timeout=300)[0])[2] for one in some}
     assert len(rows) == 1
     assert [path.suffix for path in folder.iterdir()] == [".o"]

@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from mechanisms import every_law
 from support import bits, go, journal_in_bearing, lanes, with_settings
 from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
 from vfife.codegen.python import straight_line
 from vfife.codegen.source import Gathered, dispatch
 from vfife.errors import SourceError
@@ -58,11 +58,15 @@ def model(lane: int) -> Mechanism:
 
 
 @cache
+def assembled(lane: int = 0) -> Assembly:
+    """A lane of the model, with a step of its own."""
+    return assemble(model(lane), STEP * (1 - 0.05 * lane), duration=1e-3, force_step=True)
+
+
+@cache
 def computed(loop: str, width: int) -> tuple[np.ndarray, Layout, np.ndarray]:
     """Rows of so many lanes, all state and extremes; their layout and numbers."""
-    options = {"duration": 1e-3, "force_step": True, "beside": every_law()}  # one compilation serves other tests too
-    assemblies = [assemble(model(lane), STEP * (1 - 0.05 * lane), **options) for lane in range(width)]
-    runner = lanes(assemblies, loop)
+    runner = lanes([assembled(lane) for lane in range(width)], loop)
     rows = np.concatenate([runner.advance(1, 1), runner.advance(EVERY, INTERPRETED if loop == "interpreted" else OUTPUTS)])
     return rows, runner.layout, runner.kept
 
@@ -81,7 +85,7 @@ def test_interpreted_is_data_driven():
 
 
 def test_the_generated_text_is_data_driven():
-    runner = lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "interpreted")
+    runner = lanes([assembled()], "interpreted")
     runner.take = straight_line(runner.topology)(runner.memory)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(EVERY, INTERPRETED)])
     assert same(plain, computed("data-driven", LANES)[0][: len(plain), :, :1])
@@ -114,7 +118,7 @@ def test_memory_is_state_and_in_pieces_as_in_one():
     layout = computed("data-driven", LANES)[1]
     rows = {int(row) + part for row in layout["contact_memory"] for part in range(FRICTION_MEMORY)}
     assert rows <= set(layout.of("state"))
-    whole, pieces = (lanes([assemble(model(0), STEP, duration=1e-3, force_step=True)], "generated") for _ in range(2))
+    whole, pieces = (lanes([assembled()], "generated") for _ in range(2))
     whole.advance(600, 1)
     for count in (1, 7, 592):
         pieces.advance(count, 1)

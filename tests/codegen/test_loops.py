@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-import mechanisms
 from lane_models import LANES, cylinder, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars, worn_bars
 from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
@@ -35,18 +34,16 @@ RUNS = {
 
 
 @cache
-def assembled(model, lane: int, beside: bool) -> Assembly:
+def assembled(model, lane: int = 0) -> Assembly:
     """Lane ``lane`` of a model, each with its own step."""
-    laws = mechanisms.every_law() if beside else None
-    return assemble(model(lane), RUNS[model][0] * (1 - 0.05 * lane), duration=1e-3, force_step=True, beside=laws)
+    return assemble(model(lane), RUNS[model][0] * (1 - 0.05 * lane), duration=1e-3, force_step=True)
 
 
 @cache
 def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]:
     """Rows of so many lanes, all state and extremes, and the rows' names; each lane has its own parameters and step."""
     _, every, outputs, interpreted = RUNS[model]
-    beside = model in (journals, machinery)  # one compilation serves other tests too
-    assemblies = [assembled(model, lane, beside) for lane in EIGHT[:width]]
+    assemblies = [assembled(model, lane) for lane in EIGHT[:width]]
     runner = lanes(assemblies, loop)
     start = runner.advance(1, 1)
     rows = runner.advance(every, interpreted if loop == "interpreted" else outputs)
@@ -65,7 +62,7 @@ def test_the_generated_text_is_data_driven(model):
     """The straight line run as plain Python, without compilation: its lines, their order and the steps that the whole step takes."""
     rows, names = computed(model, "data-driven", LANES)
     _, every, _, outputs = RUNS[model]
-    runner = lanes([assembled(model, 0, False)], "interpreted")
+    runner = lanes([assembled(model)], "interpreted")
     runner.take = straight_line(runner.topology)(runner.memory)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(every, outputs)])
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
@@ -98,7 +95,7 @@ def test_javascript_is_data_driven(model, tmp_path):
     """The text that a page would run, in the engine of a browser."""
     rows, names = computed(model, "data-driven", LANES)
     _, every, outputs, _ = RUNS[model]
-    runner = lanes([assembled(model, 0, False)], "interpreted")
+    runner = lanes([assembled(model)], "interpreted")
 
     def text(values):
         return [str(int(x)) for x in np.ascontiguousarray(values).view(np.uint64)]
@@ -167,7 +164,7 @@ def test_every_contact_law_is_among_them():
 def test_a_run_in_pieces_is_one_run():
     """Advancing by 1, 7 and 592 steps gives the state that 600 steps give, in either loop."""
     for loop in ("data-driven", "generated"):
-        whole, pieces = (lanes([assemble(rigid_bars(0), 2e-6, duration=1e-3, force_step=True)], loop) for _ in range(2))
+        whole, pieces = (lanes([assembled(rigid_bars)], loop) for _ in range(2))
         whole.advance(600, 1)
         for count in (1, 7, 592):
             pieces.advance(count, 1)
@@ -179,7 +176,7 @@ def test_a_run_in_pieces_is_one_run():
 @pytest.mark.parametrize("loop", ["data-driven", "generated"])
 def test_extremes_are_those_of_the_steps_since_the_last_output(loop, parts):
     """Every step recorded against every fortieth: the extreme of an interval is the largest of its steps, no more, and less only within a step."""
-    a = assemble(rigid_bars(0), 2e-6, duration=1e-3, force_step=True)
+    a = assembled(rigid_bars)
     every, some = (lanes([a], loop, parts).advance(count, 1200 // count)[:, :, 0] for count in (1, 40))
     column = {int(row): k for k, row in enumerate(lanes([a], loop).kept)}
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support import bits
+from support import bits, often
 from vfife.codegen import native, plain
 from vfife.codegen.compile import compiled, interpreted
 from vfife.errors import SourceError
@@ -91,6 +91,7 @@ EXPRESSIONS = st.recursive(
 )
 
 
+@settings(max_examples=often(100))
 @given(st.lists(EXPRESSIONS, min_size=8, max_size=8))
 def test_expressions_to_the_bit(expressions):
     """Neither reordered nor fused, whatever LLVM makes of them; numbers that are none compare as in IEEE 754."""

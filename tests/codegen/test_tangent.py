@@ -14,6 +14,7 @@ from vfife.codegen.runner import Runner
 from vfife.codegen.straight_line import trace
 from vfife.codegen.tangent import tangent
 from vfife.codegen.trace import Mathematics, Rows, Symbol, Tape, Trace, select
+from vfife.solvers.record import recorded_rows
 from vfife.solvers.tangents import Neighbours, changes, rates
 
 FUNCTIONS = {  # of x = row 0 and y = row 1: the function as it is traced, and its derivatives by x and y
@@ -115,11 +116,11 @@ def test_slopes_at_the_start_are_numbers(name):
 
 
 def test_numbers_keep_their_bits_beside_their_derivatives():
-    """Contacts, events in smaller steps, functions of time: whatever stands behind the state."""
+    """Contacts, events in smaller steps, functions of time: whatever stands behind the state. The numbers alone are the data-driven loop's."""
     assembly = assemble(mechanisms.every_drive(), 4e-6, duration=2e-3, force_step=True)
-    kept = np.arange(assembly.layout.rows, dtype=np.uint32)
+    kept = recorded_rows(assembly)
     states, tables = np.repeat(assembly.state[:, None], 4, axis=1), np.repeat(assembly.tables[None, :], 4, axis=0)
-    alone = Runner(assembly.topology, states, tables, "generated", kept)
+    alone = Runner(assembly.topology, states, tables, "data-driven", kept)
     derived = Runner(assembly.topology, np.concatenate([states, 0.1 * states, -states]), np.tile(tables, 4), "generated", kept, directions=2)
     for runner in (alone, derived):
         runner.advance(1, 1)

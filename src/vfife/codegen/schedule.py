@@ -2,7 +2,8 @@
 
 A processor looks a few hundred instructions ahead; a step has more than a thousand. In the order of the data-driven loop (one joint after the
 other) it waits for roots and quotients with little else to do; ordered by the length of what still depends on a line, the same lines take
-two thirds of the time. Order changes no bit: every line is a single assignment.
+two thirds of the time. The elements of a frame wait less for themselves than for room in the processor: there the data-driven order, which has
+fewest numbers that wait for their use, is left only where its next line would have to wait. Order changes no bit: each line is one assignment.
 
 What the rare condition waits for comes before all else, and nothing is written before it is known: a step that must not be taken has changed
 nothing, so that nothing is ever undone.
@@ -11,6 +12,7 @@ nothing, so that nothing is ever undone.
 from __future__ import annotations
 
 import heapq
+from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
 from .trace import Operand, Operation, Trace, is_row
@@ -18,7 +20,9 @@ from .trace import Operand, Operation, Trace, is_row
 FORWARD = 8  # cycles from a store to a load of the same row
 WIDTH = 3  # lines begun in a cycle
 WINDOW = 100  # lines that are looked at in search of the next, in a step of more than SHORT lines; in a shorter one all of them are
-SHORT = 1600
+SHORT = 1600  # lines, as many as a processor keeps decoded: the code of a longer step is fetched, and its length counts more than waiting
+STEPS = 3  # over which it is counted what waits for a line
+URGENT = 400  # cycles, over as many steps, by which what waits for a line is shorter than all steps at the most
 CYCLES = {"sqrt": 21, "/": 13}  # rough latency, 3 of all others
 
 
@@ -52,7 +56,7 @@ def remaining(trace: Trace) -> dict[str, int]:
     after: dict[str, int] = {}
     backwards = [(o.name, tuple(set(trace.uses[o.name])), CYCLES.get(o.operator, 3), rows.get(o.name, ())) for o in reversed(trace.operations)]
     loads: dict[str, int] = {}
-    for _ in range(3):
+    for _ in range(STEPS):
         later: dict[str, int] = {}
         for name, uses, cycles, stored in backwards:
             most = later.get(name, 0)
@@ -67,17 +71,21 @@ def remaining(trace: Trace) -> dict[str, int]:
 
 
 def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
-    """List scheduling: of the operations whose operands are there, the one with most behind it first; before it, all that the test waits for.
+    """List scheduling: of the operations whose operands are there, the most urgent first, then the next of the streamed order.
 
-    Where results go to another copy of the state, nothing has to wait for the test, and it comes when it may (not ``tested_first``).
+    Urgent is what has so much behind it that the steps would take longer if it waited: longer than what waits for one another in them, or than
+    ``WIDTH`` lines a cycle allow. A chain of rigid bodies is ordered by that alone. The elements of a frame are made one after the other, and
+    of the next as much as is needed for not waiting: by what is behind them, all would be begun at once and be put aside for want of registers,
+    which takes half as long again. In a long step only so many operations ahead are looked at, so that fewer are put aside.
 
-    In a long step only so many operations ahead of the streamed order are looked at: in a frame, what has most behind it would otherwise be made
-    for all elements at once and be put aside for want of registers, which takes half as long again. A short one is up to a fifth quicker without.
+    Before all this comes what the test waits for. Where results go to another copy of the state, nothing has to wait for the test, and it comes
+    when it may (not ``tested_first``).
     """
     operations = streamed(trace, tested_first)
     place = {operation.name: k for k, operation in enumerate(operations)}
     after = remaining(trace)
     most = [after[operation.name] for operation in operations]
+    allowed = max(max(most, default=0), STEPS * len(operations) // WIDTH) - URGENT
     for k in _ahead(trace, place) if tested_first else ():
         most[k] += 1 << 30
     missing = [0] * len(operations)
@@ -90,36 +98,62 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
                 missing[k] += 1
                 users[at].append(k)
     begin = [0] * len(operations)  # cycle at which an operation's operands are there
-    ready: list[tuple[int, int]] = []
-    coming: list[tuple[int, int]] = []
-    done = [False] * len(operations)
+    waiting = Waiting(most, allowed)
     result: list[Operation] = []
     low = high = cycle = 0
-    count, push, pop = len(operations), heapq.heappush, heapq.heappop
+    count = len(operations)
     window = WINDOW if count > SHORT else count
     while len(result) < count:
-        while low < count and done[low]:
+        while low < count and waiting.done[low]:
             low += 1
         while high < min(low + window, count):
             if not missing[high]:
-                push(coming, (begin[high], high))
+                waiting.put(high, begin[high])
             high += 1
-        while coming and coming[0][0] <= cycle:
-            k = pop(coming)[1]
-            push(ready, (-most[k], k))
-        for _ in range(min(WIDTH, len(ready))):
-            k = pop(ready)[1]
+        for k in waiting.taken(cycle):
             result.append(operations[k])
-            done[k] = True
             there = cycle + takes[k]
             for user in users[k]:
                 missing[user] -= 1
                 if begin[user] < there:
                     begin[user] = there
                 if not missing[user] and user < high:
-                    push(coming, (begin[user], user))
+                    waiting.put(user, begin[user])
         cycle += 1
     return result
+
+
+class Waiting:
+    """Operations, by number, whose operands are there or will be. ``most`` is behind each; at cycle n it is urgent from ``allowed`` - n on."""
+
+    def __init__(self, most: list[int], allowed: int) -> None:
+        self.most, self.allowed = most, allowed
+        self.done = [False] * len(most)
+        self.coming: list[tuple[int, int]] = []
+        self.streamed: list[int] = []
+        self.urgent: list[tuple[int, int]] = []  # the same operations
+
+    def put(self, k: int, begin: int) -> None:
+        """Operation k may begin at a cycle."""
+        heapq.heappush(self.coming, (begin, k))
+
+    def taken(self, cycle: int) -> Iterator[int]:
+        """Those that begin in a cycle."""
+        while self.coming and self.coming[0][0] <= cycle:
+            k = heapq.heappop(self.coming)[1]
+            heapq.heappush(self.streamed, k)
+            heapq.heappush(self.urgent, (-self.most[k], k))
+        for _ in range(WIDTH):
+            while self.urgent and self.done[self.urgent[0][1]]:
+                heapq.heappop(self.urgent)
+            while self.streamed and self.done[self.streamed[0]]:
+                heapq.heappop(self.streamed)
+            if not self.streamed:
+                return
+            pressing = cycle - self.urgent[0][0] >= self.allowed
+            k = heapq.heappop(self.urgent)[1] if pressing else heapq.heappop(self.streamed)
+            self.done[k] = True
+            yield k
 
 
 def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
