@@ -2,6 +2,7 @@
 
 import functools
 import gc
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from hypothesis import settings
 from one_loop import ForAllLaws
 from vfife.codegen import runner
 from vfife.laws import ContactLaw, FrictionLaw
+from vfife.results import opening
 
 # The first compiles the data-driven loop, for some seconds where it is not in the cache yet. Then what takes long, longest first, so that no
 # process is left alone with it at the end.
@@ -47,6 +49,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
     typer.testing._get_command = functools.cache(typer.testing._get_command)  # the command line, which a thousand tests ask, is put together once
+    # Nobody takes the power away: what a test writes need not be on the disk before it goes on, which takes a hundredth of a second each time.
+    opening.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
     if "not verify" in config.option.markexpr:
         runner.DataDriven = ForAllLaws
 
@@ -89,6 +93,12 @@ def pytest_collection() -> Iterator[None]:
         gc.enable()
         gc.freeze()
         gc.set_threshold(20_000, 10, 10)
+
+
+def pytest_sessionfinish() -> None:
+    """One last look at what nobody needs; pytest takes ten, at all that is left."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

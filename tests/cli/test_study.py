@@ -246,6 +246,7 @@ def test_members_of_other_kinds_are_grouped_and_told(command: Command, closed: C
     assert "joint.C.contact.law = flores: 6" in done.stderr
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
     done = command("study", "plot", "x.study", "--figure", "curves", "--measure", "C.force.max", "--kind", "svg")

@@ -12,7 +12,7 @@ nothing, so that nothing is ever undone.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
 from .trace import Operand, Operation, Trace, is_row
@@ -54,7 +54,7 @@ def remaining(trace: Trace) -> dict[str, int]:
     for number, value in trace.stores.items():
         rows.setdefault(value, []).append(f"v{number}")
     after: dict[str, int] = {}
-    backwards = [(o.name, tuple(set(o.uses)), CYCLES.get(o.operator, 3), rows.get(o.name, ())) for o in reversed(trace.operations)]
+    backwards = [(o.name, tuple(set(trace.uses[o.name])), CYCLES.get(o.operator, 3), rows.get(o.name, ())) for o in reversed(trace.operations)]
     loads: dict[str, int] = {}
     for _ in range(STEPS):
         later: dict[str, int] = {}
@@ -86,31 +86,37 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
     after = remaining(trace)
     most = [after[operation.name] for operation in operations]
     allowed = max(max(most, default=0), STEPS * len(operations) // WIDTH) - URGENT
-    for k in _ahead(operations, place, trace.rare) if tested_first else ():
+    for k in _ahead(trace, place) if tested_first else ():
         most[k] += 1 << 30
     missing = [0] * len(operations)
     users: list[list[int]] = [[] for _ in operations]
+    takes = [CYCLES.get(operation.operator, 3) for operation in operations]
     for k, operation in enumerate(operations):
-        for name in set(operation.uses) & place.keys():
-            missing[k] += 1
-            users[place[name]].append(k)
+        for name in set(trace.uses[operation.name]):
+            at = place.get(name)
+            if at is not None:
+                missing[k] += 1
+                users[at].append(k)
     begin = [0] * len(operations)  # cycle at which an operation's operands are there
     waiting = Waiting(most, allowed)
     result: list[Operation] = []
     low = high = cycle = 0
-    window = WINDOW if len(operations) > SHORT else len(operations)
-    while len(result) < len(operations):
-        while low < len(operations) and waiting.done[low]:
+    count = len(operations)
+    window = WINDOW if count > SHORT else count
+    while len(result) < count:
+        while low < count and waiting.done[low]:
             low += 1
-        while high < min(low + window, len(operations)):
+        while high < min(low + window, count):
             if not missing[high]:
                 waiting.put(high, begin[high])
             high += 1
         for k in waiting.taken(cycle):
             result.append(operations[k])
+            there = cycle + takes[k]
             for user in users[k]:
                 missing[user] -= 1
-                begin[user] = max(begin[user], cycle + CYCLES.get(operations[k].operator, 3))
+                if begin[user] < there:
+                    begin[user] = there
                 if not missing[user] and user < high:
                     waiting.put(user, begin[user])
         cycle += 1
@@ -152,35 +158,38 @@ class Waiting:
 
 def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
     """Each operation just before it is needed: first all that the test waits for, then result after result, element by element."""
-    operations = trace.operations
+    operations, uses = trace.operations, trace.uses
     place = {operation.name: k for k, operation in enumerate(operations)}
-    used = {name for operation in operations for name in operation.uses}
-    ends = [k for k, operation in enumerate(operations) if operation.name not in used]
+    before = [[at for name in reversed(uses[operation.name]) if (at := place.get(name)) is not None] for operation in operations]
+    used = {k for places in before for k in places}
+    ends = [k for k in range(len(operations)) if k not in used]
     done = [False] * len(operations)
     result: list[Operation] = []
-    for end in [*(sorted(_ahead(operations, place, trace.rare)) if tested_first else ()), *ends]:
+    for end in [*(sorted(_ahead(trace, place)) if tested_first else ()), *ends]:
         waiting = [(end, False)]
         while waiting:
             k, complete = waiting.pop()
-            if complete and not done[k]:
+            if done[k]:
+                continue
+            if complete:
                 done[k] = True
                 result.append(operations[k])
-            elif not done[k]:
+            else:
                 waiting.append((k, True))
-                waiting += [(place[name], False) for name in reversed(operations[k].uses) if name in place and not done[place[name]]]
+                waiting += [(at, False) for at in before[k] if not done[at]]
     return result
 
 
-def _ahead(operations: Sequence[Operation], place: dict[str, int], rare: Operand) -> set[int]:
-    """The operations that the rare condition waits for."""
+def _ahead(trace: Trace, place: dict[str, int]) -> set[int]:
+    """The operations that the rare condition waits for, by their ``place``."""
     found: set[int] = set()
-    waiting = [rare]
+    waiting = [trace.rare]
     while waiting:
         name = waiting.pop()
         k = place.get(name, -1) if isinstance(name, str) else -1
         if k >= 0 and k not in found:
             found.add(k)
-            waiting += operations[k].uses
+            waiting += trace.uses[str(name)]
     return found
 
 
@@ -193,9 +202,15 @@ class Lines(list[Line]):
 
     def read(self, name: Operand) -> None:
         """A row is read where it is first asked for."""
-        if isinstance(name, str) and is_row(name) and name not in self.there:
-            self.there.add(name)
-            self.append(Load(int(name[1:])))
+        if isinstance(name, str):
+            self.reads((name,))
+
+    def reads(self, names: tuple[str, ...]) -> None:
+        """Those of several names that are rows."""
+        for name in names:
+            if name[0] == "v" and name not in self.there:
+                self.there.add(name)
+                self.append(Load(int(name[1:])))
 
 
 def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
@@ -209,8 +224,7 @@ def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
     out = Lines()
 
     for operation in operations:
-        for name in operation.uses:
-            out.read(name)
+        out.reads(trace.uses[operation.name])
         out.append(operation)
         out += [Store(row, operation.name) for row in rows.pop(operation.name, ())]
     for value, left in rows.items():  # numbers, and rows that take the place of others
@@ -221,7 +235,7 @@ def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
 
 def woven(trace: Trace, operations: list[Operation]) -> list[Line]:
     """Operations with each row read where it is first used, and written, behind the test, as soon as its old value is no longer needed."""
-    last = {name: k for k, operation in enumerate(operations) for name in operation.uses if is_row(name)}
+    last = {name: k for k, operation in enumerate(operations) for name in trace.uses[operation.name] if name[0] == "v"}
     place = {operation.name: k for k, operation in enumerate(operations)}
     test = place[trace.rare] if isinstance(trace.rare, str) else -1
     due: dict[int, list[int]] = {}
@@ -235,8 +249,7 @@ def woven(trace: Trace, operations: list[Operation]) -> list[Line]:
     out = Lines()
 
     for k, operation in enumerate(operations):
-        for name in operation.uses:
-            out.read(name)
+        out.reads(trace.uses[operation.name])
         out.append(operation)
         if k == test:
             out.append(Test(trace.rare))
