@@ -2,6 +2,7 @@
 
 import functools
 import gc
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from hypothesis import settings
 from one_loop import ForAllLaws
 from vfife.codegen import runner
 from vfife.laws import ContactLaw, FrictionLaw
+from vfife.results import opening
 
 # The first compiles the data-driven loop, for some seconds where it is not in the cache yet. Then what takes long, longest first, so that no
 # process is left alone with it at the end.
@@ -47,6 +49,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
     typer.testing._get_command = functools.cache(typer.testing._get_command)  # the command line, which a thousand tests ask, is put together once
+    # Nobody takes the power away: what a test writes need not be on the disk before it goes on, which takes a hundredth of a second each time.
+    opening.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
     if "not verify" in config.option.markexpr:
         runner.DataDriven = ForAllLaws
 
@@ -66,17 +70,41 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return Scheduling(config, log)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Puts the files of ``FIRST`` first, in its order."""
-    rank = {name: k for k, name in enumerate(FIRST)}
-    items.sort(key=lambda item: rank.get("/".join(Path(item.path).parts[-2:]), len(rank)))
+class FromTheEnd(pytest.Dir):
+    """A folder whose last file is read first."""
+
+    def collect(self) -> list[pytest.Item | pytest.Collector]:
+        return [*super().collect()][::-1]
 
 
-def pytest_collection_finish() -> None:
-    """What four thousand tests are made of stays: the collector need not look at it again and again, nor every seven hundred objects."""
+def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Every other process begins at the end: pytest rewrites each file's assertions and keeps them, so two that meet in the middle do it once."""
+    worker = getattr(parent.config, "workerinput", {}).get("workerid", "gw0")
+    return FromTheEnd.from_parent(parent, path=path) if int(worker[2:]) % 2 else None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """What thousands of tests are made of stays: the collector need not look at it as it comes, and seldom at what comes after it."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
+        gc.set_threshold(20_000, 10, 10)
+
+
+def pytest_sessionfinish() -> None:
+    """One last look at what nobody needs; pytest takes ten, at all that is left."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(20_000, 10, 10)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Puts the files of ``FIRST`` first, in its order, and all others in one order, wherever a process began."""
+    rank = {name: k for k, name in enumerate(FIRST)}
+    items.sort(key=lambda item: (rank.get("/".join(item.path.parts[-2:]), len(rank)), item.path))
 
 
 @pytest.fixture

@@ -74,6 +74,14 @@ def test_halves_that_do_not_agree_tell_no_chaos():
     assert verdict(np.random.default_rng(1).uniform(size=100), exponent(logs)).kind == "not settled"
 
 
+def test_few_turns_tell_chaos_only_where_their_halves_agree():
+    """Of six turns one half may grow by chance four times as fast as the other: a hundred are asked before that is passed over."""
+    points = np.random.default_rng(2).uniform(size=6)
+    assert verdict(points, exponent(np.repeat([0.9, 3.6], 3))).kind == "not settled"
+    assert verdict(points, exponent(np.repeat([0.9, 1.2], 3))).kind == "chaotic"
+    assert verdict(np.random.default_rng(2).uniform(size=120), exponent(np.repeat([0.9, 3.6], 60))).kind == "chaotic"
+
+
 def test_what_repeats_but_for_rounding_has_period_one():
     """A largest force that is known to some millionths of itself, as where a peak falls between steps, beside a place that is known better."""
     for seed in range(6):

@@ -33,6 +33,27 @@ def files() -> list[tuple[str, ast.Module, str]]:
     return parsed(SOURCE)
 
 
+@cache
+def statements(name: str) -> list[ast.stmt]:
+    """Every statement of a file of the package, those inside others too: functions, classes and imports are nothing else."""
+    return list(inside(next(tree for other, tree, _ in files() if other == name)))
+
+
+def inside(node: ast.AST) -> Iterator[ast.stmt]:
+    """Every statement inside a node, however deep."""
+    for child in held(node):
+        if isinstance(child, ast.stmt):
+            yield child
+        yield from inside(child)
+
+
+def held(node: ast.AST) -> Iterator[ast.AST]:
+    """What a node holds that is a statement or may hold one."""
+    for part in ("body", "handlers", "orelse", "finalbody", "cases"):
+        found = getattr(node, part, ())
+        yield from found if isinstance(found, list) else ()
+
+
 def report(rule: str, offenders: list[str]) -> None:
     """Fails with the rule and who breaks it."""
     if offenders:
@@ -54,7 +75,7 @@ def imports(name: str, tree: ast.Module) -> Iterator[Import]:
 
 
 def _imports(node: ast.AST, package: str, *, inside: bool, for_types: bool) -> Iterator[Import]:
-    for child in ast.iter_child_nodes(node):
+    for child in held(node):
         if isinstance(child, ast.Import):
             yield from (Import(child.lineno, alias.name, inside, for_types) for alias in child.names)
         elif isinstance(child, ast.ImportFrom):
@@ -64,7 +85,7 @@ def _imports(node: ast.AST, package: str, *, inside: bool, for_types: bool) -> I
                 yield from (Import(child.lineno, f"vfife.{alias.name}", inside, for_types) for alias in child.names)
         else:
             checked = isinstance(child, ast.If) and ast.unparse(child.test) in ("TYPE_CHECKING", "typing.TYPE_CHECKING")
-            within = inside or isinstance(child, Function | ast.Lambda)
+            within = inside or isinstance(child, Function)
             yield from _imports(child, package, inside=within, for_types=for_types or checked)
 
 

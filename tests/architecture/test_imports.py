@@ -20,7 +20,7 @@ NOT_IMPORTED = {
     "pytest-cov": "a plugin of pytest: make coverage",
 }
 # Modules that are not called by the name that they are installed by.
-IMPORTED_AS = {"PIL": "pillow", "cuda": "cuda-bindings", "xdist": "pytest-xdist"}
+IMPORTED_AS = {"PIL": "pillow", "bochscpu": "bochscpu-python", "cuda": "cuda-bindings", "xdist": "pytest-xdist"}
 
 
 def test_kernels_import_only_numpy_and_each_other() -> None:
@@ -104,11 +104,11 @@ def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported()
 
 
 def test_what_the_tests_import_is_declared_and_what_is_declared_is_imported() -> None:
-    declared, used = requirements("test"), imported("tests")
+    declared, used = requirements("test", "verify"), imported("tests")
     report("Imported by tests, but not installed for them:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
     report("Installed for tests, but never imported:", sorted(declared - requirements(*EXTRAS) - used.keys() - NOT_IMPORTED.keys()))
 
 
 def test_every_extra_is_for_work_on_the_package() -> None:
     """An extra comes with the code that imports what it brings."""
-    assert set(PROJECT["project"]["optional-dependencies"]) == {*EXTRAS, "dev", "test"}
+    assert set(PROJECT["project"]["optional-dependencies"]) == {*EXTRAS, "dev", "test", "verify"}

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from architecture.sources import SOURCE, Function, files, report
+from architecture.sources import SOURCE, Function, files, report, statements
 
 FORBIDDEN_WORDS = ("util", "utils", "manager", "managers", "helper", "helpers")
 
@@ -62,16 +62,16 @@ def test_start_is_light(what: str, code: str, unwanted: set[str]) -> None:
 
 
 def test_no_input_is_checked_by_assert() -> None:
-    offenders = [f"{name}:{node.lineno}" for name, tree, _ in files() for node in ast.walk(tree) if isinstance(node, ast.Assert)]
+    offenders = [f"{name}:{node.lineno}" for name, _, _ in files() for node in statements(name) if isinstance(node, ast.Assert)]
     report("`assert` vanishes under -O and says nothing to a user; raise an exception with a sentence:", offenders)
 
 
 def test_names_say_what_a_thing_is() -> None:
     offenders = []
-    for name, tree, _ in files():
+    for name, _, _ in files():
         if any(word in FORBIDDEN_WORDS for part in Path(name).with_suffix("").parts for word in part.split("_")):
             offenders.append(f"{name}: name the file after what it holds")
-        for node in ast.walk(tree):
+        for node in statements(name):
             if isinstance(node, Function) and node.name.lstrip("_").startswith("get_"):
                 offenders.append(f"{name}:{node.lineno} {node.name}: name what it returns")
             if isinstance(node, ast.ClassDef) and re.search(r"(Manager|Helper|Utils?)$", node.name):

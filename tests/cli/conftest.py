@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,25 @@ def pendulum(tmp_path: Path) -> Path:
     path = tmp_path / "pendulum.toml"
     path.write_text(PENDULUM)
     return path
+
+
+@pytest.fixture
+def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are made and written, as empty pictures of their format: what is seen on them is not what these tests look at."""
+    from matplotlib.figure import Figure
+
+    written = Figure.savefig
+    monkeypatch.setattr(Figure, "savefig", lambda self, *where, **how: written(Figure((0.1, 0.1)), *where, **how))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse() -> Iterator[None]:
+    """Figures have an eighth of the dots that they have for a user, which is most of the time that a picture takes to be written."""
+    from vfife.plots.style import STYLE
+
+    with pytest.MonkeyPatch.context() as context:
+        context.setitem(STYLE, "savefig.dpi", 56)
+        yield
 
 
 @pytest.fixture(scope="session")

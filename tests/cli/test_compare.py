@@ -14,6 +14,7 @@ import vfife
 from cli.models import CASE_C
 from laws.test_own_laws import COPY
 from vfife import result
+from vfife.plots.style import STYLE
 from vfife.study import compare as study
 from vfife.study.parts import Parts
 
@@ -140,7 +141,8 @@ def test_a_full_disk_is_told(command: Callable, monkeypatch: pytest.MonkeyPatch,
     assert command(*words, *(["--force"] if what == "summary" else []), "--quiet").exit_code == 0
 
 
-def test_the_command(command: Callable, tmp_path: Path) -> None:
+def test_the_command(command: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(STYLE, "savefig.dpi", 160)  # sizes of pictures are those that a user has
     (tmp_path / "my_laws.py").write_text(COPY)
     words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,mine,pereira", "--laws", "my_laws.py", "--turns", 0.5)
     done = command(*words, "-o", "out", "--json")

@@ -15,14 +15,15 @@ PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin
 BRIEF = ("--count", 2, "--turns", 3, "--drop", 1, "--step", "10 us", "--set", "joint.pin.contact.restitution=0.3")
 
 
-def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path):
-    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--csv", "a.csv")
+def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
+    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "--companions", 1, "-o", "a.map", "--csv", "a.csv")
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert "Chaos was found " in done.stdout and "On the way down: " in done.stdout
     assert "2 turns" not in done.stdout and "3 turns at each value, 1 of them dropped" in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len((tmp_path / "a.csv").read_text().splitlines()) == 1 + 2 * 2 * 2
     assert "of 2 values" in done.stderr
+    request.getfixturevalue("unrendered")
     again = command(*words)
     assert again.exit_code == 0 and "of 2 values" not in again.stderr
 
@@ -59,21 +60,23 @@ def test_two_writers_of_a_map_are_kept_apart(command, tmp_path):
     assert done.exit_code == 2 and "writes this map" in done.stderr and not (tmp_path / "a.map").exists()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_damaged_map_says_that_it_is_a_map(command, tmp_path):
-    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "-q")
+    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "--companions", 0, "-o", "a.map", "-q")
     assert command(*words).exit_code == 0
     (tmp_path / "a.map").write_bytes((tmp_path / "a.map").read_bytes()[:3000])
     done = command(*words)
     assert done.exit_code == 2 and "this map file is damaged" in done.stderr and "make the map again" in done.stderr
 
 
-def test_a_section_is_drawn_told_and_shown(command, tmp_path):
+def test_a_section_is_drawn_told_and_shown(command, tmp_path, request):
     words = ("map", "section", PIN, "--turns", 6, "--drop", 2, *BRIEF[6:], "--step", "10 us", "-o", "s.map", "--csv", "s.csv")
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert "contacts began, the fastest at" in done.stdout and "4 turns after 2 that were dropped" in done.stdout
     assert "exponent" in done.stdout and "contact lankarani-nikravesh, friction none" in done.stdout
     assert (tmp_path / "s.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "s.impacts.csv").exists()
+    request.getfixturevalue("unrendered")
     shown = command("map", "show", "s.map", "--figure", "again.png")
     assert shown.exit_code == 0 and "contacts began" in shown.stdout and (tmp_path / "again.png").exists()
 
@@ -105,6 +108,7 @@ def test_a_range_is_what_is_said() -> None:
     assert number_range(model, "driver.crank.speed=500..1500rpm")[1:] == pytest.approx((500.0 * math.tau / 60.0, 50.0 * math.pi), rel=1e-14)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_values_are_begun_anew(command):
     done = command("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--start", "own", "--start", "start.crank=90deg")
     assert done.exit_code == 0, done.stderr
@@ -134,10 +138,11 @@ def test_faults_of_starts_are_sentences(command):
         assert "Traceback" not in done.stderr
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_path):
     """Members that a file has are not counted; what takes hours is begun with --yes alone."""
     over = "--over", "joint.pin.clearance=0.2..0.3mm"
-    words = ("map", PIN, *over, *BRIEF, "-o", "a.map")
+    words = ("map", PIN, *over, *BRIEF, "--companions", 0, "-o", "a.map")
     assert "forecast: 2 values, some 18,852 steps each: " in command(*words).stderr
     assert "forecast" not in command(*words).stderr and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
     long = command("map", PIN, *over, "--count", 40, "--turns", 500, "--drop", 499, "--companions", 0, "-o", "d.map", "--of", "nope")

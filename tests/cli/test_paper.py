@@ -77,6 +77,7 @@ def test_an_item_on_a_page_and_as_text(command: Callable) -> None:
     assert Outline(Path("paper/index.html").read_text(encoding="utf-8")).sections == ["fig10"]
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_json_of_table_3(command: Callable, tmp_path: Path) -> None:
     done = command("paper", "table3", "--json", "-o", tmp_path / "somewhere")
     assert done.exit_code == 0, done.stderr
@@ -87,6 +88,7 @@ def test_json_of_table_3(command: Callable, tmp_path: Path) -> None:
     assert (tmp_path / "somewhere" / "index.html").is_file()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_stored_search_is_shown_without_searching(command: Callable) -> None:
     said = json.loads(command("paper", "infer", "--stored", "--json").stdout)
     assert said["provenance"]["command"].startswith("vfife paper infer") and len(said["structures"]) > 3
@@ -112,6 +114,7 @@ def test_a_file_in_the_way(command: Callable, tmp_path: Path) -> None:
     assert (tmp_path / "here").read_text() == "mine"
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_ctrl_c_keeps_what_is_done(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
     """The third item is interrupted: two are on the page, the exit code tells."""
     from vfife.paper import items

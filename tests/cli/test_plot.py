@@ -19,6 +19,7 @@ def test_the_command_knows_the_formats() -> None:
     assert set(of_the_command.PICTURES) == set(plots.PICTURES) == set(PICTURES)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_figures_that_are_there_are_replaced_with_force_only(command: Callable, case_c_run: Path) -> None:
     """And none is drawn where one of them is there."""
     line = ["plot", case_c_run, "--figure", "energy", "--figure", "traces", "-o", "drawn"]
@@ -75,6 +76,7 @@ def test_what_cannot_be_drawn_is_told(command: Callable, case_c_run: Path, given
     assert done.exit_code == 2 and says in done.stderr and not Path("drawn").exists()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_disk_that_is_full_keeps_what_is_drawn(command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
@@ -93,6 +95,7 @@ def test_while_figures_are_drawn(held: Callable, case_c_run: Path, tmp_path: Pat
     assert not (tmp_path / "drawn").exists()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_stopped_after_the_first(command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept, drawn = plots.figure, []
 

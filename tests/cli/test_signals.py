@@ -49,7 +49,7 @@ def test_a_second_one_while_the_first_is_told(held: Callable, pendulum: Path) ->
 
 
 def test_while_figures_are_drawn(held: Callable, pendulum: Path) -> None:
-    process = held("matplotlib", "run", pendulum, "--figures", "-o", "out", "--json", "--loop", "interpreted", "--duration", "0.001")
+    process = held("matplotlib", "run", pendulum, "--figures", "-o", "out", "--json", "--duration", "0.001")
     process.send_signal(signal.SIGTERM)
     out, err = process.communicate("on\n", timeout=60)
     assert process.returncode == 143 and "Stopped by SIGTERM. The run itself is whole, in out." in err and "Traceback" not in err

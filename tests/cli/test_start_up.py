@@ -1,5 +1,6 @@
 """The command line starts quickly and loads nothing that it does not need."""
 
+import json
 import os
 import subprocess
 import sys
@@ -11,14 +12,31 @@ ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
 HEAVY = {"numba", "llvmlite", "matplotlib", "xarray", "scipy", "pandas"}
 LISTED = """
-import sys
-sys.argv = ["vfife", *{words!r}]
-try:
-    from vfife.cli.app import app
-    app()
-finally:
-    print(*sorted({{name.partition(".")[0] for name in sys.modules}}), file=sys.stderr)
+import json, sys
+from vfife.cli.app import app
+found = []
+for words in {many!r}:
+    sys.argv = ["vfife", *words]
+    try:
+        app()
+    except SystemExit:
+        pass
+    found.append(sorted(sys.modules))
+print("", json.dumps(found), sep=chr(10), file=sys.stderr)
 """
+
+
+def loaded(*many: list[str]) -> tuple[list[set[str]], str]:
+    """All modules that a process has loaded when each of some commands, one after the other, is done; and what was said.
+
+    What one of them loads that it does not need is seen behind all that follow it, and so is what they load themselves.
+    """
+    done = subprocess.run([sys.executable, "-c", LISTED.format(many=many)], env=ENVIRONMENT, capture_output=True, text=True)
+    return [set(names) for names in json.loads(done.stderr.splitlines()[-1])], done.stderr
+
+
+def packages(names: set[str]) -> set[str]:
+    return {name.partition(".")[0] for name in names}
 
 
 LIGHT = [
@@ -34,19 +52,25 @@ LIGHT = [
 ]
 
 
+@pytest.fixture(scope="module")
+def behind_light_ones() -> dict[str, set[str]]:
+    """Packages that are loaded when each of ``LIGHT`` is done, in one process."""
+    return {" ".join(words): packages(names) for words, names in zip(LIGHT, loaded(*LIGHT)[0], strict=True)}
+
+
 @pytest.mark.parametrize("words", LIGHT, ids=" ".join)
-def test_loads_nothing_heavy(words: list[str]) -> None:
-    done = subprocess.run([sys.executable, "-c", LISTED.format(words=words)], env=ENVIRONMENT, capture_output=True, text=True)
-    loaded = set(done.stderr.splitlines()[-1].split())
-    assert "vfife" in loaded
-    assert not loaded & HEAVY
+def test_loads_nothing_heavy(behind_light_ones: dict[str, set[str]], words: list[str]) -> None:
+    found = behind_light_ones[" ".join(words)]
+    assert "vfife" in found
+    assert not found & HEAVY
 
 
 def test_a_run_loads_what_it_needs(tmp_path: Path) -> None:
     """Neither what draws on a terminal, nor what checks arguments that are plain, nor what reads the names of installed packages."""
-    words = ["run", str(ROOT / "examples" / "four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--json"]
-    done = subprocess.run([sys.executable, "-c", LISTED.format(words=words)], env=ENVIRONMENT, capture_output=True, text=True)
-    assert not set(done.stderr.splitlines()[-1].split()) & (HEAVY - {"llvmlite"} | {"rich", "pydantic", "email"})
+    (found,), _ = loaded(
+        ["run", str(ROOT / "examples" / "four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--turns", "0.1", "--outputs", "9", "--json"]
+    )
+    assert not packages(found) & (HEAVY - {"llvmlite"} | {"rich", "pydantic", "email"})
 
 
 def test_both_ways_in_say_the_version() -> None:
@@ -56,13 +80,18 @@ def test_both_ways_in_say_the_version() -> None:
     assert (done.returncode, done.stdout) == (0, f"vfife {vfife.__version__}\n")
 
 
-@pytest.mark.parametrize("words", [["schema"], ["map", "--nonsense"], ["rum"]], ids=" ".join)
-def test_only_the_command_that_is_named_is_loaded(words: list[str]) -> None:
+@pytest.fixture(scope="module")
+def behind_others() -> tuple[list[set[str]], str]:
+    """What is loaded behind a command that is refused, a word that is no command, and the schema."""
+    return loaded(["map", "--nonsense"], ["rum"], ["schema"])
+
+
+@pytest.mark.parametrize(("k", "own"), [(0, "map"), (1, "rum"), (2, "schema")], ids=["map --nonsense", "rum", "schema"])
+def test_only_the_command_that_is_named_is_loaded(behind_others: tuple[list[set[str]], str], k: int, own: str) -> None:
     """The others are known by their names alone, also to what suggests one for a word that is none."""
-    program = LISTED.format(words=words).replace('.partition(".")[0]', "")
-    done = subprocess.run([sys.executable, "-c", program], env=ENVIRONMENT, capture_output=True, text=True)
-    loaded = set(done.stderr.splitlines()[-1].split())
-    others = {"animate", "compare", "fitted", "schema", "searched", "study", "wear"} - set(words)
-    assert "vfife.cli.app" in loaded
-    assert not loaded & {f"vfife.cli.{name}" for name in others}
-    assert words != ["rum"] or "Did you mean 'run'" in done.stderr
+    found, said = behind_others
+    others = {"animate", "compare", "fitted", "schema", "searched", "study", "wear"} - {own}
+    assert "vfife.cli.app" in found[k]
+    assert not found[k] & {f"vfife.cli.{name}" for name in others}
+    assert own != "schema" or "vfife.cli.schema" in found[k]
+    assert own != "rum" or "Did you mean 'run'" in said

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 import vfife
 from vfife.results.lock import Lock
 
@@ -21,7 +23,7 @@ def worn_pin(folder: Path) -> Path:
     return model
 
 
-def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path):
+def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     model = worn_pin(tmp_path)
     words = ("wear", model, *BRIEF, "-o", "a.wear", "--csv", "a.csv", "--worn", "worn.toml")
     done = command(*words)
@@ -34,6 +36,7 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path):
     assert (tmp_path / "a-wear.png").read_bytes().startswith(b"\x89PNG") and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
     assert len(vfife.load_model(tmp_path / "worn.toml").contacts["pin"].wear.bearing_profile) == 15
     assert "2,000 of 2,000 turns" in done.stderr
+    request.getfixturevalue("unrendered")
     again = command(*words)
     assert again.exit_code == 0 and "2,000 of" not in again.stderr and again.stdout == done.stdout
     shown = command("wear", "a.wear", "--figure", "b.svg")
@@ -42,6 +45,7 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path):
     assert other.exit_code == 2 and "this is a wear file, of many turns; see vfife wear" in other.stderr
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_path):
     """Life is more than the turns that were asked for; the later one is the last slope of the play over turns, drawn on."""
     done = command("wear", worn_pin(tmp_path), *BRIEF, "--clearance", "0.8 mm", "-o", "a.wear")

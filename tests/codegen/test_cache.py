@@ -23,8 +23,8 @@ sys.path.insert(0, {tests!r})
 from support import go, journal_in_bearing
 from vfife.codegen import native
 written = []
-keep, make = native.cache.keep, native.object_code
-native.object_code = lambda *given: written.append(1) or make(*given)
+keep, make = native.cache.keep, native.step_code
+native.step_code = lambda *given: written.append(1) or make(*given)
 record = go(journal_in_bearing(), 1e-6, duration=1e-3, loop="generated")
 print(json.dumps([len(written), "numba" in sys.modules, record.rows.tobytes().hex()[-4000:]]))
 """
@@ -63,9 +63,9 @@ OTHER = assemble(journal_in_bearing(friction=Frictionless()), 1e-6, duration=1e-
 def fresh(monkeypatch) -> tuple[int, np.ndarray]:
     """Runs as a new process would: steps compiled, and the state after some of them."""
     native.straight_line.cache_clear()
-    made, make = [], native.object_code
+    made, make = [], native.step_code
     with monkeypatch.context() as patch:
-        patch.setattr(native, "object_code", lambda *given: made.append(1) or make(*given))
+        patch.setattr(native, "step_code", lambda *given: made.append(1) or make(*given))
         runner = lanes([ASSEMBLY], "generated")
     runner.advance(300, 1)
     native.straight_line.cache_clear()

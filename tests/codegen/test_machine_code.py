@@ -10,7 +10,7 @@ import pytest
 from support import SQUARE, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.codegen import native
-from vfife.codegen.llvm import written
+from vfife.codegen.llvm import apart_seldom, written
 
 ARITHMETIC = re.compile(r"^v?(add|sub|mul|div|sqrt|min|max)(sd|pd)$")
 FUSED = re.compile(r"\bv?fn?m(add|sub|la|ls)|\bfma\b", re.M)
@@ -53,6 +53,19 @@ def test_four_lanes_are_packed(mechanism, function):
     assert packed.keys() >= {"vsqrtpd", "vdivpd"} or packed.keys() >= {"sqrtpd", "divpd"}
     assert not {name for name in found if name.startswith("call")}
     assert not FUSED.search(assembly), "a fused product changes bits from machine to machine"
+
+
+@X86
+@pytest.mark.parametrize(("width", "apart"), [(1, True), (2, True), (4, False)])
+def test_what_few_steps_need_is_made_with_less_effort(width, apart):
+    """It has the same operations, and none is fused for that; where lanes have their events one after the other, it is made as fast as the rest."""
+    often, seldom = apart_seldom(assemble(journal_in_bearing(), 1e-6, duration=1e-3).topology, width)
+    assert bool(seldom) == apart
+    assert ("define void @whole(" in seldom, "define internal void @whole(" in often) == (apart, not apart)
+    if apart:
+        assembly = native.machine(native.SELDOM).emit_assembly(llvm.parse_assembly(seldom))
+        assert instructions(assembly, "whole").keys() & {"vmulsd", "mulsd", "vmulpd", "mulpd"}
+        assert not FUSED.search(assembly)
 
 
 @X86

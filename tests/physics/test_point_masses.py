@@ -70,6 +70,18 @@ def test_masses_add_to_what_a_body_has():
     assert inertia == pytest.approx(0.1 + weight @ ((at - middle) ** 2).sum(axis=1))
 
 
+def test_masses_that_are_changed_in_place_count_at_once():
+    """A body keeps what it weighs; what its tables hold is looked at each time."""
+    rod = Link(name="rod", length=1.0, mass=2.0, pins={"tip": (1.0, 0.0)}, masses={"tip": 1.0})
+    assert rigid_properties(rod)[:2] == (3.0, (pytest.approx(2.0 / 3.0), 0.0))
+    rod.masses["tip"] = 4.0
+    assert rigid_properties(rod)[:2] == (6.0, (pytest.approx(5.0 / 6.0), 0.0))
+    rod.pins["tip"] = (2.0, 0.0)
+    assert rigid_properties(rod)[:2] == (6.0, (pytest.approx(9.0 / 6.0), 0.0))
+    rod.masses["start"] = 6.0
+    assert rigid_properties(rod)[:2] == (12.0, (pytest.approx(0.75), 0.0))
+
+
 def test_the_torque_that_a_mass_on_a_coupler_asks_for():
     """A crank at constant speed, a coupler without mass that carries 1.5 kg in its middle, a follower: T w = d/dt of their kinetic energy."""
     crank, coupler, follower, ground, speed, load, heavy = 0.1, 0.35, 0.25, 0.3, 20.0, 1.5, 2.0

@@ -61,11 +61,11 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: i
         elastic, damping = law.force(depth, law.slowness(speed, rate), p) if depth > 0.0 else (0.0, 0.0)
         return max(elastic + damping * rate, 0.0)
 
-    x, v = 0.0, speed
+    x, v, push = 0.0, speed, 0.0
     rows = [(0.0, x, v, force(1e-300, v))]
     for n in range(1, LONGEST * steps):
         before = x, v
-        v1, a1 = v, -force(x, v) / mass
+        v1, a1 = v, -push / mass
         v2, a2 = v + 0.5 * dt * a1, -force(x + 0.5 * dt * v1, v + 0.5 * dt * a1) / mass
         v3, a3 = v + 0.5 * dt * a2, -force(x + 0.5 * dt * v2, v + 0.5 * dt * a2) / mass
         v4, a4 = v + dt * a3, -force(x + dt * v3, v + dt * a3) / mass
@@ -74,7 +74,8 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: i
             share = before[0] / (before[0] - x)
             rows.append(((n - 1 + share) * dt, 0.0, before[1] + share * (v - before[1]), 0.0))
             break
-        rows.append((n * dt, x, v, force(x, v)))
+        push = force(x, v)
+        rows.append((n * dt, x, v, push))
     time, depth, rate, load = np.array(rows).T
     return Impact(time, depth, rate, load, speed)
 

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
 ENOUGH = 100  # points from which the 0-1 test is asked
 REGULAR, IRREGULAR = 0.3, 0.7  # what it says of a motion without and with chaos
+AGREEING = 2.0  # largest over smallest exponent of two halves of fewer points than that
 CURVED = 5.0  # to and fro of the radius along a closed curve, in parts of twice its range
 ORDERED = 0.95  # of neighbours along a closed curve whose next points are neighbours in the same sense
 
@@ -89,8 +90,8 @@ def verdict(points: Array, found: Exponent | None = None, tolerance: float = 1e-
     """What a motion is whose ``points`` are these, shape (points,) or (points, coordinates), with the exponent, where it is known.
 
     A period is told where points repeat within ``tolerance`` of their range, three times over. What has none is chaotic where a small difference
-    grows more than e-fold in each half of the turns, not settled where it dies as fast or the halves do not agree; in between, the 0-1 test
-    decides, or, of fewer than 100 points, whether they lie on a closed curve.
+    grows more than e-fold in each half of the turns (of fewer than 100 points, about as fast in both), not settled where it dies as fast or the
+    halves do not agree; in between, the 0-1 test decides, or, of fewer than 100 points, whether they lie on a closed curve.
     """
     points = np.asarray(points, dtype=float)
     points = points.reshape(len(points), -1)
@@ -103,7 +104,7 @@ def verdict(points: Array, found: Exponent | None = None, tolerance: float = 1e-
     test = zero_one(points[:, 0]) if len(points) >= ENOUGH else None
     turning = rotation(points)
     margin = 0.0 if found is None else 2.0 / max(len(found.running), 2)
-    if found is not None and found.low > margin:
+    if found is not None and found.low > margin and (len(points) >= ENOUGH or found.high <= AGREEING * found.low):
         kind = CHAOTIC
     elif found is not None and not (found.high >= -margin and found.low >= -margin and found.value <= margin):
         kind = UNSETTLED

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections import OrderedDict
+from dataclasses import dataclass, replace
 
 from ..errors import AssemblyError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
@@ -14,14 +15,16 @@ from ..kinematics.nearest import unclosed
 from ..kinematics.passage import Jam, Singular, passage
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
-from ..model.mechanism import Mechanism
+from ..model.mechanism import Mechanism, Settings
 from ..model.suspects import suspects
+from ..modelfile import dump
 from .timestep import length_of
 
 STRETCH = 0.01  # of the length of the two-particle links of a loop: more is beyond any metal
 FAR = math.radians(50.0)  # from an approximate angle, to close
 MOST_LENGTHS = 3
 MOST_PLACES = 4
+MOST_KNOWN = 64  # motions whose outlook is kept: to follow one takes longer than to assemble it, and commands ask several times
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,9 @@ class Outlook:
 
     notes: tuple[str, ...] = ()
     through: bool = True
+
+
+KNOWN: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
 
 
 def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Outlook:
@@ -42,6 +48,28 @@ def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | 
     if mechanism.settings.analysis == "static" or not driven or 3 * len(mechanism.bodies) > DENSE:
         return Outlook(doubts)
     length = length_of(mechanism, turns, duration, turn_of(mechanism))
+    key = _key(mechanism, length)
+    found = KNOWN.get(key) if key is not None else None
+    if found is not None:
+        return found
+    found = _followed(mechanism, length, doubts)
+    if key is not None:
+        KNOWN[key] = found
+        if len(KNOWN) > MOST_KNOWN:
+            KNOWN.popitem(last=False)
+    return found
+
+
+def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
+    """What an outlook follows from: the text of a mechanism without how it is stepped; None where no text says all of it."""
+    try:
+        return dump(replace(mechanism, settings=Settings(analysis=mechanism.settings.analysis))), length
+    except (TypeError, ValueError):
+        return None
+
+
+def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...]) -> Outlook:
+    """The outlook of a mechanism that is driven for so long (s)."""
     try:
         motion = ideal_motion(mechanism)
     except ValueError as error:

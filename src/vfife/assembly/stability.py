@@ -10,9 +10,11 @@ counts in any direction, and its arm as if it were across.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +36,7 @@ Array = NDArray[np.float64]
 Limits = list[tuple[str, Any]]  # (s), of members those of all
 
 CLOSED = 0.8  # root of the growth of a joint's error in a step that Newton's method still closes: rows of one to three bodies hold at 0.9
+DEPTHS = tuple(accumulate(range(218), lambda depth, _: depth * 1.1, initial=1e-9))  # (m), to a metre: in one of them an impact ends
 STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count as in line
 
 
@@ -304,7 +307,9 @@ def _impact_force(law: object, slots: tuple[float, ...], state: Array, layout: L
         raise Alone("what an impact leaves is found mechanism by mechanism")
     speed = max(float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
     energy = 0.5 * speed**2 / max(mobility, 1e-12)
-    depth = 1e-9
-    while float(elastic_energy(law, np.array([depth]), slots)[0]) < energy and depth < 1.0:  # type: ignore[arg-type]
-        depth *= 1.1
+
+    def stores(depth: float) -> bool:
+        return not float(elastic_energy(law, np.array([depth]), slots)[0]) < energy  # type: ignore[arg-type]
+
+    depth = DEPTHS[bisect_left(DEPTHS, True, hi=len(DEPTHS) - 1, key=stores)]
     return float(law.force(depth, 0.0, slots)[0])  # type: ignore[attr-defined]

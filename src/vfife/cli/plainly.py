@@ -1,11 +1,12 @@
 """Arguments that need no checking are taken as they are typed.
 
-Newer versions of typer check every argument with a library whose import takes longer than a short run. What is absent, a text, a path or
-a value of its type already needs none of it (a number is checked); everything else goes the long way.
+Newer versions of typer check every argument with a library whose import takes longer than a short run. What is absent, a text, a path, a plain
+number within its limits or a value of its type already needs none of it; everything else goes the long way, which says what is wrong.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from typer.core import TyperCommand
 from .asked import ASKED
 from .terminal import BAD_INPUT, failed
 
+NUMBERS = {int: re.compile(r"[+-]?[0-9]{1,15}"), float: re.compile(r"[+-]?[0-9]{1,15}(\.[0-9]{1,30})?([eE][+-]?[0-9]{1,2})?")}
 UsageError: type[Exception] = BadParameter.__bases__[0]  # newer versions of typer have a click of their own
 
 
@@ -62,7 +64,15 @@ class Plain:
             return kind(value)
         if isinstance(kind, type) and type(value) is kind:
             return value
+        if kind in NUMBERS and isinstance(value, str) and NUMBERS[kind].fullmatch(value) and self.within(kind(value)):
+            return kind(value)
         return self.checking().coerce(value, param=param, ctx=ctx)
+
+    def within(self, number: float) -> bool:
+        """Whether a number is between the limits that the parameter says."""
+        given = getattr(self.parameter.type_descriptor, "parameter_info", None)
+        least, most = getattr(given, "min", None), getattr(given, "max", None)
+        return (least is None or least <= number) and (most is None or number <= most)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.checking(), name)

@@ -106,7 +106,10 @@ def sentences(name: str) -> Iterator[None]:
 
 @contextmanager
 def writing(name: str, kept: str = "") -> Iterator[None]:
-    """Ends with exit code 5 where something cannot be written: what, why, free bytes, and what is ``kept``; with 2 where no file can be."""
+    """Ends with exit code 5 where something cannot be written: what, why, free bytes where these may be why, and what is ``kept``.
+
+    With 2 where no file can be.
+    """
     try:
         yield
     except (FileNotFoundError, FileExistsError, IsADirectoryError, NotADirectoryError) as error:
@@ -117,7 +120,8 @@ def writing(name: str, kept: str = "") -> Iterator[None]:
         from ..results.tables import free_bytes
 
         free = free_bytes(Path(getattr(error, "filename", None) or name))
-        room = "" if free is None else f"; {free:,} bytes are free there"
+        forbidden = isinstance(error, PermissionError) or getattr(error, "errno", None) == errno.EROFS
+        room = "" if free is None or forbidden else f"; {free:,} bytes are free there"
         said = of_the_system(name, error) if isinstance(error, OSError) else f"{name}: there is not enough memory"
         fail(f"{said}{room}. {kept}".rstrip(), STORAGE)
     except ValueError as error:

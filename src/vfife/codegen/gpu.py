@@ -13,7 +13,7 @@ import re
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .llvm import Lane, Writer, driver, resize, searched, whole
+from .llvm import Lane, Writer, brief, driver, resize, searched, whole
 from .schedule import streamed
 from .straight_line import Function, functions, resizing, trace
 from .trace import STEP_NUMBER, Operand, Trace, is_row, rows_used
@@ -150,12 +150,12 @@ def kind(size: str | None) -> str:
 
 def written(topology: Topology) -> str:
     """Text of a module with ``member``."""
-    found, layout, step = functions(topology), Layout(topology), trace(topology)
+    found, layout, step, long = functions(topology), Layout(topology), trace(topology), trace(topology, True)
     return "\n".join(
         [
             searched(found, 1, layout, (), stride=TILE),
             lean(step, found, layout),
-            whole(trace(topology, True), 1, bool(found), bool(step.rare), TILE),
+            whole(long, 1, bool(found), brief(step, long), TILE),
             resize(resizing(topology), 1, TILE),
             re.sub(r"^define [^@]*@(advance|displace)\(.*?^}\n", "", driver(layout, 1, stride=TILE), flags=re.M | re.S),  # a card has streams alone
             member(layout),

@@ -6,6 +6,7 @@ the same text becomes code of other processors, of graphics cards and of the web
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Collection, Iterable
 from functools import lru_cache
@@ -27,8 +28,11 @@ ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 ANSWER = "{ double, double, double, double }"  # of a polynomial
 FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step)"
 SHORT = 4000  # lines of a whole step that is worth being made fast
+STACK = 16  # bytes of which where a stack begins is a multiple
+FEW = 2  # lanes of a single run: an event takes no time there that anybody would notice
 COPY = 6_000  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
+SHARED = re.compile(r"define internal void @(?=(functions|whole|resize)\()")
 DRIVER = Path(__file__).with_name("driver.ll")
 
 
@@ -43,8 +47,7 @@ class Writer:
         self.suffix = "f64" if width == 1 else f"v{width}f64"
         self.constants: dict[str, str] = {}
         self.count = 0
-        # Vectors that are put aside do not straddle two cache lines; what is put aside of numbers has addresses that are a byte shorter.
-        self.framed = ' "stackrealign"' if width > 2 else ' "frame-pointer"="all"'
+        self.framed = ' "frame-pointer"="all"'  # what is put aside has addresses that are a byte shorter
 
     def kind(self, operand: Operand) -> str:
         """Type of an operand."""
@@ -248,13 +251,12 @@ def _copied(rows: Iterable[int], width: int) -> Iterable[str]:
     return (line.replace("%x", "%h") for line in w.out)
 
 
-def whole(step: Trace, width: int, searching: bool, wanted: bool, stride: int = 0) -> str:
-    """``whole(S, T, stride, n)``: step n, whatever it wants. A long one is taken seldom, so no time is spent on making it fast."""
-    short = wanted and len(step.operations) < SHORT
+def whole(step: Trace, width: int, searching: bool, fast: bool, stride: int = 0) -> str:
+    """``whole(S, T, stride, n)``: step n, whatever it wants; made ``fast`` where that is worth its time."""
     w = Writer(width, step.truths, stride=stride)
-    care = f"noinline{w.framed}" if short else "noinline optnone"
+    care = f"noinline{w.framed}" if fast else "noinline optnone"
     w.begin(searching)
-    w.lines(reread(woven(step, ordered(step))) if short else woven(step, streamed(step)))
+    w.lines(reread(woven(step, ordered(step))) if fast else woven(step, streamed(step)))
     body = "\n".join(w.out)
     return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %step) {care} {{
   %going = icmp sge i64 %step, 0
@@ -361,15 +363,30 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     w, stride = Writer(width), stride or width
     words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
     rows, solid = layout.rows * (directions + 1), stride == width  # whether rows lie one behind the other, with room behind the last
+    words["ENTERED"] = '"stackrealign"' if 8 * width > STACK else ""
     words |= {"CHUNK_STRIDE": LINE if solid else stride, "CHUNKS": padded(rows * width) // LINE if solid else rows}
     words |= {"CHUNK": f"<{LINE} x double>" if solid else w.number, "SPARE": padded(rows * width) if solid else rows * stride, "ROWS": rows}
     words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
     text = DRIVER.read_text()
     for word, value in words.items():
         text = text.replace(word, str(value))
-    declared = (f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))
-    three = ", ".join([w.number] * 3)
-    return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({three})", lanes(width), text])
+    return "\n".join([operators(width), lanes(width), text, aligned(width)])
+
+
+def aligned(width: int) -> str:
+    """What a module says of its stack: vectors that are put aside do not straddle two cache lines. Who comes from outside has it aligned so."""
+    if 8 * width <= STACK:
+        return ""
+    return f"""!llvm.module.flags = !{{!0}}
+!0 = !{{i32 1, !"override-stack-alignment", i32 {8 * width}}}
+"""
+
+
+def operators(width: int) -> str:
+    """Declarations of the operators that are no instructions."""
+    w = Writer(width)
+    declared = [f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")]
+    return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({', '.join([w.number] * 3)})"])
 
 
 @lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
@@ -380,17 +397,53 @@ def _traced(topology: Topology) -> tuple[list[Function], Trace, Trace, Trace]:
 
 def written(topology: Topology, width: int, directions: int = 0) -> str:
     """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
-    layout, (found, step, long, change) = Layout(topology), _traced(topology)
-    steps = [step, long]
-    if directions:
-        steps = [shared_tangent(step, layout.rows, directions), tangent(long, layout.rows, directions)]
-        change = tangent(change, layout.rows, directions, of_size(layout.row("step")))
+    found, step, long, change = _parts(topology, directions)
     return "\n".join(
         [
-            searched(found, width, layout, steps[0].stores, directions),
-            lean(steps[0], width, {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}, arranged=directions > 0),
-            whole(steps[1], width, bool(found), bool(step.rare)),
+            *_often(topology, width, directions, found, step),
+            whole(long, width, bool(found), brief(step, long)),
             resize(change, width),
-            driver(layout, width, directions),
+            driver(Layout(topology), width, directions),
         ]
     )
+
+
+def apart_seldom(topology: Topology, width: int, directions: int = 0) -> tuple[str, str]:
+    """The same as two modules: what every step needs, and what few do, which is not worth the time that it takes to make it fast.
+
+    Among several lanes there is often one with an event, so there all is in the first, and the second is empty, where the whole step is short.
+    """
+    found, step, long, change = _parts(topology, directions)
+    if width > FEW and brief(step, long):
+        return written(topology, width, directions), ""
+    w, layout = Writer(width), Layout(topology)
+    seldom = [whole(long, width, bool(found), fast=False), resize(change, width)]
+    often = [*_often(topology, width, directions, found, step), driver(layout, width, directions)]
+    known = ["declare void @whole(ptr, ptr, i64, i64)", f"declare void @resize({', '.join(['ptr', *[w.number] * 3])})"]
+    return _public([*known, *often]), _public([operators(width), "declare void @functions(ptr, ptr, ptr, i64, i64)", *seldom, aligned(width)])
+
+
+def _public(texts: list[str]) -> str:
+    """A module whose functions another one can call."""
+    return SHARED.sub("define void @", "\n".join(texts))
+
+
+def _parts(topology: Topology, directions: int) -> tuple[list[Function], Trace, Trace, Trace]:
+    """Functions, lean step, whole step and the change of a step's size, with derivatives in so many directions."""
+    layout, (found, step, long, change) = Layout(topology), _traced(topology)
+    if not directions:
+        return found, step, long, change
+    steps = shared_tangent(step, layout.rows, directions), tangent(long, layout.rows, directions)
+    return found, *steps, tangent(change, layout.rows, directions, of_size(layout.row("step")))
+
+
+def brief(step: Trace, long: Trace) -> bool:
+    """Whether a whole step is taken now and then, and is short enough to be made fast."""
+    return bool(step.rare) and len(long.operations) < SHORT
+
+
+def _often(topology: Topology, width: int, directions: int, found: list[Function], step: Trace) -> list[str]:
+    """What every step needs: functions, where there are any, and the lean step."""
+    layout = Layout(topology)
+    changing = {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}
+    return [searched(found, width, layout, step.stores, directions), lean(step, width, changing, arranged=directions > 0)]

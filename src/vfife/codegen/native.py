@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import gc
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -19,6 +21,7 @@ from .source import data_driven
 
 Rows = NDArray[np.float64]
 
+SELDOM = 0  # effort of LLVM's code generator for what few steps need
 EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time; nothing of it changes a bit
 OPTIMISED = 2  # of the same, for loops
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
@@ -74,6 +77,34 @@ def object_code(text: str, effort: int = EFFORT) -> bytes:
     return code
 
 
+@contextmanager
+def all_kept() -> Iterator[None]:
+    """Nobody looks for what could be thrown away: a text is made of a hundred thousand small things that stay until it is done."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
+
+
+def step_code(often: str, seldom: str) -> bytes:
+    """Object code of a step: of what every step needs, and of what few do, each behind its length; see :func:`.llvm.apart_seldom`."""
+    codes = [object_code(often), *([object_code(seldom, SELDOM)] if seldom else [])]
+    return b"".join(len(code).to_bytes(8, "little") + code for code in codes)
+
+
+def _pieces(code: bytes) -> list[bytes]:
+    """Object codes behind their lengths."""
+    found, at = [], 0
+    while at < len(code):
+        end = at + 8 + int.from_bytes(code[at : at + 8], "little")
+        found.append(code[at + 8 : end])
+        at = end
+    return found
+
+
 def optimised_code(text: str) -> bytes:
     """Object code of a text with loops and calls: these are written out, what does not change is kept in registers. Nothing of it changes a bit."""
     with WRITING:
@@ -104,13 +135,14 @@ def name_of(topology: Topology, width: int, directions: int = 0) -> str:
 
 
 class Code:
-    """Functions of object code in memory, which it keeps; ``function`` is the one that is called ``name``."""
+    """Functions of object code in memory, which it keeps; ``function`` is the one that is called ``name``, and may call others."""
 
-    def __init__(self, code: bytes, name: str, kind: Any) -> None:
+    def __init__(self, code: bytes, name: str, kind: Any, *others: bytes) -> None:
         llvm = _target()
         with WRITING:
             self.engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
-            self.engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+            for one in (code, *others):
+                self.engine.add_object_file(llvm.ObjectFileRef.from_data(one))
             self.engine.finalize_object()
             self.function = self.named(name, kind)
 
@@ -150,8 +182,10 @@ class Loaded:
     """A step in memory; given a memory to work on, it is called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
 
     def __init__(self, code: bytes, width: int) -> None:
+        """Of :func:`step_code`."""
         self.width = width
-        self.code = Code(code, "advance", ADVANCE)
+        often, *seldom = _pieces(code)
+        self.code = Code(often, "advance", ADVANCE, *seldom)
         self.stream = self.code.named("stream", STREAM)
 
     def __call__(self, memory: Memory) -> Take:
@@ -200,9 +234,11 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Loaded
         code = cache.read(name)
         if code is not None:
             return Loaded(code, width)
-        from .llvm import written
+        from .llvm import apart_seldom
 
         cache.missed()
-        code = object_code(written(topology, width, directions))
+        with all_kept():
+            texts = apart_seldom(topology, width, directions)
+        code = step_code(*texts)
         cache.keep(name, code)
         return Loaded(code, width)

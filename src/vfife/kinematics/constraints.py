@@ -29,6 +29,9 @@ SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess pu
 KERNEL = lifted(geometry, path, constraint)  # arm, lever, placed and relative_turn, as the step has them
 
 
+STILL, AT_REST = [(0.0, 0.0, 0.0)] * 2, [0.0] * 2  # what two pins in one place have of a third body, and at rest
+
+
 class Rows(NamedTuple):
     """phi [r] (m), blocks of G for bodies a, b and c [r, 3] (1 or m), and gamma [r] (m/s2): what G a must be, but for a drive's acceleration."""
 
@@ -87,7 +90,7 @@ class Constraint:
         """Whether it holds nothing but a turn."""
         return self.place is None
 
-    @property
+    @cached_property
     def pinned(self) -> bool:
         """Whether it holds two pins in one place, and no turn."""
         return self.held == (Coincide(),)
@@ -107,14 +110,16 @@ class Constraint:
         """By how much the angle of body a is multiplied in a row of angles."""
         return 1.0 if self.turn is None else self.turn.ratio
 
-    def rows(self, p: Array, v: Array | None, length: float, facing: Sequence[Any] = ()) -> Rows:
-        """phi, G and gamma (zero without ``v``) at position p and velocity v, both [n, 3]; rows of angles times ``length`` (m).
+    def rows(self, p: Any, v: Any, length: float, facing: Sequence[Any] = ()) -> Rows:
+        """phi, G and gamma (zero without ``v``) at position p and velocity v, both [n, 3], arrays or lists; rows of angles times ``length`` (m).
 
         ``facing``: cosine and sine of each body's angle, where they are known.
         """
         a, b = _numbers(p, self.body_a), _numbers(p, self.body_b)
         face_a, face_b = (facing[k] if facing and facing[k] else _facing(at) for k, at in ((self.body_a, a), (self.body_b, b)))
         (ax, ay), (bx, by) = self._arms(face_a, face_b)
+        if v is None and self.pinned:
+            return Rows([(b[0] + bx) - (a[0] + ax), (b[1] + by) - (a[1] + ay)], _pins(ax, ay, -1.0), _pins(bx, by, 1.0), STILL, AT_REST)
         phi, seen = self._places((ax, ay), (bx, by), a, b, face_a)
         foot = (ax, ay) if isinstance(self.place, Coincide) else (bx + b[0] - a[0], by + b[1] - a[1])
         on_a = [(-nx, -ny, -KERNEL.lever(*foot, nx, ny)) for nx, ny in seen]
@@ -202,16 +207,23 @@ class Constraint:
         )
 
 
+def _pins(x: Any, y: Any, sign: float) -> list[tuple[Any, Any, Any]]:
+    """Blocks of G for a body whose pin, at (x, y) from its centre of mass, is held along both axes."""
+    return [(sign, 0.0, sign * KERNEL.lever(x, y, 1.0, 0.0)), (0.0, sign, sign * KERNEL.lever(x, y, 0.0, 1.0))]
+
+
 def _facing(at: list[float]) -> tuple[float, float]:
     """Cosine and sine of a body's angle."""
     return cos(at[2]), sin(at[2])
 
 
-def directions(p: Array, body: int) -> tuple[Any, Any]:
+def directions(p: Any, body: int) -> tuple[Any, Any]:
     """Cosine and sine of a body's angle at position p."""
     return _facing(_numbers(p, body))
 
 
-def _numbers(p: Array, body: int) -> list[Any]:
+def _numbers(p: Any, body: int) -> list[Any]:
     """The three coordinates of a body, plain or of members."""
+    if isinstance(p, list):
+        return p[body]  # type: ignore[no-any-return]
     return [p[..., body, k].view(Members) for k in range(3)] if p.ndim > 2 else p[body].tolist()

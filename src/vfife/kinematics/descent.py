@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import Differing, Members, chosen, several
+from .bottom import bottom
 from .linalg import RANK_TOLERANCE, DampedStep, Matrix, times, weighted
 from .system import RigidSystem, equations, metric
 
@@ -17,6 +18,8 @@ Array = NDArray[np.float64]
 LARGEST_TURN = 0.1  # rad a body may turn in one step: longer steps can jump to the other branch
 DRIVE_WEIGHT = 30.0  # a loop that cannot close must show its gap at the joints, not as a false driven angle
 STEPS = 400
+LOOKS = (12, 20, 30, 45, 70, 100, 150, 200, 300)  # steps after which it is looked whether this is the bottom
+OPEN, SLOW = 1e-6, 0.5  # of the extent: a gap; of |phi|^2 at the look before: less is a good way down
 FEWER = 0.7  # of the members that go on: so few leave the others behind
 
 
@@ -58,7 +61,8 @@ class _Descent:
         self.phi, self.jacobian = self.opened(position)
         self.damping, self.taken = np.full(count, 0.1), np.zeros(count, dtype=int)
         self.going, self.fresh = np.ones(count, dtype=bool), np.ones(count, dtype=bool)
-        self.refused, self.least = np.full_like(position, np.nan), DampedStep()
+        self.seen = np.inf
+        self.refused, self.least, self.changed = np.full_like(position, np.nan), DampedStep(), True
 
     def closure(self) -> Closure:
         """Where they are."""
@@ -91,7 +95,33 @@ class _Descent:
             if self.many and self.going.sum() < FEWER * len(self.going):
                 return self.compact()
             self.step()
+            if not self.many and self.going[0] and int(self.taken[0]) in LOOKS:
+                self.look_down()
         return self.closure()
+
+    def look_down(self) -> None:
+        """Ends at the bottom, where that is near and open: steps would only go to and fro across it."""
+        phi, before = self.phi[0], self.seen
+        self.seen = float(self.weight**2 @ phi**2)
+        hindered = (np.abs(phi) > self.limit[0]).any()
+        if hindered or not isinstance(self.jacobian, np.ndarray) or np.abs(phi).max() <= OPEN * self.scale[0] or self.seen < SLOW * before:
+            return
+        start, lengths, square = self.position[0], self.lengths[0], self.weight**2
+
+        def moved(change: Array) -> Array:
+            there: Array = start.copy()
+            there[1:] += (change / lengths).reshape(-1, 3)
+            return there
+
+        def slopes(change: Array) -> tuple[float, Array]:
+            phi, jacobian = opened(self.system, moved(change))
+            return float(square @ phi**2), 2.0 * (square * phi) @ jacobian
+
+        found = bottom(slopes, float(self.scale[0]), len(lengths))
+        if found is not None:
+            self.position = moved(found)[None]
+            self.phi, self.jacobian = self.opened(self.position)
+            self.going[:] = False
 
     def opened(self, position: Array) -> tuple[Array, Matrix]:
         """phi [members, r] and G."""
@@ -101,17 +131,25 @@ class _Descent:
         phi, jacobian = opened(self.system, position[0])
         return phi[None], jacobian[None] if isinstance(jacobian, np.ndarray) else jacobian
 
+    def look(self) -> None:
+        """What follows from phi: the error of this step, whose drives advance no faster than the joints can follow, and whose is round-off."""
+        self.error = np.clip(self.phi, -self.limit, self.limit)
+        self.square, self.merit = _square(self.error), np.sqrt(_square(self.weight * self.error))
+        self.closed = np.abs(self.error).max(axis=-1, initial=0.0) <= self.finest
+        self.changed = False
+
     def step(self) -> None:
         """One more of each that goes on."""
-        error = np.clip(self.phi, -self.limit, self.limit)  # the drives advance no faster than the joints can follow
-        self.going &= ~(np.abs(error).max(axis=-1, initial=0.0) <= self.finest)
-        fresh = self.fresh & self.going
+        if self.changed:
+            self.look()
+        self.going &= ~self.closed
         if not self.going.any():
             return
+        fresh = self.fresh & self.going
         if fresh.any():
-            self.least.take(fresh, weighted(self.weight, self.jacobian), self.weight * error)
+            self.least.take(fresh, weighted(self.weight, self.jacobian), self.weight * self.error)
             self.fresh &= ~fresh
-        step = self.limited(self.damping * _square(error) / (self.scale * self.scale))
+        step = self.limited(self.damping * self.square / (self.scale * self.scale))
         self.going &= ~(np.abs(step * self.lengths).max(axis=-1) <= self.finest)
         self.taken += self.going
         trial = self.position.copy()
@@ -120,13 +158,13 @@ class _Descent:
         self.damping[again] *= 8.0
         looked = self.going & ~again
         if looked.any():
-            self._take(looked, trial, error)
+            self._take(looked, trial)
         self.going &= self.taken < STEPS
 
-    def _take(self, looked: NDArray[np.bool_], trial: Array, error: Array) -> None:
+    def _take(self, looked: NDArray[np.bool_], trial: Array) -> None:
         """Goes there where it is better."""
         phi, jacobian = self.opened(trial)
-        better = looked & (np.sqrt(_square(self.weight * (phi - self.phi + error))) < np.sqrt(_square(self.weight * error)))
+        better = looked & (np.sqrt(_square(self.weight * (phi - self.phi + self.error))) < self.merit)
         worse = looked & ~better
         if better.any():
             self.position[better], self.phi[better] = trial[better], phi[better]
@@ -134,6 +172,7 @@ class _Descent:
             self.damping[better] = np.maximum(self.damping[better] / 4.0, 1e-6)
             self.refused[better] = np.nan
             self.fresh |= better
+            self.changed = True
         self.damping[worse] *= 8.0
         self.refused[worse] = trial[worse]
 

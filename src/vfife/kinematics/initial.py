@@ -225,13 +225,14 @@ def ideal_motion(
     seats: Mapping[str, Seat] | None = None,
     datum: Datum | None = None,
     given: Given | None = None,
+    named: bool = True,
 ) -> Motion:
     """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch nearest the guess.
 
     ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. ``datum``: where
     travels and springs count from, :func:`datum_of` unless given. ``given``: a start from known positions and velocities.
     Joints with clearance whose body was given a velocity of its own are closed in position only; those between bodies of a given start are
-    left as they are. Raises AssemblyError where links cannot reach.
+    left as they are. Raises AssemblyError where links cannot reach, which says what stays open by how much where that is to be ``named``.
     """
     datum = datum_of(mechanism, given) if datum is None else datum
     eccentric = {name: seat.at for name, seat in (seats or {}).items()}
@@ -240,16 +241,19 @@ def ideal_motion(
     guess = (first_guess(mechanism) if given is None else given.position) if guess is None else guess
     hand = handedness(guess)  # solved in one of the two mirror images, so that the other one starts from the same bits
     flip = np.array([1.0, hand, hand])
-    reflect = mirrored if hand < 0.0 else lambda same: same
-    position = close(reflect(system), guess * flip).position * flip
+    solved = mirrored(system) if hand < 0.0 else system
+    position = close(solved, guess * flip, named).position * flip
     own = {name for name, body in mechanism.bodies.items() if any(body.velocity)} if given is None else set()
     loose = apart | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
-    moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric) if loose != apart else system
+    moving, moved = system, solved
+    if loose != apart:
+        moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric)
+        moved = mirrored(moving) if hand < 0.0 else moving
     wish = np.zeros_like(position) if given is None else given.velocity
     for name in own:
         row = system.names.index(name)
         wish[row] = centred(mechanism, name, position[row], np.array(mechanism.bodies[name].velocity))[1]
-    velocity = velocities(reflect(moving), position * flip, wish * flip) * flip
+    velocity = velocities(moved, position * flip, wish * flip) * flip
     now = Instant(mechanism, system.names, position, velocity, time)
     pushed = tuple(applied(now, datum))
     force = constant_forces(now, pushed)
@@ -258,10 +262,10 @@ def ideal_motion(
         c, s = np.cos(position[row, 2]), np.sin(position[row, 2])
         arm, push = local @ np.array([[c, s], [-s, c]]), -mass[:, None] * extra[:, :2]
         force[row] += np.array([*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()])
-    acceleration, reaction, driving = accelerations(reflect(moving), position * flip, velocity * flip, force * flip)
+    acceleration, reaction, driving = accelerations(moved, position * flip, velocity * flip, force * flip)
     reactions = {one.name: (float(x), float(y), float(m)) for one, (x, y, m) in zip(moving.joints, reaction * flip, strict=True)}
     torque = {d.name: float(value) * (hand if d.turns else 1.0) for d, value in zip(moving.drives, driving, strict=True)}
-    return Motion(system.names, position, velocity, acceleration * flip, reactions, torque, datum, pushed, reflect(system), hand)
+    return Motion(system.names, position, velocity, acceleration * flip, reactions, torque, datum, pushed, solved, hand)
 
 
 __all__ = [

@@ -6,6 +6,7 @@ G [r, c] is dense (one singular value decomposition) up to 90 columns, and spars
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,25 @@ def weighted(weight: Array, jacobian: Matrix) -> Matrix:
     from scipy.sparse import diags_array
 
     return (diags_array(weight) @ jacobian).tocsr()
+
+
+def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
+    """The whole singular value decomposition of a dense G, or of each member's; not to be written to.
+
+    Velocities, accelerations, reactions and mobility are asked for at one position, so the last few are kept.
+    """
+    if jacobian.ndim > 2 or jacobian.dtype != float:
+        left, size, right = np.linalg.svd(jacobian)
+        return left, size, right
+    return _decomposed(jacobian.shape, jacobian.tobytes())
+
+
+@lru_cache(maxsize=4)
+def _decomposed(shape: tuple[int, int], entries: bytes) -> tuple[Array, Array, Array]:
+    left, size, right = np.linalg.svd(np.frombuffer(entries).reshape(shape))
+    for one in (left, size, right):
+        one.setflags(write=False)
+    return left, size, right
 
 
 class DampedStep:
@@ -112,7 +132,7 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array, indep
     well as can be.
     """
     if isinstance(jacobian, np.ndarray):
-        left, size, right = np.linalg.svd(jacobian)
+        left, size, right = decomposed(jacobian)
         rank = alike(np.sum(size > RANK_TOLERANCE, axis=-1))
         if independent and rank < jacobian.shape[-2]:
             raise Alone("rows depend on one another")
@@ -157,7 +177,7 @@ def self_stress(jacobian: Matrix) -> Array:
     if count == 0:
         return np.zeros((*jacobian.shape[:-2], 0, 0))
     if isinstance(jacobian, np.ndarray):
-        left, size, _ = np.linalg.svd(jacobian)
+        left, size, _ = decomposed(jacobian)
         return np.asarray(left[..., :, alike(np.sum(size > RANK_TOLERANCE, axis=-1)) :])
     solve = _factors(jacobian @ jacobian.T, EPSILON)
     columns = 8

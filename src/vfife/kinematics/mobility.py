@@ -116,7 +116,7 @@ def _aside(system: RigidSystem, position: Array) -> Array | None:
         size = max(np.abs(motion).max() / system.reach[1:].max(), np.abs((motion / lengths)[2::3]).max())
         step = np.vstack([np.zeros(3), (ASIDE / size * motion / lengths).reshape(-1, 3)])
         try:
-            found = close(released, position + step).position
+            found = close(released, position + step, named=False).position
         except AssemblyError:
             continue
         if np.linalg.norm((found - position) * scale) > 0.1 * np.linalg.norm(step * scale):

@@ -169,7 +169,7 @@ def still_open(mechanism: Mechanism, duration: float) -> float | None:
 def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follower, Way, Passage] | None]:
     """Whether it closes at the start, by more than just; and where it jams first, if it does."""
     try:
-        motion = ideal_motion(mechanism)
+        motion = ideal_motion(mechanism, named=False)
         start = motion.position * (1.0, motion.hand, motion.hand)
         follower = Follower.of(motion.system, start)
     except AssemblyError:

@@ -24,12 +24,13 @@ Array = NDArray[np.float64]
 CLOSED = 1e-12  # largest open distance of a closed loop, in parts of the extent of the bodies
 
 
-def close(system: RigidSystem, guess: Array) -> Closure:
+def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
     """Return the closed position nearest the guess [n,3] (m, m, rad; row 0 is ignored).
 
     Damped Newton steps dq = -G^+ phi, of minimum norm in (x, y, l theta) and of at most 0.1 rad, whose damping
     vanishes with phi^2: redundant joints and free motions are both allowed.  A driven body ends at its drive's angle.
-    Raises AssemblyError when joints stay open, naming them and their gaps, and ValueError on a bad guess.
+    Raises AssemblyError when joints stay open, naming them and their gaps, and ValueError on a bad guess. To find the names takes as long again
+    as to find that it does not close: whoever does not read them has them not ``named``.
     """
     start = checked(system, guess, "guess")
     for drive in system.drives:
@@ -40,6 +41,8 @@ def close(system: RigidSystem, guess: Array) -> Closure:
     if several(start) and not (closed := _is_closed(system, closure)).all():
         raise Differing(np.asarray(closed))
     if not _is_closed(system, closure):
+        if not named:
+            raise AssemblyError("joints stay open")
         nudged = start.copy()
         nudged[1:, 2] += 0.5 * LARGEST_TURN * np.cos(np.arange(1, len(start)))
         raise _open_joints(system, closure, _is_closed(system, descend(system, nudged)))
@@ -55,7 +58,7 @@ def velocities(system: RigidSystem, position: Array, guess_velocity: Array | Non
     """
     position = checked(system, position, "position")
     before = checked(system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity")
-    rows = equations(system, position, before)
+    rows = equations(system, position)
     lengths, mass = metric(system)
     motion = constrained(rows.jacobian, rows.rate, mass, flat(before) * lengths, independent)[0]
     _demand(system, times(rows.jacobian, motion) - rows.rate, motion, "velocity")

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import number, point, several, spread, table
+from ..fields.members import number, point, several, spread
 from .constraints import Constraint, directions
-from .linalg import Matrix, matrix
+from .linalg import DENSE, Matrix, matrix
 
 Array = NDArray[np.float64]
 
@@ -47,8 +49,11 @@ class RigidSystem:
         shape = several(*(value for one in self.constraints for value in one.numbers))
         reach = spread(np.ones(n), masses or shape)
         reach[..., 1:] = np.sqrt(inertia[..., 1:] / mass[..., 1:])
-        for one in self.constraints:
-            for body, at in ((one.body_a, one.point_a), (one.body_b, one.point_b)):
+        sides = [side for one in self.constraints for side in ((one.body_a, one.point_a), (one.body_b, one.point_b))]
+        if not shape and not masses:
+            np.maximum.at(reach, [body for body, _ in sides], np.hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T))
+        else:
+            for body, at in sides:
                 reach[..., body] = np.maximum(reach[..., body], np.hypot(*at))  # type: ignore[misc]
         if not shape and masses and (np.asarray(reach) == np.asarray(reach)[0]).all():  # masses alone, which do not turn a position
             reach = np.array(reach[0])
@@ -74,6 +79,45 @@ class RigidSystem:
         """Rows of the k-th constraint."""
         return slice(self.starts[k], self.starts[k + 1])
 
+    @cached_property
+    def prescribed(self) -> tuple[Any, ...]:
+        """Speeds and accelerations of the drives."""
+        return tuple(value for drive in self.drives for value in (drive.speed, drive.acceleration))
+
+    @cached_property
+    def _places(self) -> tuple[list[int], list[int]]:
+        """Rows and columns of the entries of G, constraint by constraint, row by row, body by body."""
+        rows: list[int] = []
+        columns: list[int] = []
+        for one, first in zip(self.constraints, self.starts, strict=False):
+            for row in range(first, first + one.size):
+                for body in (one.body_a, one.body_b, one.body_c):
+                    if body:
+                        rows += (row,) * 3
+                        columns += range(3 * body - 3, 3 * body)
+        return rows, columns
+
+    @cached_property
+    def _flat(self) -> NDArray[np.intp]:
+        """Places of these entries in G as one line."""
+        rows, columns = (np.array(one, dtype=np.intp) for one in self._places)
+        return rows * (3 * len(self.names) - 3) + columns
+
+    def jacobian(self, values: list[float]) -> Matrix:
+        """G from its entries, those of one place summed up in their order."""
+        shape = self.starts[-1], 3 * len(self.names) - 3
+        if shape[1] > DENSE:
+            return matrix(values, *self._places, shape)
+        return np.bincount(self._flat, values, minlength=shape[0] * shape[1]).reshape(shape)
+
+    @cached_property
+    def metric(self) -> tuple[Array, Array]:
+        """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]; not to be written to."""
+        reach, mass, inertia = self.reach[..., 1:], self.mass[..., 1:], self.inertia[..., 1:]
+        one, turning = np.ones_like(reach), inertia / (reach * reach)
+        lengths, masses = np.stack([one, one, reach], axis=-1), np.stack([*np.broadcast_arrays(mass, mass, turning)], axis=-1)
+        return lengths.reshape(*lengths.shape[:-2], -1), masses.reshape(*masses.shape[:-2], -1)
+
     def drive_name(self, drive: Constraint) -> str:
         """A drive in messages."""
         return f"the drive of {self.names[drive.body_b] if drive.turns else drive.name}"
@@ -85,17 +129,22 @@ def _check(one: Constraint, n: int) -> None:
     if one.driven and one.turns:
         if not two or one.body_b == 0:
             raise ValueError("each drive must turn a moving body of its own")
-        if not np.isfinite(point(one.aim, one.speed, one.acceleration)).all():
+        if not _finite(one.aim, one.speed, one.acceleration):
             raise ValueError("angle, speed and acceleration of every drive must be finite")
         return
     if one.turns:
-        if not two or not np.isfinite(point(one.ratio, one.aim)).all() or one.ratio == 0.0:
+        if not two or not _finite(one.ratio, one.aim) or one.ratio == 0.0:
             raise ValueError(f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than zero, not {one.ratio:g}")
         return
-    if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not np.isfinite(table([one.point_a, one.point_b])).all():  # type: ignore
+    if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not _finite(*one.point_a, *one.point_b):  # type: ignore
         raise ValueError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
-    if not np.isfinite(point(one.aim, one.speed, one.acceleration)).all():
+    if not _finite(one.aim, one.speed, one.acceleration):
         raise ValueError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
+
+
+def _finite(*values: Any) -> bool:
+    """Whether numbers are finite, of all members."""
+    return bool(np.isfinite(point(*values)).all()) if several(*values) else all(map(math.isfinite, values))
 
 
 def _length(one: Constraint, reach: Array) -> Any:
@@ -121,6 +170,8 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
 
     ``facing``: cosine and sine of each body's angle, the ground's left out, where they are known.
     """
+    if not several(system.reach, position, *(() if velocity is None else (velocity,)), *system.prescribed):
+        return _plain(system, position, velocity)
     count, n = system.starts[-1], len(system.names)
     shape = several(system.reach, position)
     phi, gamma = (spread(np.zeros(count), shape) for _ in range(2))
@@ -145,12 +196,35 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
     return Equations(phi, matrix(values, at, columns, (*shape, count, 3 * n - 3)), rate, gamma)
 
 
+def _plain(system: RigidSystem, position: Array, velocity: Array | None) -> Equations:
+    """The same of plain numbers, entry by entry in the same order."""
+    bodies, speeds = position.tolist(), None if velocity is None else velocity.tolist()
+    facing = [directions(bodies, body) for body in range(len(bodies))]
+    phi: list[float] = []
+    rate: list[float] = []
+    gamma: list[float] = []
+    values: list[float] = []
+    reach = system.reach.tolist()
+    for one, length in zip(system.constraints, system.lengths, strict=True):
+        found = one.rows(bodies, speeds, length, facing)
+        phi += found.phi
+        gamma += found.gamma
+        rate += [0.0] * len(found.phi)
+        sides = [(body, blocks) for body, blocks in ((one.body_a, found.a), (one.body_b, found.b), (one.body_c, found.c)) if body]
+        for k in range(len(found.phi)):
+            for body, blocks in sides:
+                x, y, turn = blocks[k]
+                values += (x, y, turn / reach[body])
+        if one.driven:
+            scale = length if one.turns else 1.0
+            rate[-1] = scale * one.speed
+            gamma[-1] += scale * one.acceleration
+    return Equations(np.array(phi, dtype=float), system.jacobian(values), np.array(rate, dtype=float), np.array(gamma, dtype=float))
+
+
 def metric(system: RigidSystem) -> tuple[Array, Array]:
     """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]."""
-    reach, mass, inertia = system.reach[..., 1:], system.mass[..., 1:], system.inertia[..., 1:]
-    one, turning = np.ones_like(reach), inertia / (reach * reach)
-    lengths, masses = np.stack([one, one, reach], axis=-1), np.stack([*np.broadcast_arrays(mass, mass, turning)], axis=-1)
-    return lengths.reshape(*lengths.shape[:-2], -1), masses.reshape(*masses.shape[:-2], -1)
+    return system.metric
 
 
 def checked(system: RigidSystem, value: Array, name: str) -> Any:

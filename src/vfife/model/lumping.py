@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import operator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +14,7 @@ from ..fields.members import Alone, chosen, largest, number, point, table
 from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Strain
 
 Array = NDArray[np.float64]
-_KEPT = "_mesh"
+_KEPT, _WEIGHED = "_mesh", "_weighed"
 THIN = 1e-6  # inertia of a body that has none of its own, over its mass times the square of its reach
 ROUNDING = 1e-14  # of the same: what is left of none where masses are summed up
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
@@ -166,8 +168,28 @@ def rigid_properties(body: Body) -> tuple[float, Point, float]:
     """Mass (kg), centre of mass (m, body's frame) and inertia about it (kg m^2), as the body is calculated if it were rigid.
 
     One mass on a rigid arm has no inertia of its own: what turns the body is on its arm. It counts with ``THIN`` m r^2, r the farthest point.
-    ValueError where there is no mass, or no inertia and no arm.
+    ValueError where there is no mass, or no inertia and no arm. A body is asked for them at each of its pins, so they are kept with it; they are
+    found anew where its pins or masses were changed in place.
     """
+    made_of = _made_of(body)
+    kept = vars(body).get(_WEIGHED)
+    if kept is None or len(kept[0]) != len(made_of) or not all(map(operator.is_, kept[0], made_of)):
+        kept = vars(body)[_WEIGHED] = made_of, _weighed(body)
+    found: tuple[float, Point, float] = kept[1]
+    return found
+
+
+def _made_of(body: Body) -> tuple[Any, ...]:
+    """What of a body may be another thing than before: its mesh, its pins and masses."""
+    if is_elastic(body):
+        return (mesh(body),)
+    if isinstance(body, RigidBody | Link):
+        return (*body.pins, *body.pins.values(), *body.masses, *body.masses.values())
+    return ()
+
+
+def _weighed(body: Body) -> tuple[float, Point, float]:
+    """Mass, centre and inertia, not asked for before."""
     mass, center, inertia = _own_properties(body)
     attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
     if attached:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 KINK = 1e-6  # jump, over the size of a piece's value, slope and curvature, from which two pieces meet in a kink
+ENDS = (*((at, order) for at in (0.0, 1.0) for order in (0, 1, 2)), (0.5, 0))  # where a piece of a sine has its value or a derivative
 HARMONIC_PIECES = 128  # a period: of degree 6 through value, rate and second derivative, they are right to 1e-15 of the amplitude
 
 
@@ -206,15 +207,15 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
     """
     import numpy as np
 
-    h = 2.0 * math.pi / HARMONIC_PIECES
-    powers = np.arange(7)
-    ends = [(at, order) for at in (0.0, 1.0) for order in (0, 1, 2)] + [(0.5, 0)]
-    matrix = np.array([[math.perm(k, order) * at ** (k - order) if k >= order else 0.0 for k in range(7)] for at, order in ends])
-    rows, time = [], 1.0 / (frequency * HARMONIC_PIECES)
+    amplitude, frequency, phase, offset = float(amplitude), float(frequency), float(phase), float(offset)  # of one mechanism, not of many
+    h, time = 2.0 * math.pi / HARMONIC_PIECES, 1.0 / (frequency * HARMONIC_PIECES)
+    powers, quarters = np.arange(7), [0.5 * math.pi * order for _, order in ENDS]
+    matrix = np.array([[math.perm(k, order) * at ** (k - order) if k >= order else 0.0 for k in range(7)] for at, order in ENDS])
+    shares, scales, wanted = [at * h for at, _ in ENDS], [h**order for _, order in ENDS], []
     for piece in range(HARMONIC_PIECES):
-        angles = [piece * h + phase + at * h for at, _ in ends]
-        wanted = [h**order * math.sin(angle + 0.5 * math.pi * order) for angle, (_, order) in zip(angles, ends, strict=True)]
-        c = amplitude * np.linalg.solve(matrix, wanted)
-        c[0] += offset - amplitude * math.sin(phase)
-        rows.append(tuple(float(value) for value in c / time**powers))
-    return Polynomials(tuple(piece * time for piece in range(HARMONIC_PIECES)), tuple(rows), 1.0 / frequency)
+        begin = piece * h + phase
+        wanted.append([scale * math.sin(begin + share + quarter) for scale, share, quarter in zip(scales, shares, quarters, strict=True)])
+    c = amplitude * np.linalg.solve(np.broadcast_to(matrix, (HARMONIC_PIECES, 7, 7)), np.array(wanted)[:, :, None])[:, :, 0]
+    c[:, 0] += offset - amplitude * math.sin(phase)
+    rows = tuple(map(tuple, (c / time**powers).tolist()))
+    return Polynomials(tuple(piece * time for piece in range(HARMONIC_PIECES)), rows, 1.0 / frequency)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers
@@ -15,7 +16,9 @@ from ..model.functions import motion_function
 from ..model.mechanism import Mechanism
 from ..solvers.record import Record
 
-HALVINGS = 40  # of the time between a position that closes and one that does not
+Array = NDArray[np.float64]
+
+HALVINGS = 30  # of the time between a position that closes and one that does not
 LEAST = 50  # positions on the way
 
 
@@ -44,21 +47,33 @@ def end_of_reach(record: Record, until: float) -> str:
 def _last(mechanism: Mechanism, until: float, datum: Datum, count: int) -> tuple[float, tuple[str, ...]] | None:
     """Time of the last position that closes, and the joints that do not beyond it; None where all close."""
     guess, closed = ideal_motion(mechanism, datum=datum).position, 0.0
+    open_at: list[tuple[float, Array]] = []  # times at which it did not close, and the positions it came from
     for time in np.linspace(0.0, until, count + 1)[1:].tolist():
         try:
-            guess, closed = ideal_motion(mechanism, time, guess, datum=datum).position, time
-        except AssemblyError as error:
-            beyond, joints = time, error.joints
+            guess, closed = ideal_motion(mechanism, time, guess, datum=datum, named=False).position, time
+        except AssemblyError:
+            beyond = time
+            open_at.append((time, guess))
             break
     else:
         return None
     for _ in range(HALVINGS):
         middle = 0.5 * (closed + beyond)
         try:
-            guess, closed = ideal_motion(mechanism, middle, guess, datum=datum).position, middle
-        except AssemblyError as error:
-            beyond, joints = middle, error.joints or joints
-    return closed, joints
+            guess, closed = ideal_motion(mechanism, middle, guess, datum=datum, named=False).position, middle
+        except AssemblyError:
+            beyond = middle
+            open_at.append((middle, guess))
+    return closed, next((names for names in (_open(mechanism, *one, datum) for one in reversed(open_at)) if names), ())
+
+
+def _open(mechanism: Mechanism, time: float, guess: Array, datum: Datum) -> tuple[str, ...]:
+    """Joints that do not close at a time (s), from a position before."""
+    try:
+        ideal_motion(mechanism, time, guess, datum=datum)
+    except AssemblyError as error:
+        return error.joints
+    return ()
 
 
 def _moving(mechanism: Mechanism) -> dict[str, Driver]:

@@ -13,6 +13,8 @@ from .header import FIT_APPLICATION, FORMAT, MAP_APPLICATION, RUN_FILE, WEAR_APP
 from .tables import damaged, unwritten
 from .whole import whole
 
+SYNCHRONOUS = "NORMAL"  # what is complete is on the disk before a run goes on, though the machine should lose its power
+
 
 def run_file_at(path: str | Path) -> Path:
     """The run file that a path means. Raises RunFileError where there is none that this version reads."""
@@ -40,7 +42,7 @@ def connected(path: Path) -> sqlite3.Connection:
     """A connection that writes."""
     connection = sqlite3.connect(path, timeout=60.0, isolation_level=None)
     connection.execute("PRAGMA journal_mode = DELETE")
-    connection.execute("PRAGMA synchronous = NORMAL")
+    connection.execute(f"PRAGMA synchronous = {SYNCHRONOUS}")
     return connection
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -44,7 +43,7 @@ class RunFolder:
             self.made = (*((parent,) if not parent.exists() else ()), *self.made)
             parent.mkdir(parents=True, exist_ok=True)
         tidy(parent, name)
-        self.path = parent / f"{name}{STAGE}{secrets.token_hex(4)}"
+        self.path = parent / f"{name}{STAGE}{os.urandom(4).hex()}"
         self.path.mkdir()
         self.lock = Lock(self.path)
 

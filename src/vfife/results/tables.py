@@ -160,9 +160,12 @@ def damaged(file: Any, what: str, kind: str = "run") -> str:
 
 
 def unwritten(path: str, what: str, needed: int = 0) -> str:
-    """The sentence about a file that could not be written: what the system says, bytes that were needed and that are free."""
+    """The sentence about a file that could not be written: what the system says, and bytes that were needed and are free where it may be these."""
+    if any(word in what.lower() for word in ("readonly", "read-only", "permi")):
+        return f"{path}: {what}; you may not write to this file or its folder."
     free = free_bytes(Path(path))
-    room = "" if free is None else f" ({needed:,} bytes were to be written, {free:,} are free there)"
+    wanted = f"{needed:,} bytes were to be written, " if needed else ""
+    room = "" if free is None else f" ({wanted}{free:,} bytes are free there)"
     return f"{path}: {what}{room}; is the disk full, or the folder gone or read-only?"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -149,7 +149,7 @@ class Clearance(Distribution):
     def mean(self) -> float:
         """The lower limit and the integral of the probability of more."""
         low, high = (2.0 * end for end in self.limits)
-        nodes, weights = np.polynomial.legendre.leggauss(200)
+        nodes, weights = gauss(200)
         more = 1.0 - self._below(low + 0.5 * (high - low) * (nodes + 1.0))
         return 0.5 * (low + 0.5 * (high - low) * float(weights @ more) / (1.0 - self.without))
 
@@ -164,7 +164,7 @@ class Clearance(Distribution):
         half, other = 0.5 * self.fit.hole.width, 0.5 * self.fit.shaft.width
         s = d - 0.5 * (self.fit.least + self.fit.most)
         low, high = np.clip(-half - s, -other, other), np.clip(half - s, -other, other)
-        nodes, weights = np.polynomial.legendre.leggauss(NODES)
+        nodes, weights = gauss(NODES)
         y = low[:, None] + 0.5 * (high - low)[:, None] * (nodes + 1.0)
         inside = phi(SIGMAS) - phi(-SIGMAS)
         zy, zx = SIGMAS * y / other, SIGMAS * (s[:, None] + y) / half
@@ -236,6 +236,14 @@ def ordered(low: float, high: float) -> None:
 def phi(z: float) -> float:
     """The normal distribution function Φ."""
     return 0.5 * math.erfc(-z / math.sqrt(2.0))
+
+
+@cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Nodes and weights of a Gauss-Legendre rule over -1 to 1, which are read only."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes.flags.writeable = weights.flags.writeable = False
+    return nodes, weights
 
 
 def rounded(values: Array) -> Array:

@@ -1,0 +1,67 @@
+"""The ideal mechanism is followed once, however often and with whatever step a motion is asked for; what is another motion is followed anew."""
+
+from pathlib import Path
+
+import pytest
+
+from vfife.assembly import possible
+from vfife.errors import AssemblyError
+from vfife.modelfile import load
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.fixture
+def followed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of mechanisms that are followed, from nothing known on."""
+    found: list[str] = []
+    whole = possible.passage
+
+    def watched(mechanism, *given):
+        found.append(mechanism.name)
+        return whole(mechanism, *given)
+
+    monkeypatch.setattr(possible, "passage", watched)
+    monkeypatch.setattr(possible, "KNOWN", type(possible.KNOWN)())
+    return found
+
+
+def test_the_same_motion_is_followed_once(followed: list[str]) -> None:
+    path = EXAMPLES / "four_bar_case_c.toml"
+    first = possible.outlook(load(path), turns=1.0)
+    for set_ in ([("run.step", 1e-6)], [("run.outputs", 7), ("run.companions", 0)], [("run.turns", 1.0)]):
+        assert possible.outlook(load(path, set=set_), turns=1.0) is first
+    assert len(followed) == 1
+
+
+def test_another_motion_is_followed_anew(followed: list[str]) -> None:
+    path, mechanism = EXAMPLES / "four_bar_case_c.toml", load(EXAMPLES / "four_bar_case_c.toml")
+    possible.outlook(mechanism, turns=1.0)
+    possible.outlook(mechanism, turns=2.0)
+    for number in ("body.coupler.length", "driver.crank.speed", "joint.C.clearance", "ground.D.0"):
+        possible.outlook(load(path, set=[(number, 1.001 * value_at(mechanism, number))]), turns=1.0)
+    assert len(followed) == 6
+
+
+def value_at(mechanism, path: str) -> float:
+    kind, name, field = path.split(".")
+    noun = {"body": mechanism.bodies, "driver": mechanism.drivers, "joint": mechanism.joints, "ground": mechanism.points}[kind][name]
+    return noun[int(field)] if field.isdigit() else getattr(noun, field)
+
+
+def test_what_jams_is_told_each_time(followed: list[str]) -> None:
+    short = load(EXAMPLES / "four_bar_case_c.toml", set=[("body.coupler.length", 0.16)])
+    told = set()
+    for _ in range(2):
+        with pytest.raises(AssemblyError) as caught:
+            possible.outlook(short, turns=1.0)
+        told.add(str(caught.value))
+    assert len(told) == 1 and not possible.KNOWN
+
+
+def test_the_oldest_is_forgotten(followed: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(possible, "MOST_KNOWN", 2)
+    mechanism = load(EXAMPLES / "slider_crank.toml")
+    for turns in (1.0, 2.0, 3.0, 3.0, 1.0):
+        possible.outlook(mechanism, turns=turns)
+    assert len(possible.KNOWN) == 2 and len(followed) == 4
