@@ -8,11 +8,16 @@ four-bar also does its joints and its driver; its elements alone are counted.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from environments import Missing, run
+from limit import COMPILER, ask, compiled
 from measure import Options, Part, interleaved, seconds, table
 
 from vfife import Mechanism, Section
@@ -78,6 +83,17 @@ def speed(mechanism: Mechanism, loop: str, lanes: int, wanted: float) -> tuple[i
     return elements, timed
 
 
+@contextmanager
+def written_by_hand(steps: int) -> Iterator[dict[str, Callable[[], float]]]:
+    """A timed run of the C program of the part ``limit``, as given, in four lanes: seconds per step and simulation. Nothing without a compiler."""
+    if shutil.which(COMPILER) is None:
+        yield {}
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        program = compiled(Path(folder), "limit", 4)
+        yield {"c_4_lanes": lambda: 1e-9 * ask(program, steps)["ns"]}
+
+
 def others(options: Options, part: Part) -> dict[str, float]:
     """Element-steps per second of the scripts of others, case a, 22 elements."""
     found = {}
@@ -110,7 +126,8 @@ def measure(options: Options) -> Part:
     if widest() >= 8:
         models["generated_8_lanes_four_bar"] = four_bar(8), "generated", 8
     prepared = {name: speed(*model, size) for name, model in models.items()}
-    best = interleaved(3 if options.quick else 9, {name: timed for name, (_, timed) in prepared.items()})
+    with written_by_hand(200_000 if options.quick else 1_000_000) as c:
+        best = interleaved(3 if options.quick else 9, {name: timed for name, (_, timed) in prepared.items()} | c)
     rows: list[tuple[Any, ...]] = []
     for name, (mechanism, loop, lanes) in models.items():
         rate = 1.0 / best[name]
@@ -119,10 +136,16 @@ def measure(options: Options) -> Part:
             part.ratios[f"elastic.{name}"] = rate / TARGET[loop]
         if name == "generated_4_lanes_four_bar":
             part.ratios[f"elastic.{name}"] = rate / FOUR_BAR
+            if c:
+                part.ratios["elastic.four_bar_over_c_4_lanes"] = rate * best["c_4_lanes"]
         if name == "generated_8_lanes_four_bar":
             part.ratios["elastic.generated_8_over_4_lanes_four_bar"] = rate * best["generated_4_lanes_four_bar"]
         shown = f"{mechanism.name}, {prepared[name][0]} elements, {loop}, lanes: {lanes}"
         rows.append((shown, rate / 1e6, 1e9 * best[name]))
+    if c:
+        part.measured["c_4_lanes"] = {"ns_per_step_and_simulation": 1e9 * best["c_4_lanes"]}
+    else:
+        part.notes.append(f"elastic: no ratio to the C program, no C compiler here ({COMPILER} was looked for; CC names another)")
     if options.peers:
         vfife = part.measured["data_driven_four_bar"]["element_steps_per_s"]
         for name, rate in others(options, part).items():

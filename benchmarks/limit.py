@@ -34,14 +34,15 @@ COMPILER = os.environ.get("CC", "gcc")
 
 def build(folder: Path) -> dict[str, Path]:
     """Compiles every variant for one lane and for several."""
-    programs = {}
-    for name, switches in VARIANTS.items():
-        for lanes in WIDE:
-            out = folder / f"{name}_{lanes}"
-            options = [*switches, f"-DLANES={lanes}"]
-            subprocess.run([COMPILER, *options, str(SOURCE), "-o", str(out), "-lm"], check=True)
-            programs[out.name] = out
-    return programs
+    return {f"{name}_{lanes}": compiled(folder, name, lanes) for name in VARIANTS for lanes in WIDE}
+
+
+def compiled(folder: Path, variant: str, lanes: int) -> Path:
+    """Compiles a variant."""
+    out = folder / f"{variant}_{lanes}"
+    options = [*VARIANTS[variant], f"-DLANES={lanes}"]
+    subprocess.run([COMPILER, *options, str(SOURCE), "-o", str(out), "-lm"], check=True)
+    return out
 
 
 def ask(program: Path, steps: int) -> dict[str, float]:

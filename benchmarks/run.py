@@ -31,6 +31,7 @@ TARGETS: dict[str, tuple[str, float]] = {
     "elastic.data_driven": ("at least", 1.0),
     "elastic.generated_4_lanes": ("at least", 1.0),
     "elastic.generated_4_lanes_four_bar": ("at least", 1.0),
+    "elastic.four_bar_over_c_4_lanes": ("at least", 3.78),
     "elastic.generated_8_over_4_lanes_four_bar": ("at least", 1.7),
     "size.bar": ("at most", 1.5),
     "size.lattice": ("at most", 1.5),

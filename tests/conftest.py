@@ -95,6 +95,12 @@ def pytest_collection() -> Iterator[None]:
         gc.set_threshold(20_000, 10, 10)
 
 
+def pytest_sessionfinish() -> None:
+    """One last look at what nobody needs; pytest takes ten, at all that is left."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Puts the files of ``FIRST`` first, in its order, and all others in one order, wherever a process began."""
     rank = {name: k for k, name in enumerate(FIRST)}

@@ -171,6 +171,7 @@ def _unit_of_dimension(dimension: str) -> str:
     return dimension
 
 
+@functools.lru_cache(maxsize=4096)
 def _text(text: str, unit: str) -> float:
     """SI value of a text; the arithmetic is exact until the last rounding, so "0.2 mm" is 2e-4 to the bit."""
     tidy = " ".join(text.replace("**", "^").replace("μ", "µ").replace("²", "^2").replace("³", "^3").split())

@@ -99,7 +99,16 @@ def test_rows_that_functions_make_anew_are_not_the_same_in_each_step():
 
 
 def test_vectors_that_are_put_aside_keep_to_cache_lines():
-    """A stack begins at a multiple of 16 bytes; every other vector of 32 on it would lie in two lines of 64."""
+    """A stack begins at a multiple of 16 bytes; every other vector of 32 on it would lie in two lines of 64. Who enters aligns it for all."""
     for width in (1, 2, 4, 8):
-        lean, whole = (re.search(rf"@{name}\(.*$", llvm.written(CASE_C, width), re.M)[0] for name in ("lean", "whole"))
-        assert ('"stackrealign"' in lean) == ('"stackrealign"' in whole) == (width > 2)
+        for text in (llvm.written(CASE_C, width), *filter(None, llvm.apart_seldom(CASE_C, width))):
+            assert (f'"override-stack-alignment", i32 {8 * width}}}' in text) == (width > 2)
+            entered = re.findall(r"@(?:advance|stream)\(.*$", text, re.M)
+            assert all(('"stackrealign"' in head) == (width > 2) for head in entered)
+            assert text.count('"stackrealign"') == len(entered) * (width > 2)
+
+
+def test_what_is_put_aside_has_short_addresses():
+    """From a frame pointer they are a byte shorter than from the stack's: a seventh of the time of ten bodies in ideal joints."""
+    for width in (1, 4):
+        assert '"frame-pointer"="all"' in re.search(r"@lean\(.*$", llvm.written(CASE_C, width), re.M)[0]

@@ -9,7 +9,7 @@ import pytest
 import vfife
 from support import SQUARE, four_bar, with_settings
 from vfife.assembly.assemble import assemble
-from vfife.codegen import llvm, schedule
+from vfife.codegen import llvm, rereading, schedule
 from vfife.codegen.straight_line import about, trace
 from vfife.codegen.trace import OPERATORS, Trace, is_row
 from vfife.model.mechanism import Mechanism
@@ -52,6 +52,24 @@ def test_an_order_has_every_operation_once_and_after_its_operands(step: Trace, o
     assert sorted(operations) == sorted(step.operations)
     place = {operation.name: k for k, operation in enumerate(operations)}
     assert all(place[name] < k for k, operation in enumerate(operations) for name in operation.uses if name in place)
+
+
+def waiting(operations) -> int:
+    """Most numbers that wait for their use at one time."""
+    last = {name: k for k, operation in enumerate(operations) for name in operation.uses}
+    now = most = 0
+    for k, operation in enumerate(operations):
+        now += operation.name in last
+        most = max(most, now)
+        now -= sum(last[name] == k for name in set(operation.uses) if name.startswith("t"))
+    return most
+
+
+def test_elements_are_made_one_after_the_other():
+    """However many there are: begun all at once, 25 elements had 200 numbers that waited for their use, and ten 80."""
+    few, many = (rereading.steady(trace(assembled(bar(elements)).topology), ())[1] for elements in (10, 25))
+    for tested_first in (True, False):
+        assert waiting(schedule.ordered(many, tested_first)) <= waiting(schedule.ordered(few, tested_first)) < 90
 
 
 @pytest.mark.parametrize("step", STEPS.values(), ids=STEPS)

@@ -9,9 +9,11 @@ import numpy as np
 from differential.constrained import Unfit
 from differential.drawn import drawn
 from differential.pencil import Drawn
+from support import finer
 from vfife.analysis.forces import joint_force, joint_moment, joint_rows
 from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
 from vfife.model.validate import validate
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
@@ -84,9 +86,9 @@ def truth(one: Drawn, tight: float) -> dict[str, Array]:
     return found
 
 
-def taken(one: Drawn, steps: int, loop: str) -> Record:
-    """The package's run in a number of steps."""
-    record = run(assemble(one.m, one.duration / steps, duration=one.duration, outputs=1, force_step=True), loop=loop)  # type: ignore[arg-type]
+def taken(assembly: Assembly, loop: str) -> Record:
+    """The package's run."""
+    record = run(assembly, loop=loop)  # type: ignore[arg-type]
     assert record.status == "complete", record.status
     return record
 
@@ -109,7 +111,8 @@ def fitting(seed: int, family: str, often: int = 1) -> tuple[Drawn, dict[str, Ar
 def stepped(one: Drawn, exact: dict[str, Array], steps: int, loop: str) -> Compared:
     """The same by the package in a number of steps and in twice as many."""
     validate(one.m)
-    return Compared(one, exact, *(seen(one, taken(one, n * one.finer, loop)) for n in (steps, 2 * steps)))
+    coarse = assemble(one.m, one.duration / (steps * one.finer), duration=one.duration, outputs=1, force_step=True)
+    return Compared(one, exact, *(seen(one, taken(assembly, loop)) for assembly in (coarse, finer(coarse, 2))))
 
 
 def compared(seed: int, family: str, steps: int, loop: str = "data-driven", often: int = 1) -> Compared:

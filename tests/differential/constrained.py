@@ -193,18 +193,20 @@ class System:
         rows, rate, second, whose = [], [], [], []
         for one in self.constraints:
             for by_body, first, then in one.rows(s, t):
-                row = np.zeros((len(self.mass), 3))
-                for body, values in by_body.items():
-                    row[body] += values
-                rows.append(row[1:].ravel())
+                row = [0.0] * (3 * len(self.mass))
+                for body, (x, y, turn) in by_body.items():
+                    row[3 * body] += x
+                    row[3 * body + 1] += y
+                    row[3 * body + 2] += turn
+                rows.append(row[3:])
                 rate.append(first)
                 second.append(then)
                 whose.append(one.name)
         return np.array(rows).reshape(-1, 3 * (len(self.mass) - 1)), np.array(rate), np.array(second), whose
 
-    def solved(self, t: float, q: Array, v: Array) -> tuple[Array, Array, dict[str, Array], Now]:
-        """Accelerations, the forces of the constraints on the free coordinates, and the multipliers of each constraint."""
-        s = Now(np.vstack([np.zeros(3), q]), np.vstack([np.zeros(3), v]))
+    def moved(self, t: float, q: Array, v: Array, root: Array) -> tuple[Array, Array, Array, list[str], Now]:
+        """What ``root`` makes of the accelerations, its part that the constraints give, their scaled gradient, and whose its rows are."""
+        s = self._now(np.concatenate([q.ravel(), v.ravel()]), len(q))
         force = np.zeros((len(self.mass), 3))
         for one in self.forces:
             one(t, s, force)
@@ -212,20 +214,26 @@ class System:
             f, where, _ = touch.force(s)
             pushed(force, s, touch.b, where, f)
             pushed(force, s, touch.a, where, -f)
-        root, (g, _, second, whose) = self.root, self.gradient(s, t)
+        g, _, second, whose = self.gradient(s, t)
         free = force[1:].ravel() / root
         if not len(g):
-            return (free / root).reshape(-1, 3), np.zeros_like(q), {}, s
+            return free, np.zeros_like(free), g, whose, s
         scaled = g / root
         held, _, rank, sizes = np.linalg.lstsq(scaled, second - scaled @ free, rcond=SMALLEST_SINGULAR)
         self.regular = self.regular or float(sizes[rank - 1])
         if sizes[rank - 1] < STEADY * self.regular or np.abs(v).max() > FASTEST:
             raise Unfit
-        multipliers = np.linalg.lstsq(scaled.T, held, rcond=SMALLEST_SINGULAR)[0]
+        return free + held, held, scaled, whose, s
+
+    def solved(self, t: float, q: Array, v: Array) -> tuple[Array, Array, dict[str, Array], Now]:
+        """Accelerations, the forces of the constraints on the free coordinates, and the multipliers of each constraint."""
+        root = self.root
+        moved, held, scaled, whose, s = self.moved(t, q, v, root)
+        multipliers = np.linalg.lstsq(scaled.T, held, rcond=SMALLEST_SINGULAR)[0] if whose else ()
         found: dict[str, list[float]] = {}
         for name, value in zip(whose, multipliers, strict=True):
             found.setdefault(name, []).append(float(value))
-        return ((free + held) / root).reshape(-1, 3), (held * root).reshape(-1, 3), {k: np.array(x) for k, x in found.items()}, s
+        return (moved / root).reshape(-1, 3), (held * root).reshape(-1, 3), {k: np.array(x) for k, x in found.items()}, s
 
     def projected(self, v: Array, t: float = 0.0) -> Array:
         """The velocities nearest to ``v``, in the metric of the masses, that the constraints allow."""
@@ -248,11 +256,10 @@ class System:
         y = np.concatenate([np.array(self.q)[1:].ravel(), v.ravel()])
         longest = self.longest if self.touches else np.inf  # a longer one could pass over a contact
         stops = sorted({*times, *(b for b in self.breaks if b < max(times))})
-        found = {}
+        found, root = {}, self.root
 
         def rates(t: float, y: Array) -> Array:
-            acceleration = self.solved(t, y[: 3 * n].reshape(-1, 3), y[3 * n :].reshape(-1, 3))[0]
-            return np.concatenate([y[3 * n :], acceleration.ravel()])
+            return np.concatenate([y[3 * n :], self.moved(t, y[: 3 * n].reshape(-1, 3), y[3 * n :].reshape(-1, 3), root)[0] / root])
 
         def crossing(touch: Touch) -> Callable[[float, Array], float]:
             def depth(t: float, y: Array) -> float:
@@ -274,8 +281,9 @@ class System:
 
     @staticmethod
     def _now(y: Array, n: int) -> Now:
-        zero = np.zeros(3)
-        return Now(np.vstack([zero, y[: 3 * n].reshape(-1, 3)]), np.vstack([zero, y[3 * n :].reshape(-1, 3)]))
+        whole = np.zeros((2, n + 1, 3))
+        whole[:, 1:] = y.reshape(2, n, 3)
+        return Now(*whole)
 
 
 def pushed(force: Array, s: Now, body: int, where: complex, f: complex) -> None:

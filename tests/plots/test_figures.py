@@ -32,7 +32,7 @@ from vfife.study.worn import ANGLES, Asked, Surface, Worn
 
 @cache
 def run(name: str) -> Result:
-    return vfife.simulate(getattr(gallery, name)(), companions=0)
+    return vfife.simulate(getattr(gallery, name)(), companions=0, loop="data-driven")
 
 
 @cache
@@ -249,7 +249,7 @@ def test_surfaces_that_wear_are_drawn_around_themselves() -> None:
     m = gallery.four_bar_case_c()
     for name, wear in (("B", vfife.Wear(bearing=1e-17)), ("C", vfife.Wear(bearing=1e-17, journal=1e-18)), ("D", vfife.Wear())):
         m.joints[name] = dataclasses.replace(m.contacts[name], wear=wear)
-    result = vfife.simulate(m, companions=0)
+    result = vfife.simulate(m, companions=0, loop="data-driven")
     figure = result.plot("wear")["wear"]
     assert [ax.get_xlabel().partition(",")[0] for ax in figure.axes] == ["B: bearing", "C: bearing", "C: journal"]
     told = 1e6 * result.measures["C.journal_wear_depth.max"]
@@ -288,7 +288,7 @@ def test_long_names_are_cut_before_they_run_into_each_other() -> None:
     for k in range(3):
         m.link(f"{long}{k}", length=0.3, mass=0.2, angle=0.3 * k)
         m.revolute(f"j-{long}{k}", "ground.O" if k == 0 else f"{long}{k - 1}.end", f"{long}{k}.start")
-    result = vfife.simulate(m, duration=0.05, outputs=40, companions=0)
+    result = vfife.simulate(m, duration=0.05, outputs=40, companions=0, loop="data-driven")
     found = figures(result, names=["mechanism", "forces", "traces", "phase"])
     assert not {name: told for name, one in found.items() if (told := faults(one))}
     assert titles(found["forces"])[0].startswith("joint j-connecting rod") and titles(found["forces"])[0].endswith("…")

@@ -78,4 +78,4 @@ def test_an_angle_past_its_limit_is_named():
 def test_nothing_is_said_of_what_closes():
     m = slider_crank()
     m.drivers["push"] = ConstantSpeed(slider="S", speed=-0.05)
-    assert end_of_reach(simulate(m, step=1e-4, duration=0.1, outputs=5, reference=False).record, 0.1) == ""
+    assert end_of_reach(simulate(m, step=1e-4, duration=0.1, outputs=5, reference=False, loop="data-driven").record, 0.1) == ""

@@ -1,4 +1,4 @@
-"""Five hundred members on a cluster of which a process is killed every five seconds; and a member that kills each of its workers."""
+"""Five hundred members on a cluster of which a process is killed after every eighty that are done; and a member that kills each of its workers."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from vfife.study.planfile import understood
 pytestmark = [pytest.mark.soak, pytest.mark.skipif(find_spec("distributed") is None, reason="no distributed here")]
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
-EVERY = 5.0  # s
+EVERY = 80  # members between two kills
 RAW = {
     "measures": ["C.force.max", "C.impacts", "follower.angular_acceleration.max"],
-    "turns": 2,
+    "turns": 10,
     "method": "latin",
     "count": 500,
     "vary": {
@@ -38,27 +38,29 @@ RAW = {
 
 
 class Reaper(threading.Thread):
-    """Kills a worker every few seconds: a process that a nanny of this process has begun."""
+    """Kills a worker after every so many members of a study file: a process that a nanny of this process has begun."""
 
-    def __init__(self) -> None:
+    def __init__(self, path: Path) -> None:
         super().__init__(daemon=True)
-        self.ended, self.kills = threading.Event(), 0
+        self.path, self.ended, self.kills = path, threading.Event(), 0
 
     def run(self) -> None:
         draw = random.Random(1)
-        while not self.ended.wait(EVERY):
+        while not self.ended.wait(0.05):
+            if Study.open(self.path).counts["complete"] < EVERY * (self.kills + 1):
+                continue
             workers = sorted(one.pid for one in multiprocessing.active_children() if one.pid is not None)
             if workers:
                 os.kill(draw.choice(workers), signal.SIGKILL)
                 self.kills += 1
 
 
-def test_workers_killed_every_five_seconds_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
+def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
     plan, base = understood(RAW, "study", base=load_model(BASE))
     with carry.opened(tmp_path / "own.study", plan, base, "own") as file:
         assert carry.carry_out(file, base)
         own = carry.read_back(file)
-    reaper = Reaper()
+    reaper = Reaper(tmp_path / "far.study")
     with cluster("local", 2) as runner, carry.opened(tmp_path / "far.study", plan, base, "far") as file:
         reaper.start()
         assert carry.carry_out(file, base, runner=runner)

@@ -6,7 +6,7 @@
 ; zero, beside those that are counted. Q is room for two more copies of the state. Wherever look divides the number of steps made, lanes are
 ; watched; when
 ; the last of those that are looked at has broken, it is over, and rows of out that are left are as they were.
-define void @advance(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %outputs, i64 %parts, ptr noalias %shares, ptr noalias %out, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken) {
+define void @advance(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %outputs, i64 %parts, ptr noalias %shares, ptr noalias %out, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken) ENTERED {
 entry:
   br label %output
 output:
@@ -101,7 +101,7 @@ finished:
 ; up to count steps from step n0, not 0; each lane hands out rows of its own time. After due[w] steps the rows in kept of lane w are copied to
 ; out, of shape (lanes, room, keeping), as its output at[w]; its extremes start anew, and it is due again every[w] steps later. When a lane that
 ; at[w] has brought to stop[w], or one that broke, it is over; the number of steps made is returned.
-define i64 @stream(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %parts, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, ptr noalias %sound, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken, ptr noalias %due, ptr noalias %every, ptr noalias %at, ptr noalias %stop, i64 %room, ptr noalias %out) {
+define i64 @stream(ptr noalias %S, ptr noalias %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count, i64 %parts, ptr noalias %kept, i64 %keeping, ptr noalias %extremes, i64 %resetting, i64 %look, ptr noalias %sound, i64 %finite, ptr noalias %limited, i64 %limiting, ptr noalias %limits, ptr noalias %broken, ptr noalias %due, ptr noalias %every, ptr noalias %at, ptr noalias %stop, i64 %room, ptr noalias %out) ENTERED {
 entry:
   %last = add i64 %n0, %count
   br label %sooner

@@ -28,6 +28,7 @@ ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 ANSWER = "{ double, double, double, double }"  # of a polynomial
 FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step)"
 SHORT = 4000  # lines of a whole step that is worth being made fast
+STACK = 16  # bytes of which where a stack begins is a multiple
 FEW = 2  # lanes of a single run: an event takes no time there that anybody would notice
 COPY = 6_000  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
@@ -46,8 +47,7 @@ class Writer:
         self.suffix = "f64" if width == 1 else f"v{width}f64"
         self.constants: dict[str, str] = {}
         self.count = 0
-        # Vectors that are put aside do not straddle two cache lines; what is put aside of numbers has addresses that are a byte shorter.
-        self.framed = ' "stackrealign"' if width > 2 else ' "frame-pointer"="all"'
+        self.framed = ' "frame-pointer"="all"'  # what is put aside has addresses that are a byte shorter
 
     def kind(self, operand: Operand) -> str:
         """Type of an operand."""
@@ -363,13 +363,23 @@ def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> 
     w, stride = Writer(width), stride or width
     words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
     rows, solid = layout.rows * (directions + 1), stride == width  # whether rows lie one behind the other, with room behind the last
+    words["ENTERED"] = '"stackrealign"' if 8 * width > STACK else ""
     words |= {"CHUNK_STRIDE": LINE if solid else stride, "CHUNKS": padded(rows * width) // LINE if solid else rows}
     words |= {"CHUNK": f"<{LINE} x double>" if solid else w.number, "SPARE": padded(rows * width) if solid else rows * stride, "ROWS": rows}
     words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
     text = DRIVER.read_text()
     for word, value in words.items():
         text = text.replace(word, str(value))
-    return "\n".join([operators(width), lanes(width), text])
+    return "\n".join([operators(width), lanes(width), text, aligned(width)])
+
+
+def aligned(width: int) -> str:
+    """What a module says of its stack: vectors that are put aside do not straddle two cache lines. Who comes from outside has it aligned so."""
+    if 8 * width <= STACK:
+        return ""
+    return f"""!llvm.module.flags = !{{!0}}
+!0 = !{{i32 1, !"override-stack-alignment", i32 {8 * width}}}
+"""
 
 
 def operators(width: int) -> str:
@@ -410,7 +420,7 @@ def apart_seldom(topology: Topology, width: int, directions: int = 0) -> tuple[s
     seldom = [whole(long, width, bool(found), fast=False), resize(change, width)]
     often = [*_often(topology, width, directions, found, step), driver(layout, width, directions)]
     known = ["declare void @whole(ptr, ptr, i64, i64)", f"declare void @resize({', '.join(['ptr', *[w.number] * 3])})"]
-    return _public([*known, *often]), _public([operators(width), "declare void @functions(ptr, ptr, ptr, i64, i64)", *seldom])
+    return _public([*known, *often]), _public([operators(width), "declare void @functions(ptr, ptr, ptr, i64, i64)", *seldom, aligned(width)])
 
 
 def _public(texts: list[str]) -> str:

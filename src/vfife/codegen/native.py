@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import gc
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -73,6 +75,18 @@ def object_code(text: str, effort: int = EFFORT) -> bytes:
         module.verify()
         code: bytes = machine(effort).emit_object(module)
     return code
+
+
+@contextmanager
+def all_kept() -> Iterator[None]:
+    """Nobody looks for what could be thrown away: a text is made of a hundred thousand small things that stay until it is done."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def step_code(often: str, seldom: str) -> bytes:
@@ -223,6 +237,8 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Loaded
         from .llvm import apart_seldom
 
         cache.missed()
-        code = step_code(*apart_seldom(topology, width, directions))
+        with all_kept():
+            texts = apart_seldom(topology, width, directions)
+        code = step_code(*texts)
         cache.keep(name, code)
         return Loaded(code, width)

@@ -31,14 +31,16 @@ def reread(lines: Iterable[Line]) -> list[Line | Again]:
     used: dict[Operand, int] = {}
     out: list[Line | Again] = []
     for place, line in enumerate(lines):
-        if isinstance(line, Operation):
-            for name in line.uses:
-                if name in rows and place - used[name] > FAR:
-                    names[name] = f"r{len(out)}"
-                    out.append(Again(f"r{len(out)}", *rows[name]))
-                used[name] = place
-            line = Operation(line.name, line.operator, tuple(names.get(o, o) for o in line.operands))
-            used[line.name] = place
+        if type(line) is Operation:
+            name, operator, operands = line
+            for operand in operands:
+                if type(operand) is str:
+                    if operand in rows and place - used[operand] > FAR:
+                        names[operand] = f"r{len(out)}"
+                        out.append(Again(f"r{len(out)}", *rows[operand]))
+                    used[operand] = place
+            line = Operation(name, operator, tuple([names.get(o, o) for o in operands]))
+            used[name] = place
         elif isinstance(line, Load):
             rows[f"v{line.row}"], used[f"v{line.row}"] = (line.row, False), place
         elif isinstance(line, Store):

@@ -2,7 +2,8 @@
 
 A processor looks a few hundred instructions ahead; a step has more than a thousand. In the order of the data-driven loop (one joint after the
 other) it waits for roots and quotients with little else to do; ordered by the length of what still depends on a line, the same lines take
-two thirds of the time. Order changes no bit: every line is a single assignment.
+two thirds of the time. The elements of a frame wait less for themselves than for room in the processor: there the data-driven order, which has
+fewest numbers that wait for their use, is left only where its next line would have to wait. Order changes no bit: each line is one assignment.
 
 What the rare condition waits for comes before all else, and nothing is written before it is known: a step that must not be taken has changed
 nothing, so that nothing is ever undone.
@@ -11,7 +12,7 @@ nothing, so that nothing is ever undone.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Sequence
+from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
 from .trace import Operand, Operation, Trace, is_row
@@ -19,7 +20,9 @@ from .trace import Operand, Operation, Trace, is_row
 FORWARD = 8  # cycles from a store to a load of the same row
 WIDTH = 3  # lines begun in a cycle
 WINDOW = 100  # lines that are looked at in search of the next, in a step of more than SHORT lines; in a shorter one all of them are
-SHORT = 1600
+SHORT = 1600  # lines, as many as a processor keeps decoded: the code of a longer step is fetched, and its length counts more than waiting
+STEPS = 3  # over which it is counted what waits for a line
+URGENT = 400  # cycles, over as many steps, by which what waits for a line is shorter than all steps at the most
 CYCLES = {"sqrt": 21, "/": 13}  # rough latency, 3 of all others
 
 
@@ -51,9 +54,9 @@ def remaining(trace: Trace) -> dict[str, int]:
     for number, value in trace.stores.items():
         rows.setdefault(value, []).append(f"v{number}")
     after: dict[str, int] = {}
-    backwards = [(o.name, tuple(set(o.uses)), CYCLES.get(o.operator, 3), rows.get(o.name, ())) for o in reversed(trace.operations)]
+    backwards = [(o.name, tuple(set(trace.uses[o.name])), CYCLES.get(o.operator, 3), rows.get(o.name, ())) for o in reversed(trace.operations)]
     loads: dict[str, int] = {}
-    for _ in range(3):
+    for _ in range(STEPS):
         later: dict[str, int] = {}
         for name, uses, cycles, stored in backwards:
             most = later.get(name, 0)
@@ -68,86 +71,125 @@ def remaining(trace: Trace) -> dict[str, int]:
 
 
 def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
-    """List scheduling: of the operations whose operands are there, the one with most behind it first; before it, all that the test waits for.
+    """List scheduling: of the operations whose operands are there, the most urgent first, then the next of the streamed order.
 
-    Where results go to another copy of the state, nothing has to wait for the test, and it comes when it may (not ``tested_first``).
+    Urgent is what has so much behind it that the steps would take longer if it waited: longer than what waits for one another in them, or than
+    ``WIDTH`` lines a cycle allow. A chain of rigid bodies is ordered by that alone. The elements of a frame are made one after the other, and
+    of the next as much as is needed for not waiting: by what is behind them, all would be begun at once and be put aside for want of registers,
+    which takes half as long again. In a long step only so many operations ahead are looked at, so that fewer are put aside.
 
-    In a long step only so many operations ahead of the streamed order are looked at: in a frame, what has most behind it would otherwise be made
-    for all elements at once and be put aside for want of registers, which takes half as long again. A short one is up to a fifth quicker without.
+    Before all this comes what the test waits for. Where results go to another copy of the state, nothing has to wait for the test, and it comes
+    when it may (not ``tested_first``).
     """
     operations = streamed(trace, tested_first)
     place = {operation.name: k for k, operation in enumerate(operations)}
     after = remaining(trace)
     most = [after[operation.name] for operation in operations]
-    for k in _ahead(operations, place, trace.rare) if tested_first else ():
+    allowed = max(max(most, default=0), STEPS * len(operations) // WIDTH) - URGENT
+    for k in _ahead(trace, place) if tested_first else ():
         most[k] += 1 << 30
     missing = [0] * len(operations)
     users: list[list[int]] = [[] for _ in operations]
+    takes = [CYCLES.get(operation.operator, 3) for operation in operations]
     for k, operation in enumerate(operations):
-        for name in set(operation.uses) & place.keys():
-            missing[k] += 1
-            users[place[name]].append(k)
+        for name in set(trace.uses[operation.name]):
+            at = place.get(name)
+            if at is not None:
+                missing[k] += 1
+                users[at].append(k)
     begin = [0] * len(operations)  # cycle at which an operation's operands are there
-    ready: list[tuple[int, int]] = []
-    coming: list[tuple[int, int]] = []
-    done = [False] * len(operations)
+    waiting = Waiting(most, allowed)
     result: list[Operation] = []
     low = high = cycle = 0
-    window = WINDOW if len(operations) > SHORT else len(operations)
-    while len(result) < len(operations):
-        while low < len(operations) and done[low]:
+    count = len(operations)
+    window = WINDOW if count > SHORT else count
+    while len(result) < count:
+        while low < count and waiting.done[low]:
             low += 1
-        while high < min(low + window, len(operations)):
+        while high < min(low + window, count):
             if not missing[high]:
-                heapq.heappush(coming, (begin[high], high))
+                waiting.put(high, begin[high])
             high += 1
-        while coming and coming[0][0] <= cycle:
-            k = heapq.heappop(coming)[1]
-            heapq.heappush(ready, (-most[k], k))
-        for _ in range(min(WIDTH, len(ready))):
-            k = heapq.heappop(ready)[1]
+        for k in waiting.taken(cycle):
             result.append(operations[k])
-            done[k] = True
+            there = cycle + takes[k]
             for user in users[k]:
                 missing[user] -= 1
-                begin[user] = max(begin[user], cycle + CYCLES.get(operations[k].operator, 3))
+                if begin[user] < there:
+                    begin[user] = there
                 if not missing[user] and user < high:
-                    heapq.heappush(coming, (begin[user], user))
+                    waiting.put(user, begin[user])
         cycle += 1
     return result
 
 
+class Waiting:
+    """Operations, by number, whose operands are there or will be. ``most`` is behind each; at cycle n it is urgent from ``allowed`` - n on."""
+
+    def __init__(self, most: list[int], allowed: int) -> None:
+        self.most, self.allowed = most, allowed
+        self.done = [False] * len(most)
+        self.coming: list[tuple[int, int]] = []
+        self.streamed: list[int] = []
+        self.urgent: list[tuple[int, int]] = []  # the same operations
+
+    def put(self, k: int, begin: int) -> None:
+        """Operation k may begin at a cycle."""
+        heapq.heappush(self.coming, (begin, k))
+
+    def taken(self, cycle: int) -> Iterator[int]:
+        """Those that begin in a cycle."""
+        while self.coming and self.coming[0][0] <= cycle:
+            k = heapq.heappop(self.coming)[1]
+            heapq.heappush(self.streamed, k)
+            heapq.heappush(self.urgent, (-self.most[k], k))
+        for _ in range(WIDTH):
+            while self.urgent and self.done[self.urgent[0][1]]:
+                heapq.heappop(self.urgent)
+            while self.streamed and self.done[self.streamed[0]]:
+                heapq.heappop(self.streamed)
+            if not self.streamed:
+                return
+            pressing = cycle - self.urgent[0][0] >= self.allowed
+            k = heapq.heappop(self.urgent)[1] if pressing else heapq.heappop(self.streamed)
+            self.done[k] = True
+            yield k
+
+
 def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
     """Each operation just before it is needed: first all that the test waits for, then result after result, element by element."""
-    operations = trace.operations
+    operations, uses = trace.operations, trace.uses
     place = {operation.name: k for k, operation in enumerate(operations)}
-    used = {name for operation in operations for name in operation.uses}
-    ends = [k for k, operation in enumerate(operations) if operation.name not in used]
+    before = [[at for name in reversed(uses[operation.name]) if (at := place.get(name)) is not None] for operation in operations]
+    used = {k for places in before for k in places}
+    ends = [k for k in range(len(operations)) if k not in used]
     done = [False] * len(operations)
     result: list[Operation] = []
-    for end in [*(sorted(_ahead(operations, place, trace.rare)) if tested_first else ()), *ends]:
+    for end in [*(sorted(_ahead(trace, place)) if tested_first else ()), *ends]:
         waiting = [(end, False)]
         while waiting:
             k, complete = waiting.pop()
-            if complete and not done[k]:
+            if done[k]:
+                continue
+            if complete:
                 done[k] = True
                 result.append(operations[k])
-            elif not done[k]:
+            else:
                 waiting.append((k, True))
-                waiting += [(place[name], False) for name in reversed(operations[k].uses) if name in place and not done[place[name]]]
+                waiting += [(at, False) for at in before[k] if not done[at]]
     return result
 
 
-def _ahead(operations: Sequence[Operation], place: dict[str, int], rare: Operand) -> set[int]:
-    """The operations that the rare condition waits for."""
+def _ahead(trace: Trace, place: dict[str, int]) -> set[int]:
+    """The operations that the rare condition waits for, by their ``place``."""
     found: set[int] = set()
-    waiting = [rare]
+    waiting = [trace.rare]
     while waiting:
         name = waiting.pop()
         k = place.get(name, -1) if isinstance(name, str) else -1
         if k >= 0 and k not in found:
             found.add(k)
-            waiting += operations[k].uses
+            waiting += trace.uses[str(name)]
     return found
 
 
@@ -160,9 +202,15 @@ class Lines(list[Line]):
 
     def read(self, name: Operand) -> None:
         """A row is read where it is first asked for."""
-        if isinstance(name, str) and is_row(name) and name not in self.there:
-            self.there.add(name)
-            self.append(Load(int(name[1:])))
+        if isinstance(name, str):
+            self.reads((name,))
+
+    def reads(self, names: tuple[str, ...]) -> None:
+        """Those of several names that are rows."""
+        for name in names:
+            if name[0] == "v" and name not in self.there:
+                self.there.add(name)
+                self.append(Load(int(name[1:])))
 
 
 def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
@@ -176,8 +224,7 @@ def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
     out = Lines()
 
     for operation in operations:
-        for name in operation.uses:
-            out.read(name)
+        out.reads(trace.uses[operation.name])
         out.append(operation)
         out += [Store(row, operation.name) for row in rows.pop(operation.name, ())]
     for value, left in rows.items():  # numbers, and rows that take the place of others
@@ -188,7 +235,7 @@ def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
 
 def woven(trace: Trace, operations: list[Operation]) -> list[Line]:
     """Operations with each row read where it is first used, and written, behind the test, as soon as its old value is no longer needed."""
-    last = {name: k for k, operation in enumerate(operations) for name in operation.uses if is_row(name)}
+    last = {name: k for k, operation in enumerate(operations) for name in trace.uses[operation.name] if name[0] == "v"}
     place = {operation.name: k for k, operation in enumerate(operations)}
     test = place[trace.rare] if isinstance(trace.rare, str) else -1
     due: dict[int, list[int]] = {}
@@ -202,8 +249,7 @@ def woven(trace: Trace, operations: list[Operation]) -> list[Line]:
     out = Lines()
 
     for k, operation in enumerate(operations):
-        for name in operation.uses:
-            out.read(name)
+        out.reads(trace.uses[operation.name])
         out.append(operation)
         if k == test:
             out.append(Test(trace.rare))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from ..errors import Path
@@ -52,18 +53,15 @@ class Table:
         """Whether a driver acts along a line."""
         return self.target in ("slider", "point")
 
-    @functools.cached_property
-    def fields(self) -> dict[str, Field]:
+    @property
+    def fields(self) -> Mapping[str, Field]:
         """Fields by key."""
-        found = {key_of(field, self.along): field for field in described_fields(self.noun)}
-        strange = {key for target, keys in TARGETS.items() if target != self.target for key in keys} if self.target else set()
-        return {key: field for key, field in found.items() if key not in strange}
+        return fields_of(self.noun, self.target, self.along)
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Every key."""
-        beside = (CSV,) if getattr(self.noun, "tabled", False) else ()
-        return tuple(dict.fromkeys((*((self.tag,) if self.tag else ()), *self.fields, *getattr(self.noun, "shapes", ()), *beside)))
+        return keys_of(self)
 
     @property
     def needed(self) -> tuple[str, ...]:
@@ -87,14 +85,33 @@ class Table:
         return () if word in only or word not in chooser.metadata["choices"] else tuple(only)
 
 
+@functools.lru_cache(maxsize=512)
+def fields_of(noun: Any, target: str, along: bool) -> Mapping[str, Field]:
+    """Fields of a noun by key, of a driver those for what it drives; asked of the same nouns for every table of a file, and of every other file."""
+    found = {key_of(field, along): field for field in described_fields(noun)}
+    strange = {key for other, keys in TARGETS.items() if other != target for key in keys} if target else set()
+    return MappingProxyType({key: field for key, field in found.items() if key not in strange})
+
+
+@functools.lru_cache(maxsize=512)
+def keys_of(what: Table) -> tuple[str, ...]:
+    """Every key of a table."""
+    tag, beside = (what.tag,) if what.tag else (), (CSV,) if getattr(what.noun, "tabled", False) else ()
+    return tuple(dict.fromkeys((*tag, *what.fields, *getattr(what.noun, "shapes", ()), *beside)))
+
+
 def tables(section: str) -> tuple[Table, ...]:
     """The kinds of table that a section has: of whatever is registered."""
+    registered = FAMILIES[section][0].registry if section in FAMILIES else Driver.registry
+    return _tables(section, tuple(registered.items()))
+
+
+@functools.lru_cache(maxsize=64)
+def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Table, ...]:
     if section in FAMILIES:
-        base, plain = FAMILIES[section]
-        words = tuple(base.registry)
-        return tuple(
-            Table(noun, "kind", word, noun is plain, tuple(other for other in words if other != word)) for word, noun in base.registry.items()
-        )
+        plain = FAMILIES[section][1]
+        words = tuple(word for word, _ in registered)
+        return tuple(Table(noun, "kind", word, noun is plain, tuple(other for other in words if other != word)) for word, noun in registered)
     if section == "body":
         words = (*LINK_MODELS, "particle", "frame")
         return tuple(
@@ -103,7 +120,7 @@ def tables(section: str) -> tuple[Table, ...]:
     if section == "material":
         return (Table(Material, whole=True),)
     if section == "driver":
-        return tuple(Table(noun, target=target) for noun in Driver.registry.values() for target in TARGETS if target in noun.drives)
+        return tuple(Table(noun, target=target) for _, noun in registered for target in TARGETS if target in noun.drives)
     known = {"gear": Gear, "run": Settings, "start": StartSettings}
     return (Table(known[section]),) if section in known else ()
 
