@@ -39,16 +39,22 @@ FUSED = re.compile(r"\bvfn?m(add|sub)")
 BASELINE, SSE4, AVX2, AVX512 = "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4"
 
 
+def forgotten() -> None:
+    """No step is there already, nor a piece of one."""
+    native.straight_line.cache_clear()
+    native._shared.cache_clear()
+
+
 @pytest.fixture
 def code_for(monkeypatch):
     """Has steps compiled for another processor of this kind."""
 
     def use(name: str) -> None:
         monkeypatch.setattr(native, "processor", lambda: (name, ""))
-        native.straight_line.cache_clear()
+        forgotten()
 
     yield use
-    native.straight_line.cache_clear()
+    forgotten()
 
 
 @pytest.mark.parametrize("lanes", [2, 4, 8])
@@ -97,12 +103,19 @@ def test_code_with_avx_512(name, eight_wide):
     assert golden.digest(name, "generated", companions=7) == golden.known(name)
 
 
+MEMBERS = [four_bar("BCD", clearance=2e-4 * (1 + 0.05 * k)) for k in range(12)]
+
+
+@pytest.fixture
+def alone():
+    """What members are by themselves, in this processor's own code."""
+    return [run(assemble(one, 4e-6, turns=1, outputs=40), loop="data-driven").rows.tobytes() for one in MEMBERS]
+
+
 @X86
-def test_members_with_avx_512(eight_wide):
-    """Members that begin and end on their own in eight lanes are what each is in one, in this processor's own code."""
-    made = [four_bar("BCD", clearance=2e-4 * (1 + 0.05 * k)) for k in range(12)]
-    found = [one.last.rows.tobytes() for one in ensemble(made, step=4e-6, turns=1, outputs=40, lanes=8, workers=1)]
-    assert found == [run(assemble(one, 4e-6, turns=1, outputs=40), loop="data-driven").rows.tobytes() for one in made]
+def test_members_with_avx_512(alone, eight_wide):
+    """Members that begin and end on their own in eight lanes."""
+    assert [one.last.rows.tobytes() for one in ensemble(MEMBERS, step=4e-6, turns=1, outputs=40, lanes=8, workers=1)] == alone
 
 
 @X86
@@ -126,9 +139,9 @@ def aarch64(monkeypatch):
         "Loaded": loading(arm.processor),
     }.items():
         monkeypatch.setattr(native, name, value)
-    native.straight_line.cache_clear()
+    forgotten()
     yield
-    native.straight_line.cache_clear()
+    forgotten()
 
 
 @pytest.mark.parametrize("lanes", [1, 2])

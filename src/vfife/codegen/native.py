@@ -93,14 +93,14 @@ def all_kept() -> Iterator[None]:
 
 
 @lru_cache(maxsize=8)
-def _shared(text: str) -> bytes:
-    """Object code of what all steps of a width share."""
+def _shared(text: str, _: tuple[str, str]) -> bytes:
+    """Object code of what all steps of a width share, for a processor."""
     return object_code(text)
 
 
 def step_code(pieces: Pieces) -> bytes:
     """Object code of a step, each piece behind its length."""
-    codes = _shared(pieces.shared), object_code(pieces.often), object_code(pieces.seldom, SELDOM if pieces.hurried else EFFORT)
+    codes = _shared(pieces.shared, processor()), object_code(pieces.often), object_code(pieces.seldom, SELDOM if pieces.hurried else EFFORT)
     return b"".join(len(code).to_bytes(8, "little") + code for code in codes)
 
 
