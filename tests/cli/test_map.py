@@ -16,7 +16,7 @@ BRIEF = ("--count", 2, "--turns", 3, "--drop", 1, "--step", "10 us", "--set", "j
 
 
 def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
-    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--csv", "a.csv")
+    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "--companions", 1, "-o", "a.map", "--csv", "a.csv")
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert "Chaos was found " in done.stdout and "On the way down: " in done.stdout

@@ -12,6 +12,7 @@ import pytest
 
 from fake_card import FakeDriver, in_this_machine
 from study.studies import BASE, Closed
+from vfife.cli import forecast, searchcost
 from vfife.study import carry, cluster
 from vfife.study.distributions import of_fit
 
@@ -43,6 +44,8 @@ def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, and v = 100 where the speed is not varied."""
     found = Closed()
     monkeypatch.setattr(carry, "run_members", found)
+    monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
+    monkeypatch.setattr(searchcost, "SHARES", (0.25, 0.75))
     return found
 
 

@@ -14,6 +14,7 @@ import pytest
 
 from fake_card import FakeDriver, in_this_machine
 from study.studies import ASKED, Closed
+from vfife.cli import forecast
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
 from vfife.study import carry, cluster, more, studies
@@ -35,6 +36,7 @@ members = 4
 def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
     found = Closed()
     monkeypatch.setattr(carry, "run_members", found)
+    monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
     (tmp_path / "s.toml").write_text(ASKED)
     return found
 

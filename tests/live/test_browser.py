@@ -81,7 +81,7 @@ def outputs_of(page, until: int) -> np.ndarray:
 def bits_of(both, until: int) -> np.ndarray:
     """What Python makes of the same outputs."""
     own = both.own
-    runner = Runner(own.topology, own.state[:, None], own.tables, "generated", recorded_rows(own), parts=own.mechanism.settings.parts)
+    runner = Runner(own.topology, own.state[:, None], own.tables, "data-driven", recorded_rows(own), parts=own.mechanism.settings.parts)
     rows = np.concatenate([runner.advance(1, 1), runner.advance(own.choice.outputs_every, until)])[:, :, 0]
     return np.ascontiguousarray(rows).view(np.uint64)  # the page keeps more behind these
 

@@ -37,7 +37,7 @@ def test_a_cell_shows_the_page_and_keeps_it_apart(tmp_path):
 
 
 def test_a_result_runs_with_its_step():
-    result = vfife.simulate(gallery.four_bar_case_b(), turns=0.02, step=2e-6, companions=0, reference=False)
+    result = vfife.simulate(gallery.four_bar_case_b(), turns=0.02, step=2e-6, companions=0, reference=False, loop="data-driven")
     given = scripts_of(result.live().page)
     assert given["step"] == result.record.assembly.choice.step and given["slides"] == []
 

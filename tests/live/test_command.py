@@ -23,7 +23,7 @@ def test_a_model_becomes_a_page(tmp_path):
 
 
 def test_a_run_becomes_a_page_with_its_step(tmp_path):
-    result = simulate(gallery.four_bar_case_b(), turns=0.05, step=2e-6, companions=0, reference=False)
+    result = simulate(gallery.four_bar_case_b(), turns=0.05, step=2e-6, companions=0, reference=False, loop="data-driven")
     result.save(tmp_path / "run.sqlite")
     done = told(tmp_path / "run.sqlite", "-o", tmp_path / "page.html", "--no-sliders")
     assert done.exit_code == 0, done.output

@@ -27,7 +27,7 @@ pytestmark = needs_node
 def steps_of(assembly, outputs: int) -> np.ndarray:
     """Rows that Python keeps, shape (outputs, rows)."""
     kept = recorded_rows(assembly)
-    runner = Runner(assembly.topology, assembly.state[:, None], assembly.tables, "generated", kept, parts=assembly.mechanism.settings.parts)
+    runner = Runner(assembly.topology, assembly.state[:, None], assembly.tables, "data-driven", kept, parts=assembly.mechanism.settings.parts)
     return np.concatenate([runner.advance(1, 1), runner.advance(assembly.choice.outputs_every, outputs - 1)])[:, :, 0]
 
 
@@ -90,7 +90,7 @@ COMPARED = [("four_bar_case_c", 1.0), ("slider_crank_loose_guide", 0.5), ("elast
 def test_peaks_and_energies_are_those_of_a_run(name, turns, tmp_path):
     """Peaks from the extremes of every step: the same numbers; the ledger and forces at the end of the run to round-off."""
     mechanism = with_settings(mechanisms.beads(), duration=0.004, outputs=80) if name == "beads" else getattr(gallery, name)()
-    result = simulate(mechanism, turns=turns, companions=0)
+    result = simulate(mechanism, turns=turns, companions=0, loop="data-driven")
     record, measures = result.record, result.measures
     found = run_by_node(page_of(mechanism), TURNS % len(record.steps), tmp_path)
     (shown,) = found["turns"]
@@ -163,7 +163,7 @@ def test_names_of_javascript_are_names_like_others(tmp_path):
     mechanism = gallery.four_bar_case_b()
     strange = ("constructor", "__proto__", "toString", "7")
     mechanism.joints = {new: dataclasses.replace(joint, name=new) for new, joint in zip(strange, mechanism.joints.values(), strict=True)}
-    result = simulate(mechanism, turns=0.1, companions=0, reference=False)
+    result = simulate(mechanism, turns=0.1, companions=0, reference=False, loop="data-driven")
     page = page_of(mechanism, step=result.record.assembly.choice.step)
     found = run_by_node(
         page, TURNS.replace("shown, start", "shown.map((one) => Object.entries(one.force)), start") % len(result.record.steps), tmp_path

@@ -24,7 +24,7 @@ CLEARANCE = gallery.slider_crank_loose_pin().clearances["pin"].clearance
 
 @cache
 def run() -> Result:
-    return vfife.simulate(gallery.slider_crank_loose_pin(), turns=0.25, outputs=360, companions=0)
+    return vfife.simulate(gallery.slider_crank_loose_pin(), turns=0.25, outputs=360, companions=0, loop="data-driven")
 
 
 @cache

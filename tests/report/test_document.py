@@ -46,7 +46,7 @@ class Page(HTMLParser):
 def run() -> Result:
     mechanism = gallery.four_bar_case_c()
     mechanism.name = NAME
-    return vfife.simulate(mechanism, turns=0.25, outputs=90, companions=0)
+    return vfife.simulate(mechanism, turns=0.25, outputs=90, companions=0, loop="data-driven")
 
 
 @cache
@@ -103,7 +103,7 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
     kept = dump(load(path))
     assert "It gives the numbers above." in as_given(kept, str(path))
-    result = vfife.simulate(load(path), turns=0.01, companions=0, reference=False)
+    result = vfife.simulate(load(path), turns=0.01, companions=0, reference=False, loop="data-driven")
     result.report(tmp_path / "report.html", running=False)
     said = (tmp_path / "report.html").read_text("utf-8")
     assert "Read from given.toml." in said and "given.toml as it reads now" in said and str(tmp_path) not in said and "<iframe" not in said

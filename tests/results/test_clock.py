@@ -66,7 +66,7 @@ def swung() -> Mechanism:
 
 def ends(mechanism: Mechanism, duration: float, start: object = None) -> tuple[vfife.Result, np.ndarray]:
     """A run, and its positions and velocities at the end."""
-    result = vfife.simulate(mechanism, duration=duration, outputs=10, step=1e-5, start=start, companions=0, reference=False)
+    result = vfife.simulate(mechanism, duration=duration, outputs=10, step=1e-5, start=start, companions=0, reference=False, loop="data-driven")
     assert result.record.status == "complete"
     bodies = [particle(result.record, name) for name in mechanism.bodies]
     return result, np.array([[p[axis][-1] for axis in ("x", "y", "theta", "u", "v", "w")] for p in bodies])

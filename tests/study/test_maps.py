@@ -9,7 +9,7 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
 from vfife.study.kept import load_map
-from vfife.study.looks import unit_at
+from vfife.study.looks import step_count, unit_at
 from vfife.study.maps import bifurcation
 
 EXAMPLES = "examples"
@@ -32,7 +32,7 @@ def oscillator(damping: float = 1.2) -> vfife.Mechanism:
 
 def test_a_damped_oscillator_forgets_as_its_closed_form_says():
     """Differences die with exp(-c t / 2 m), whatever the start: the exponent of a turn is -c T / 2 m."""
-    found = bifurcation(oscillator(), "spring.spring.damping", 1.0, 2.0, count=3, turns=40, dropped=20, step=2e-4, series=["block.x"])
+    found = bifurcation(oscillator(), "spring.spring.damping", 1.0, 2.0, count=3, turns=40, dropped=20, step=2e-4, series=["block.x"], companions=0)
     for way in range(2):
         for k, damping in enumerate((1.0, 1.5, 2.0)):
             assert found.exponents[way, k, 0] == pytest.approx(-damping / 4.0 * 2.0 * math.pi / SPEED, rel=0.03)
@@ -43,7 +43,7 @@ def loose() -> vfife.Mechanism:
     return load(f"{EXAMPLES}/slider_crank_loose_pin.toml", set=[("joint.pin.contact.restitution", 0.3)])
 
 
-GIVEN = {"count": 3, "turns": 4, "dropped": 2, "step": 1e-5}
+GIVEN = {"count": 3, "turns": 4, "dropped": 2, "step": 1e-5, "companions": 0}
 
 
 def test_the_first_value_is_the_run_of_its_own() -> None:
@@ -73,24 +73,25 @@ def test_a_phase_is_so_much_of_a_turn_later() -> None:
 
 def test_a_map_goes_on_where_it_was_broken_off(tmp_path) -> None:
     """To the bit; what asks something else is not touched."""
-    whole = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN, file=tmp_path / "whole.map")
+    given = {**GIVEN, "companions": 1}
+    whole = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **given, file=tmp_path / "whole.map")
 
     def stop(done: int, count: int) -> None:
         if done == 1:
             raise KeyboardInterrupt
 
-    part = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN, file=tmp_path / "a.map", progress=stop)
+    part = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **given, file=tmp_path / "a.map", progress=stop)
     assert part.done == 1 and np.isnan(part.points["pin.force_max"][0, 1:]).all()
     calls = []
-    rest = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN, file=tmp_path / "a.map", progress=lambda *at: calls.append(at))
+    rest = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **given, file=tmp_path / "a.map", progress=lambda *at: calls.append(at))
     assert calls == [(2, 3), (3, 3)]
     again = load_map(tmp_path / "a.map")
     for found in (rest, again):
         assert all(np.array_equal(found.points[name], whole.points[name]) for name in whole.points)
-        assert np.array_equal(found.exponents, whole.exponents) and found.kinds == whole.kinds
+        assert np.array_equal(found.exponents, whole.exponents) and found.kinds == whole.kinds and found.companions == whole.companions
     before = (tmp_path / "a.map").read_bytes()
     with pytest.raises(VfifeError, match="asks something else"):
-        bifurcation(loose(), "joint.pin.clearance", 2e-4, 4e-4, **GIVEN, file=tmp_path / "a.map")
+        bifurcation(loose(), "joint.pin.clearance", 2e-4, 4e-4, **given, file=tmp_path / "a.map")
     assert (tmp_path / "a.map").read_bytes() == before
 
 
@@ -133,3 +134,10 @@ def test_a_number_has_its_unit_wherever_it_stands() -> None:
     assert {path: unit_at(oscillator(), path) for path in places} == places
     with pytest.raises(ValueError, match="density"):
         unit_at(oscillator(), "material.steel.densty")
+
+
+def test_steps_are_counted_anew_for_another_question() -> None:
+    """What is known of one model is not said of another, nor of another step."""
+    one, stiff = (load(f"{EXAMPLES}/slider_crank_loose_pin.toml", set=[("joint.pin.contact.stiffness", value)]) for value in (1e9, 4e9))
+    counts = [step_count([model], step) for model, step in ((one, None), (stiff, None), (one, 1e-5), (one, None))]
+    assert counts[0] == counts[3] and counts[1] > 1.5 * counts[0] and counts[2] == math.ceil(2e3 * math.pi)

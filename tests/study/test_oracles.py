@@ -12,7 +12,7 @@ from vfife.verification.chaotic import DRIVE, doubling, duffing, exact_hops, ste
 
 def test_uedas_exponent_is_the_published_one():
     """x'' + 0.05 x' + x^3 = 7.5 cos t: 0.1034 a unit of time (Sprott, Chaos and Time-Series Analysis, 2003)."""
-    given = {"turns": 300, "dropped": 50, "series": ["block.x"], "step": 2.0 * math.pi / 300}
+    given = {"turns": 300, "dropped": 50, "series": ["block.x"], "step": 2.0 * math.pi / 300, "companions": 0}
     found = bifurcation(duffing(7.5, 0.05, 0.0, 1.0), DRIVE, 7.499, 7.5, count=2, **given)
     assert found.exponents[..., 0].mean() / (2.0 * math.pi) == pytest.approx(0.1034, rel=0.05)
     assert all(kind == "chaotic" for way in found.kinds for kind in way)
@@ -22,7 +22,8 @@ def test_uedas_exponent_is_the_published_one():
 def test_the_two_wells_have_the_published_periods(drive, said):
     """x'' + 0.3 x' - x + x^3 = d cos 1.2 t: 4 and 5 (Jordan and Smith, Nonlinear Ordinary Differential Equations, 13.3)."""
     m = duffing(drive, 0.3, -1.0, 1.2)
-    found = bifurcation(m, DRIVE, drive - 1e-7, drive, count=2, turns=160, dropped=100, series=["block.x"], step=2.0 * math.pi / 1.2 / 300)
+    given = {"turns": 160, "dropped": 100, "series": ["block.x"], "step": 2.0 * math.pi / 1.2 / 300, "companions": 0}
+    found = bifurcation(m, DRIVE, drive - 1e-7, drive, count=2, **given)
     assert found.kinds[0][1] == said
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import Differing, Members, chosen, several
+from .bottom import bottom
 from .linalg import RANK_TOLERANCE, DampedStep, Matrix, times, weighted
 from .system import RigidSystem, equations, metric
 
@@ -17,6 +18,8 @@ Array = NDArray[np.float64]
 LARGEST_TURN = 0.1  # rad a body may turn in one step: longer steps can jump to the other branch
 DRIVE_WEIGHT = 30.0  # a loop that cannot close must show its gap at the joints, not as a false driven angle
 STEPS = 400
+LOOKS = (12, 20, 30, 45, 70, 100, 150, 200, 300)  # steps after which it is looked whether this is the bottom
+OPEN, SLOW = 1e-6, 0.5  # of the extent: a gap; of |phi|^2 at the look before: less is a good way down
 FEWER = 0.7  # of the members that go on: so few leave the others behind
 
 
@@ -58,6 +61,7 @@ class _Descent:
         self.phi, self.jacobian = self.opened(position)
         self.damping, self.taken = np.full(count, 0.1), np.zeros(count, dtype=int)
         self.going, self.fresh = np.ones(count, dtype=bool), np.ones(count, dtype=bool)
+        self.seen = np.inf
         self.refused, self.least, self.changed = np.full_like(position, np.nan), DampedStep(), True
 
     def closure(self) -> Closure:
@@ -91,7 +95,33 @@ class _Descent:
             if self.many and self.going.sum() < FEWER * len(self.going):
                 return self.compact()
             self.step()
+            if not self.many and self.going[0] and int(self.taken[0]) in LOOKS:
+                self.look_down()
         return self.closure()
+
+    def look_down(self) -> None:
+        """Ends at the bottom, where that is near and open: steps would only go to and fro across it."""
+        phi, before = self.phi[0], self.seen
+        self.seen = float(self.weight**2 @ phi**2)
+        hindered = (np.abs(phi) > self.limit[0]).any()
+        if hindered or not isinstance(self.jacobian, np.ndarray) or np.abs(phi).max() <= OPEN * self.scale[0] or self.seen < SLOW * before:
+            return
+        start, lengths, square = self.position[0], self.lengths[0], self.weight**2
+
+        def moved(change: Array) -> Array:
+            there: Array = start.copy()
+            there[1:] += (change / lengths).reshape(-1, 3)
+            return there
+
+        def slopes(change: Array) -> tuple[float, Array]:
+            phi, jacobian = opened(self.system, moved(change))
+            return float(square @ phi**2), 2.0 * (square * phi) @ jacobian
+
+        found = bottom(slopes, float(self.scale[0]), len(lengths))
+        if found is not None:
+            self.position = moved(found)[None]
+            self.phi, self.jacobian = self.opened(self.position)
+            self.going[:] = False
 
     def opened(self, position: Array) -> tuple[Array, Matrix]:
         """phi [members, r] and G."""

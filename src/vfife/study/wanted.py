@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from ..analysis.wanted import of_whole_runs
 from ..assembly.assemble import assemble
@@ -10,11 +12,36 @@ from ..errors import StepError, VfifeError, shown, suggestion
 from ..fields import Reading, Refused
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
+from ..modelfile import dump
 from ..results.reductions import REDUCTION
 from ..results.studied import UNITS
 from ..results.view import View, standing
 from .engine import Wanted
 from .plan import Asked
+
+MOST_MODELS = 16  # whose names are kept: a command reads a study file more than once
+
+
+class Names(NamedTuple):
+    """What may be wanted of a model."""
+
+    measures: tuple[str, ...]
+    series: tuple[str, ...]
+
+
+NAMES: OrderedDict[str, Names] = OrderedDict()
+
+
+def names_of(base: Mechanism) -> Names:
+    """Names of the measures and of the channels of a model. Raises VfifeError where it cannot be assembled."""
+    text = dump(base)
+    found = NAMES.get(text)
+    if found is None:
+        view = standing(assemble(base))
+        found = NAMES[text] = Names(tuple(known_measures(view)), tuple(view.series))
+        if len(NAMES) > MOST_MODELS:
+            NAMES.popitem(last=False)
+    return found
 
 
 def wanted_of(asked: Asked) -> Wanted:
@@ -35,18 +62,17 @@ def beside_last(asked: Asked) -> str:
 def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) -> None:
     """Tells names that no measure of the model has, and channels that it does not have."""
     try:
-        view = standing(assemble(base))
+        known, series = names_of(base)
     except VfifeError as error:
         by.tell(("model",), Refused(f"it cannot be assembled: {error}", base.name, "", "see vfife check"))
         return
-    known = known_measures(view)
     endings = {name.partition(".")[2] for name in known}  # what is there from the start, where it is at all; others begin later
     owners = {name for part in (base.bodies, base.joints, base.drivers, base.springs, base.loads) for name in part} | {"ground", "mechanism"}
     for k, name in enumerate(names or ()):
         reduced = REDUCTION.fullmatch(name)
         if reduced is not None:
-            if reduced[2] not in view.series:
-                remedy = suggestion(reduced[2], view.series, "name a channel of the run")
+            if reduced[2] not in series:
+                remedy = suggestion(reduced[2], series, "name a channel of the run")
                 by.tell(("measures", k), Refused("there is no such channel", shown(name), "", remedy))
         elif name not in known:
             owner, _, ending = name.partition(".")

@@ -1,0 +1,88 @@
+"""Where a mechanism cannot close, the descent ends at the bottom of |phi|^2 as soon as it is near; it ends nowhere else."""
+
+import numpy as np
+import pytest
+
+from vfife import gallery
+from vfife.errors import AssemblyError
+from vfife.kinematics import descent
+from vfife.kinematics.bottom import bottom
+from vfife.kinematics.drives import rigid_system
+from vfife.kinematics.nearest import sized
+from vfife.kinematics.pins import first_guess
+from vfife.kinematics.solve import close
+
+
+def of(function, slopes):
+    return lambda at: (function(*at), np.array(slopes(*at), dtype=float))
+
+
+def test_the_bottom_of_a_bowl_is_found():
+    """f = 1 + (x - 0.1)^2 + 4 (y + 0.05)^2 + (x - 0.1)^4."""
+    found = bottom(
+        of(lambda x, y: 1.0 + (x - 0.1) ** 2 + 4.0 * (y + 0.05) ** 2 + (x - 0.1) ** 4,
+           lambda x, y: (2.0 * (x - 0.1) + 4.0 * (x - 0.1) ** 3, 8.0 * (y + 0.05))),
+        1.0, 2,
+    )  # fmt: skip
+    assert found == pytest.approx([0.1, -0.05], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("function", "slopes", "why"),
+    [
+        (lambda x, y: 1.0 + x * x - 0.01 * y * y, lambda x, y: (2.0 * x, -0.02 * y), "a saddle"),
+        (lambda x, y: 1.0 + x * x - 0.1 * y, lambda x, y: (2.0 * x, -0.1), "a slope that goes on"),
+        (lambda x, y: 1.0 + (x - 0.3) ** 2 + y * y, lambda x, y: (2.0 * (x - 0.3), 2.0 * y), "too far"),
+        (lambda x, y: 0.001 + 5.0 * (x - 0.1) ** 2 + y * y, lambda x, y: (10.0 * (x - 0.1), 2.0 * y), "much deeper than here"),
+        (lambda x, y: 1.0 + 2000.0 * x * x - 0.02 * y * y, lambda x, y: (4000.0 * x, -0.04 * y), "a saddle beside a drive's weight"),
+    ],
+)
+def test_what_is_no_bottom_is_none(function, slopes, why):
+    assert bottom(of(function, slopes), 1.0, 2) is None, why
+
+
+def system_of(mechanism):
+    return rigid_system(mechanism), np.array(first_guess(mechanism))
+
+
+@pytest.mark.parametrize(("link", "part"), [("crank", 0.3), ("crank", 3.0), ("coupler", 0.3), ("follower", 3.0)])
+def test_links_that_cannot_reach_share_the_gap(link, part):
+    """The crank lies along the ground. Coupler and follower come to lie there too, and all four joints have a quarter of what is missing."""
+    four_bar = gallery.four_bar_ideal()
+    mechanism = sized(four_bar, link, part * four_bar.bodies[link].length)
+    crank, coupler, follower = (mechanism.bodies[name].length for name in ("crank", "coupler", "follower"))
+    apart = float(np.linalg.norm(np.subtract(mechanism.points["D"], (crank, 0.0))))
+    gap = max(apart - coupler - follower, abs(coupler - follower) - apart)
+    assert gap > 0.0
+    found = descent.descend(*system_of(mechanism))
+    assert found.residual == pytest.approx(0.25 * gap, rel=1e-9)
+    assert found.iterations < descent.STEPS
+
+
+def lots(count):
+    """Four-bars and slider-cranks of any lengths, from any guesses."""
+    random = np.random.default_rng(5)
+    for k in range(count):
+        mechanism = (gallery.four_bar_ideal, gallery.slider_crank)[k % 2]()
+        for name, body in mechanism.bodies.items():
+            if hasattr(body, "length"):
+                mechanism = sized(mechanism, name, body.length * float(np.exp(0.6 * random.normal())))
+        system, guess = system_of(mechanism)
+        guess[1:, 2] += random.normal(size=len(guess) - 1)
+        yield system, guess
+
+
+def test_it_closes_what_closes_to_the_same_bits(monkeypatch):
+    def told():
+        found = []
+        for system, guess in lots(12):
+            try:
+                found.append(close(system, guess, named=False).position.tobytes())
+            except AssemblyError:
+                found.append(b"")
+        return found
+
+    looked = told()
+    monkeypatch.setattr(descent, "LOOKS", ())
+    assert looked == told()
+    assert 2 <= looked.count(b"") <= 10
