@@ -101,6 +101,9 @@ HEADER = Fields(
 )
 
 
+NONE = np.zeros(0, dtype=np.intp)
+
+
 class Layout:
     """Where each block lies: ``layout["particle_x"]`` are its rows, in order; ``layout.row("particle_x", 3)`` one of them."""
 
@@ -109,19 +112,20 @@ class Layout:
         self.records: dict[str, NDArray[np.intp]] = {}
         self.rows = 0
         for entity in ENTITIES:
-            sizes = np.full(counts[entity], RECORDS[entity].SIZE, dtype=np.intp)
+            count, size = counts[entity], RECORDS[entity].SIZE
             if entity == "particle":
-                sizes[:] = PLAIN
+                sizes = np.full(count, PLAIN, dtype=np.intp)
                 sizes[list(topology.bound)] = PARTICLE.SIZE
                 order = np.argsort(sizes == PLAIN, kind="stable")  # bound ones first, so that plain ones follow each other
                 starts = np.empty_like(sizes)
                 starts[order] = self.rows + np.cumsum(sizes[order]) - sizes[order]
                 self.plain = self.rows + len(topology.bound) * PARTICLE.SIZE
                 self.records["bound"] = starts[list(topology.bound)]
+                self.rows += int(sizes.sum())
             else:
-                starts = self.rows + np.arange(counts[entity], dtype=np.intp) * RECORDS[entity].SIZE
+                starts = np.arange(self.rows, self.rows + count * size, size, dtype=np.intp) if count else NONE
+                self.rows += count * size
             self.records[entity] = starts
-            self.rows += int(sizes.sum())
         self.known: dict[str, NDArray[np.intp]] = {}
         self.whole: dict[str, NDArray[np.intp]] = {}
         self.roles: dict[tuple[Role, ...], tuple[int, ...]] = {}
@@ -135,8 +139,11 @@ class Layout:
 
     def rows_of(self, name: str) -> NDArray[np.intp]:
         """All rows of a block, entity by entity, also where it is wider than one row."""
+        width = BY_NAME[name].width
+        if width == 1:
+            return self[name]
         if name not in self.whole:
-            self.whole[name] = np.asarray((self[name][:, None] + np.arange(BY_NAME[name].width)).reshape(-1), dtype=np.intp)
+            self.whole[name] = np.asarray((self[name][:, None] + np.arange(width)).reshape(-1), dtype=np.intp)
         return self.whole[name]
 
     def row(self, name: str, index: int = 0) -> int:
@@ -153,6 +160,6 @@ class Layout:
     def of(self, *roles: Role) -> list[int]:
         """All rows of the given roles, block by block."""
         if roles not in self.roles:
-            chosen = [block for block in BLOCKS if block.role in roles]
+            chosen = [block for block in BLOCKS if block.role in roles and len(self.records[block.entity])]
             self.roles[roles] = tuple(row for block in chosen for row in self.rows_of(block.name).tolist())
         return list(self.roles[roles])

@@ -158,8 +158,7 @@ class Record:
 
 def lasting_blocks(layout: Layout) -> list[tuple[str, NDArray[np.intp]]]:
     """Blocks of S that mean something between two steps, by name, and their rows; those that a mechanism has none of are left out."""
-    blocks = [(block.name, layout.rows_of(block.name)) for block in BLOCKS if block.role != "scratch"]
-    return [(name, rows) for name, rows in blocks if len(rows)]
+    return [(block.name, layout.rows_of(block.name)) for block in BLOCKS if block.role != "scratch" and len(layout.records[block.entity])]
 
 
 def lasting_rows(layout: Layout) -> NDArray[np.intp]:
