@@ -105,15 +105,21 @@ def test_a_run_that_has_settled_goes_on_where_it_is_asked_to(settled: Path, tmp_
     assert all((one.low, one.high) == (longer.measures[name].low, longer.measures[name].high) for name, one in straight.measures.items())
 
 
+@pytest.fixture(scope="module")
+def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("still") / "run.sqlite"
+    write(path, arch(), Asked())
+    return path
+
+
 @pytest.mark.parametrize("call", [15, 30, 50])
-def test_statics_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
-    write(tmp_path / "whole.sqlite", arch(), Asked())
+def test_statics_go_on(still: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     path = tmp_path / "run.sqlite"
     restore = kill_at(monkeypatch, call)
     assert killed_run(path, arch(), Asked())
     restore()
     vfife.resume(path)
-    same(tmp_path / "whole.sqlite", path)
+    same(still, path)
 
 
 def test_a_started_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
