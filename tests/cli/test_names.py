@@ -42,7 +42,7 @@ def test_names_are_text(command: Callable, clear: bool) -> None:
     for name, figure in result.plot("mechanism", "forces").items():
         figure.savefig(f"{name}.svg")  # outside of what sets the style
     if clear:
-        done = command("compare", "model.toml", "--contact", "hertz,pereira", "-o", "compared")
+        done = command("compare", "model.toml", "--contact", "lankarani-nikravesh,hertz", "--turns", 0.2, "-o", "compared")
         assert done.exit_code == 0 and "[/]" in done.stdout, (done.stderr, done.exception)
         assert "[/]" in Path("compared/compare.csv").read_text()
     assert {path.name for path in Path().iterdir() if path.suffix != ".svg"} <= {"model.toml", "out", "out.nc", "compared"}

@@ -150,7 +150,8 @@ def test_an_ideal_slider_crank_scales_as_its_laws_say():
 
 def test_elastic_links_obey_dimensional_analysis():
     """A pendulum that bends: its material, section and weight, from a start at which it is straight."""
-    found = sensitivity(vfife.load_model(f"{EXAMPLES}/elastic_pendulum.toml", set=[("body.rod.elements", 4)]), ["*.force.max"], duration=0.2, companions=0)
+    mechanism = vfife.load_model(f"{EXAMPLES}/elastic_pendulum.toml", set=[("body.rod.elements", 4)])
+    found = sensitivity(mechanism, ["*.force.max"], duration=0.2, companions=0)
     (measure,) = found.measures
     assert weighed(found, measure)[:2] == pytest.approx(FORCE[:2], abs=1e-5)  # how long it is looked at has a time, too
     assert abs(found.elasticity(measure, "material.rubber.youngs_modulus")) > 1e-4

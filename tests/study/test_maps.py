@@ -9,7 +9,7 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
 from vfife.study.kept import load_map
-from vfife.study.looks import unit_at
+from vfife.study.looks import step_count, unit_at
 from vfife.study.maps import bifurcation
 
 EXAMPLES = "examples"
@@ -134,3 +134,10 @@ def test_a_number_has_its_unit_wherever_it_stands() -> None:
     assert {path: unit_at(oscillator(), path) for path in places} == places
     with pytest.raises(ValueError, match="density"):
         unit_at(oscillator(), "material.steel.densty")
+
+
+def test_steps_are_counted_anew_for_another_question() -> None:
+    """What is known of one model is not said of another, nor of another step."""
+    one, stiff = (load(f"{EXAMPLES}/slider_crank_loose_pin.toml", set=[("joint.pin.contact.stiffness", value)]) for value in (1e9, 4e9))
+    counts = [step_count([model], step) for model, step in ((one, None), (stiff, None), (one, 1e-5), (one, None))]
+    assert counts[0] == counts[3] and counts[1] > 1.5 * counts[0] and counts[2] == math.ceil(2e3 * math.pi)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from itertools import takewhile
@@ -41,6 +42,8 @@ Own = TypeVar("Own", bound=AskedFile)
 DROPPED = 2 / 3  # of the turns, that are not looked at unless said
 NEAR = 1e-6  # of a number, by which the difference begins that is watched
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")  # numbers that move no pin, the first first
+MOST_COUNTS = 16
+COUNTS: OrderedDict[tuple[tuple[str, ...], float | None, int], int] = OrderedDict()  # steps in a turn, as they were found
 
 
 def stepped(model: Mechanism, steps: int) -> Assembly:
@@ -80,14 +83,21 @@ def left_out(dropped: int | None, turns: int, share: float = DROPPED) -> int:
 def step_count(models: Sequence[Mechanism], step: float | None, companions: int = 0) -> int:
     """Steps in a turn, enough for all models: with ``companions``, which look whether they will do, as few as a run tries first.
 
-    Raises ModelError for a step that is too large for one of them.
+    Raises ModelError for a step that is too large for one of them. What was found for models of the same text is known: a command asks for its
+    forecast first.
     """
+    key = tuple(dump(model) for model in models), step, min(companions, 1)
+    if (found := COUNTS.get(key)) is not None:
+        return found
     counts = []
     for model in models:
         if step is not None:
             refuse_large(model, step)
         size = prepare(model, Asked(turns=1.0, companions=min(companions, 1))).assembly.choice.step if step is None else step
         counts.append(math.ceil((turn_of(model) or 0.0) / size * (1.0 - 1e-9)))
+    COUNTS[key] = max(counts)
+    if len(COUNTS) > MOST_COUNTS:
+        COUNTS.popitem(last=False)
     return max(counts)
 
 
