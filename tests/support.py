@@ -25,7 +25,7 @@ CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 TURN = 0.04  # s, one turn of that crank
 SQUARE = Section.square(1e-3)  # the links of the paper: A = 1e-3 m^2
 EPS = 2.0**-52
-FEW = 100_000  # steps of a run for which no straight line is compiled
+FEW = 300_000  # steps of a run for which no straight line is compiled: what that takes is the time of some 400,000 steps of the data-driven loop
 SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.2  # of the examples of a property in one run; they differ from run to run
 
 
@@ -113,12 +113,16 @@ def with_settings(mechanism: Mechanism, **settings: Any) -> Mechanism:
 
 
 def go(mechanism: Mechanism, step: float, *, loop: str = "auto", **options: Any) -> Record:
-    """Assembles and runs; every run of a test must come to its end.
+    """Assembles and runs; every run of a test must come to its end."""
+    return went(assemble(mechanism, step, force_step=True, **options), loop)
+
+
+def went(assembly: Assembly, loop: str = "auto") -> Record:
+    """The run of what is assembled.
 
     A short one is taken by the data-driven loop, which is compiled once for all tests and gives the bits of the straight line; that would take
     longer to compile than it saves. Loops are compared in ``tests/codegen``, and `make verify` leaves the choice to the package.
     """
-    assembly = assemble(mechanism, step, force_step=True, **options)
     if loop == "auto" and assembly.choice.steps < FEW and compiled_already(assembly.topology):
         loop = "data-driven"
     record = run(assembly, loop=loop)  # type: ignore[arg-type]

@@ -10,7 +10,8 @@ import pytest
 from support import SQUARE, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.codegen import native
-from vfife.codegen.llvm import apart_seldom, written
+from vfife.codegen.llvm import written
+from vfife.codegen.pieces import pieces
 
 ARITHMETIC = re.compile(r"^v?(add|sub|mul|div|sqrt|min|max)(sd|pd)$")
 FUSED = re.compile(r"\bv?fn?m(add|sub|la|ls)|\bfma\b", re.M)
@@ -56,16 +57,20 @@ def test_four_lanes_are_packed(mechanism, function):
 
 
 @X86
-@pytest.mark.parametrize(("width", "apart"), [(1, True), (2, True), (4, False)])
-def test_what_few_steps_need_is_made_with_less_effort(width, apart):
-    """It has the same operations, and none is fused for that; where lanes have their events one after the other, it is made as fast as the rest."""
-    often, seldom = apart_seldom(assemble(journal_in_bearing(), 1e-6, duration=1e-3).topology, width)
-    assert bool(seldom) == apart
-    assert ("define void @whole(" in seldom, "define internal void @whole(" in often) == (apart, not apart)
-    if apart:
-        assembly = native.machine(native.SELDOM).emit_assembly(llvm.parse_assembly(seldom))
-        assert instructions(assembly, "whole").keys() & {"vmulsd", "mulsd", "vmulpd", "mulpd"}
-        assert not FUSED.search(assembly)
+@pytest.mark.parametrize(("width", "hurried"), [(1, True), (2, True), (4, False)])
+def test_a_step_is_compiled_in_three_pieces(width, hurried):
+    """The first is that of all steps of a width. The last has the same operations with the least effort, and none is fused for that."""
+    topologies = [assemble(mechanism, 1e-6, duration=1e-3).topology for mechanism in (journal_in_bearing(), four_bar("BC"))]
+    one, other = (pieces(topology, width) for topology in topologies)
+    assert one.shared == other.shared
+    assert one.often != other.often
+    assert one.hurried == hurried
+    made = native.machine(native.SELDOM if hurried else native.EFFORT).emit_assembly(llvm.parse_assembly(one.seldom))
+    assert sum(instructions(made, "whole")[name] for name in ("vmulsd", "mulsd", "vmulpd", "mulpd")) > 20
+    assert not FUSED.search(made)
+    defined = [set(re.findall(r"^define (?!internal)[^@]*@(\w+)\(", piece, re.M)) for piece in one[:3]]
+    assert defined[0] >= {"advance", "stream"} and defined[1] == {"lean", "functions"} and defined[2] >= {"whole", "event"}
+    assert set.union(*defined) | {"any", "all"} == set(re.findall(r"^define [^@]*@(\w+)\(", written(topologies[0], width), re.M))
 
 
 @X86

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from support import SQUARE, four_bar, go, observed, order, particle, with_settings
+from support import SQUARE, finer, four_bar, go, observed, order, particle, went, with_settings
+from vfife.assembly.assemble import assemble
 from vfife.laws import Material
 from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism, StartSettings
@@ -127,10 +128,12 @@ def test_errors_fall_with_contact(clear, most):
 def test_elastic_links_converge():
     """Elastic four-bar with ideal joints, stretched and bent from the start: places after a quarter turn."""
 
-    def places(step: float) -> np.ndarray:
-        record = go(four_bar("", "two-particle", section=SQUARE), step, duration=0.01, outputs=1)
+    start = assemble(four_bar("", "two-particle", section=SQUARE), 2e-6, duration=0.01, outputs=1, force_step=True)
+
+    def places(times: int) -> np.ndarray:
+        record = went(finer(start, times))
         return np.array([particle(record, name, k)[axis][-1] for name in ("coupler", "follower") for k in (0, 1) for axis in ("x", "y")])
 
-    finest = places(6.25e-8)
-    errors = [np.abs(places(step) - finest).max() for step in (2e-6, 1e-6, 5e-7, 2.5e-7)]
+    finest = places(32)
+    errors = [np.abs(places(times) - finest).max() for times in (1, 2, 4, 8)]
     assert math.log2(errors[0] / errors[-1]) / 3 == pytest.approx(2.0, abs=0.2)

@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import vfife
-from one_loop import compiled_already
-from support import particle, times, with_settings
+from support import particle, times, went, with_settings
 from vfife.analysis import ledger
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
@@ -16,7 +15,6 @@ from vfife.laws import Coulomb, FrictionLaw, Karnopp, LankaraniNikravesh, Stribe
 from vfife.model.drivers import ConstantSpeed, Torque
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.record import Record
-from vfife.solvers.transient import run
 
 G, CLEARANCE, RADIUS, STIFFNESS, STEP, BITE = 9.81, 3e-4, 0.01, 1e9, 5e-6, 1e-5
 CONTACT = LankaraniNikravesh(restitution=0.5, stiffness=STIFFNESS)
@@ -40,15 +38,6 @@ def placed(mechanism: Mechanism, places: dict[str, tuple[float, float, float]], 
         for axis, value in zip(("x", "y", "theta"), place, strict=True):
             a.state[a.layout.row(f"particle_{axis}", a.bodies[name].particles[0])] = value
     return a
-
-
-def went(assembly: Assembly, loop: str = "auto") -> Record:
-    """Runs to the end; by the data-driven loop, which is compiled already, where nothing is asked: so small a model takes 0.1 s there."""
-    if loop == "auto" and compiled_already(assembly.topology):
-        loop = "data-driven"
-    record = run(assembly, loop=loop)  # type: ignore[arg-type]
-    assert record.status == "complete"
-    return record
 
 
 def disc_on_a_slope(law: FrictionLaw, tangent: float, steps: int, damping: float = 0.0) -> Assembly:

@@ -91,7 +91,7 @@ def independent() -> np.ndarray:
     y, t, end = np.concatenate([np.zeros(5), [SPEED], np.zeros(4)]), 0.0, 4e-4
     for k in range(1, 4):
         onset[k] = FLOOR  # pressed from rest: the rate at the first instant is none
-    solved = solve_ivp(rate, (t, end), y, method="DOP853", rtol=1e-11, atol=1e-14, max_step=1e-7)
+    solved = solve_ivp(rate, (t, end), y, method="DOP853", rtol=1e-11, atol=1e-14, max_step=1e-5)
     return np.asarray(solved.y[5:, -1])
 
 

@@ -6,7 +6,6 @@ the same text becomes code of other processors, of graphics cards and of the web
 
 from __future__ import annotations
 
-import re
 import struct
 from collections.abc import Collection, Iterable
 from functools import lru_cache
@@ -29,10 +28,8 @@ ANSWER = "{ double, double, double, double }"  # of a polynomial
 FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step)"
 SHORT = 4000  # lines of a whole step that is worth being made fast
 STACK = 16  # bytes of which where a stack begins is a multiple
-FEW = 2  # lanes of a single run: an event takes no time there that anybody would notice
 COPY = 6_000  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
-SHARED = re.compile(r"define internal void @(?=(functions|whole|resize)\()")
 DRIVER = Path(__file__).with_name("driver.ll")
 
 
@@ -397,10 +394,10 @@ def _traced(topology: Topology) -> tuple[list[Function], Trace, Trace, Trace]:
 
 def written(topology: Topology, width: int, directions: int = 0) -> str:
     """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
-    found, step, long, change = _parts(topology, directions)
+    found, step, long, change = parts(topology, directions)
     return "\n".join(
         [
-            *_often(topology, width, directions, found, step),
+            *often(topology, width, directions, found, step),
             whole(long, width, bool(found), brief(step, long)),
             resize(change, width),
             driver(Layout(topology), width, directions),
@@ -408,27 +405,7 @@ def written(topology: Topology, width: int, directions: int = 0) -> str:
     )
 
 
-def apart_seldom(topology: Topology, width: int, directions: int = 0) -> tuple[str, str]:
-    """The same as two modules: what every step needs, and what few do, which is not worth the time that it takes to make it fast.
-
-    Among several lanes there is often one with an event, so there all is in the first, and the second is empty, where the whole step is short.
-    """
-    found, step, long, change = _parts(topology, directions)
-    if width > FEW and brief(step, long):
-        return written(topology, width, directions), ""
-    w, layout = Writer(width), Layout(topology)
-    seldom = [whole(long, width, bool(found), fast=False), resize(change, width)]
-    often = [*_often(topology, width, directions, found, step), driver(layout, width, directions)]
-    known = ["declare void @whole(ptr, ptr, i64, i64)", f"declare void @resize({', '.join(['ptr', *[w.number] * 3])})"]
-    return _public([*known, *often]), _public([operators(width), "declare void @functions(ptr, ptr, ptr, i64, i64)", *seldom, aligned(width)])
-
-
-def _public(texts: list[str]) -> str:
-    """A module whose functions another one can call."""
-    return SHARED.sub("define void @", "\n".join(texts))
-
-
-def _parts(topology: Topology, directions: int) -> tuple[list[Function], Trace, Trace, Trace]:
+def parts(topology: Topology, directions: int) -> tuple[list[Function], Trace, Trace, Trace]:
     """Functions, lean step, whole step and the change of a step's size, with derivatives in so many directions."""
     layout, (found, step, long, change) = Layout(topology), _traced(topology)
     if not directions:
@@ -442,7 +419,7 @@ def brief(step: Trace, long: Trace) -> bool:
     return bool(step.rare) and len(long.operations) < SHORT
 
 
-def _often(topology: Topology, width: int, directions: int, found: list[Function], step: Trace) -> list[str]:
+def often(topology: Topology, width: int, directions: int, found: list[Function], step: Trace) -> list[str]:
     """What every step needs: functions, where there are any, and the lean step."""
     layout = Layout(topology)
     changing = {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}

@@ -9,7 +9,7 @@ import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from ..kernels.topology import Topology
 from . import cache
 from .lock import WRITING
 from .source import data_driven
+
+if TYPE_CHECKING:
+    from .pieces import Pieces
 
 Rows = NDArray[np.float64]
 
@@ -89,13 +92,19 @@ def all_kept() -> Iterator[None]:
             gc.enable()
 
 
-def step_code(often: str, seldom: str) -> bytes:
-    """Object code of a step: of what every step needs, and of what few do, each behind its length; see :func:`.llvm.apart_seldom`."""
-    codes = [object_code(often), *([object_code(seldom, SELDOM)] if seldom else [])]
+@lru_cache(maxsize=8)
+def _shared(text: str) -> bytes:
+    """Object code of what all steps of a width share."""
+    return object_code(text)
+
+
+def step_code(pieces: Pieces) -> bytes:
+    """Object code of a step, each piece behind its length."""
+    codes = _shared(pieces.shared), object_code(pieces.often), object_code(pieces.seldom, SELDOM if pieces.hurried else EFFORT)
     return b"".join(len(code).to_bytes(8, "little") + code for code in codes)
 
 
-def _pieces(code: bytes) -> list[bytes]:
+def _apart(code: bytes) -> list[bytes]:
     """Object codes behind their lengths."""
     found, at = [], 0
     while at < len(code):
@@ -184,8 +193,8 @@ class Loaded:
     def __init__(self, code: bytes, width: int) -> None:
         """Of :func:`step_code`."""
         self.width = width
-        often, *seldom = _pieces(code)
-        self.code = Code(often, "advance", ADVANCE, *seldom)
+        shared, *own = _apart(code)
+        self.code = Code(shared, "advance", ADVANCE, *own)
         self.stream = self.code.named("stream", STREAM)
 
     def __call__(self, memory: Memory) -> Take:
@@ -234,11 +243,11 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Loaded
         code = cache.read(name)
         if code is not None:
             return Loaded(code, width)
-        from .llvm import apart_seldom
+        from .pieces import pieces
 
         cache.missed()
         with all_kept():
-            texts = apart_seldom(topology, width, directions)
-        code = step_code(*texts)
+            made = pieces(topology, width, directions)
+        code = step_code(made)
         cache.keep(name, code)
         return Loaded(code, width)
