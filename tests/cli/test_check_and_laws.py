@@ -167,7 +167,7 @@ def test_limits_are_told(command: Callable) -> None:
     assert "above 0, at most 1" in command("laws", "pereira").stdout
 
 
-def test_a_contact_law_by_itself(command: Callable) -> None:
+def test_a_contact_law_by_itself(command: Callable, request: pytest.FixtureRequest) -> None:
     """Twice the mass at half the stiffness goes as deep with half the force; what is printed is what is drawn."""
     words = ("laws", "lankarani-nikravesh", "--plot", "--speed", "0.5 m/s", "--json")
     (one,) = json.loads(command(*words, "--set", "stiffness=1e10 N/m^1.5", "--mass", "1 kg", "-o", "a.svg").stdout)
@@ -179,6 +179,7 @@ def test_a_contact_law_by_itself(command: Callable) -> None:
         assert b["deepest"] == pytest.approx(a["deepest"], rel=1e-9)
         assert b["force"] == pytest.approx(2.0 * a["force"], rel=1e-9)
         assert b["delivered"] == pytest.approx(a["delivered"], rel=1e-9)
+    request.getfixturevalue("unrendered")
     assert "delivered" in command("laws", "lankarani-nikravesh", "--plot").stdout and Path("lankarani-nikravesh.png").exists()
 
 
