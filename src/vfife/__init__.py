@@ -42,21 +42,21 @@ if TYPE_CHECKING:
     from .simulation import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
-    from .study.basins import basins
     from .study.compare import compare
     from .study.derivatives import sensitivity
     from .study.designs import indices
-    from .study.identification import fit
-    from .study.kept import load_map
-    from .study.maps import bifurcation
+    from .study.identification.fitting import fit
+    from .study.maps.basins import basins
+    from .study.maps.bifurcation import bifurcation
+    from .study.maps.kept import load_map
+    from .study.maps.sections import poincare_section
+    from .study.maps.waterfall import waterfall
     from .study.searching import allocate, optimise
-    from .study.sections import poincare_section
     from .study.stepped import Simulation
     from .study.studies import study
     from .study.tolerance import tolerance
-    from .study.waterfall import waterfall
-    from .study.wearing import load_wear, wear
-    from .study.worn import Worn
+    from .study.tribology.wearing import load_wear, wear
+    from .study.tribology.worn import Worn
 
 __version__ = "0.2.0"
 
@@ -68,37 +68,37 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "Status": "solvers.status",
     "VfifeError": "errors",
     "allocate": "study.searching",
-    "basins": "study.basins",
-    "bifurcation": "study.maps",
+    "basins": "study.maps.basins",
+    "bifurcation": "study.maps.bifurcation",
     "compare": "study.compare",
     "ensemble": "solvers.ensemble",
     "envelope": "results.spectra",
     "errors": "",
-    "fit": "study.identification",
+    "fit": "study.identification.fitting",
     "gallery": "",
     "indices": "study.designs",
     "load": "modelfile.files",
     "load_fit": "results.fitfile",
     "load_laws": "laws.user",
-    "load_map": "study.kept",
+    "load_map": "study.maps.kept",
     "load_model": "modelfile.files",
     "load_result": "result",
     "load_study": "results.studied",
     "modes": "analysis.modes",
     "optimise": "study.searching",
-    "poincare_section": "study.sections",
+    "poincare_section": "study.maps.sections",
     "resume": "simulation",
     "save_model": "modelfile.files",
     "sensitivity": "study.derivatives",
     "simulate": "simulation",
-    "load_wear": "study.wearing",
+    "load_wear": "study.tribology.wearing",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
     "tolerance": "study.tolerance",
-    "waterfall": "study.waterfall",
+    "waterfall": "study.maps.waterfall",
     "study": "",  # the room, which can be called
-    "wear": "study.wearing",
-    "Worn": "study.worn",
+    "wear": "study.tribology.wearing",
+    "Worn": "study.tribology.worn",
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
     "laws": ("MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"),

@@ -5,8 +5,8 @@ import pytest
 
 import vfife
 from rigs import EXAMPLES, synthetic
-from vfife.study.evaluations import Evaluations, Look
-from vfife.study.identification import planned
+from vfife.study.identification.evaluations import Evaluations, Look
+from vfife.study.identification.fitting import planned
 
 pytestmark = pytest.mark.verify
 

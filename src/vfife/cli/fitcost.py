@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from .terminal import STORAGE, amount_of_bytes, counted, fail, sentences, span, tell
 
 if TYPE_CHECKING:
-    from ..study.identification import Task
+    from ..study.identification.fitting import Task
 
 LAID = 2e-6  # s that a sample of a curve takes, laid on a run at all offsets that are tried
 PACKED = 0.9  # of the bytes of numbers
@@ -21,7 +21,7 @@ def forecast(task: Task, place: Path) -> dict[str, Any]:
 
     from ..codegen.native import widest
     from ..results.tables import free_bytes
-    from ..study.sought import numbers_at
+    from ..study.identification.sought import numbers_at
     from .cost import LIBRARIES, MEMORY, estimate
     from .forecast import MADE, SHARED
 

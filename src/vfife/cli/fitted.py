@@ -23,7 +23,7 @@ from .terminal import grid, output, print_json, row, sentences, span, tell, writ
 if TYPE_CHECKING:
     from ..results.fitted import Fit
     from ..solvers.progress import Progress
-    from ..study.identification import Task
+    from ..study.identification.fitting import Task
 
 
 class Compared(StrEnum):
@@ -127,7 +127,7 @@ def fit(
                 raise ValueError("--width: it is the window of an envelope; add --compare envelope, or leave it out")
             place = placed(files[0], target, force, (*files, *(laws or ())))
             mechanism = read_model(files[0], set_, laws)
-            from ..study.identification import planned
+            from ..study.identification.fitting import planned
 
             task = planned(
                 mechanism, files[1], parameter or (), columns=column, weights=weights_of(weight), offset=offset, skip=skip,
@@ -206,7 +206,7 @@ def save_fitted(place: Path | None, text: str, found: Fit) -> None:
 
 def of_law(files: list[Path], law: str, set_: list[str] | None, laws: list[Path] | None, confidence: float, seed: int) -> Any:
     """A contact law fitted to a curve."""
-    from ..study.lawfit import fit_law
+    from ..study.identification.lawfit import fit_law
 
     if len(files) != 1:
         raise ValueError("with --law name the measured curve alone: vfife fit --law NAME CURVE.csv")

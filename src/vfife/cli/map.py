@@ -83,8 +83,8 @@ def sweep(
     """
 
     def understood(mechanism: Mechanism) -> Question:
-        from ..study.looks import models_along
-        from ..study.maps import bifurcation
+        from ..study.maps.bifurcation import bifurcation
+        from ..study.maps.looks import models_along
 
         path, low, high = swept = number_range(mechanism, over)
         starts, size, left = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step), drop_of(drop, turns)
@@ -108,7 +108,7 @@ map_.command(cls=Command)(basins)
 def show(file: Kept, figure: Figured = None, csv: Csv = None) -> None:
     """What a map, a section, basins or a waterfall came to so far, from their file; a figure and a table of it."""
     with sentences(str(file)):
-        from ..study.kept import load_map
+        from ..study.maps.kept import load_map
 
         refuse_inputs((("--figure", figure), ("--csv", csv)), (file,))
         found = load_map(file)

@@ -14,10 +14,10 @@ from .signals import NOW
 from .terminal import grid, output, row, tell, writing
 
 if TYPE_CHECKING:
-    from ..study.basins import Basins
-    from ..study.diagram import Bifurcation, Spell
-    from ..study.sections import PoincareSection
-    from ..study.waterfall import Fallen, Waterfall
+    from ..study.maps.basins import Basins
+    from ..study.maps.diagram import Bifurcation, Spell
+    from ..study.maps.sections import PoincareSection
+    from ..study.maps.waterfall import Fallen, Waterfall
 
 WAYS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12  # that are told of basins
@@ -49,8 +49,8 @@ def drawn_and_told(
 
 def counted(found: Any) -> tuple[int, int, str]:
     """How much of it is done, of how much."""
-    from ..study.basins import Basins
-    from ..study.sections import PoincareSection
+    from ..study.maps.basins import Basins
+    from ..study.maps.sections import PoincareSection
 
     if isinstance(found, PoincareSection):
         return found.done, found.asked.turns - found.asked.dropped, "turns"
@@ -61,9 +61,9 @@ def counted(found: Any) -> tuple[int, int, str]:
 
 def teller_of(found: Any) -> Callable[[Any], None]:
     """What tells of it."""
-    from ..study.basins import Basins
-    from ..study.sections import PoincareSection
-    from ..study.waterfall import Waterfall
+    from ..study.maps.basins import Basins
+    from ..study.maps.sections import PoincareSection
+    from ..study.maps.waterfall import Waterfall
 
     tellers: dict[type, Callable[[Any], None]] = {PoincareSection: tell_section, Basins: tell_basins, Waterfall: tell_waterfall}
     return next((tell for kind, tell in tellers.items() if isinstance(found, kind)), tell_diagram)

@@ -47,7 +47,7 @@ def section(
     """
 
     def understood(mechanism: Mechanism) -> Question:
-        from ..study.sections import DROPPED, poincare_section
+        from ..study.maps.sections import DROPPED, poincare_section
 
         size, left = quantity_at("--step", step), drop_of(drop, turns, DROPPED)
         joints = tuple(mechanism.contacts) if impacts is None else tuple(impacts)

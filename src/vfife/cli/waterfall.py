@@ -62,8 +62,8 @@ def waterfall(
 
     def understood(mechanism: Mechanism) -> Question:
         from ..codegen.native import widest
-        from ..study.waterfall import about_steps, last_of
-        from ..study.waterfall import waterfall as made
+        from ..study.maps.waterfall import about_steps, last_of
+        from ..study.maps.waterfall import waterfall as made
 
         path, low, high = number_range(mechanism, over)
         size, taken = quantity_at("--step", step), last_of(last, turns)

@@ -14,7 +14,7 @@ from .style import BLUE, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..study.basins import Basins
+    from ..study.maps.basins import Basins
 
 PERIODIC = (BLUE, ORANGE, GREEN, SKY, PURPLE, "#F0E442", "#5B4B3A")
 OTHERS = {"chaotic": VERMILION, "quasi-periodic": "#44AA99", "not settled": GREY, "diverged": INK}

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..study.sections import PoincareSection
+    from ..study.maps.sections import PoincareSection
 
 MARK = 9.0  # area of a point
 BOX = {"boxstyle": "square,pad=0.2", "fc": "white", "ec": "none"}

@@ -15,7 +15,7 @@ from .style import FAINT, length_unit, scale_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..study.waterfall import Waterfall
+    from ..study.maps.waterfall import Waterfall
 
 Array = NDArray[np.float64]
 RPM = 30.0 / np.pi

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ..study.maps import bifurcation
+from ..study.maps.bifurcation import bifurcation
 from .case import Nudge, Row, Rows, verified
 from .chaotic import (
     DRIVE,

@@ -1,0 +1,231 @@
+"""Curves of a mechanism with other numbers: members stepped in lanes, of each the channels that were measured, over time or the crank's angle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...analysis.guides import point_motion
+from ...analysis.motion import times
+from ...assembly.assemble import assemble
+from ...assembly.assembled import Assembly
+from ...assembly.bounds import Bounds
+from ...assembly.refit import Refit
+from ...errors import VfifeError
+from ...model.functions import turn_of
+from ...model.mechanism import Mechanism
+from ...modelfile import loads
+from ...results.channel import Channel
+from ...results.channels import MADE, entities, recorded
+from ...results.view import View, standing
+from ...results.wide import columns
+from ...solvers.record import Record, recorded_rows
+from ...solvers.streaming import stepped
+from ..member import Wanted
+from ..preparing import Made, Numbers, Preparing
+from .measurements import Over
+
+Array = NDArray[np.float64]
+MOVED = {"x": "m", "y": "m", "velocity_x": "m/s", "velocity_y": "m/s", "acceleration_x": "m/s^2", "acceleration_y": "m/s^2"}
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Channels of one member: times (s) or angles (rad) of its outputs, ascending, values of shape (outputs, channels), its turn (s), if any."""
+
+    places: Array
+    values: Array
+    turn: float | None
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Derivatives by the places."""
+        return np.asarray(np.gradient(self.values, self.places, axis=0), dtype=float)
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How long members run and how finely: ``turns`` for a turn (s), None without one, or a ``duration`` (s); outputs and steps of a turn, or in
+    all; the largest ``step`` (s).
+    """
+
+    over: Over
+    turns: Callable[[float], float] | None
+    duration: float
+    outputs: int
+    every: int
+    step: float
+
+
+class Channels:
+    """Reads channels of records: those of a result by the names that measures have, and ``body.pin.acceleration_x`` of a point."""
+
+    def __init__(self, mechanism: Mechanism, names: Sequence[str]) -> None:
+        series = standing(assemble(mechanism)).series
+        self.places = [series.place(name) if name in series else None for name in names]
+        self.names = tuple(names)
+
+    def read(self, record: Record) -> Array:
+        """Values of shape (outputs, channels)."""
+        known: dict[str, Mapping[str, Channel]] = {}
+        return np.stack([self._one(record, name, place, known) for name, place in zip(self.names, self.places, strict=True)], axis=1)
+
+    def _one(self, record: Record, name: str, place: tuple[str, str | None, str] | None, known: dict[str, Mapping[str, Channel]]) -> Array:
+        if place is None:
+            point, _, what = name.rpartition(".")
+            return point_values(record, point, what)
+        variable, entity, label = place
+        if entity is None:
+            return np.asarray(View(record).channels[variable].values, dtype=float)
+        if entity not in known:
+            known[entity] = recorded(record, entity)
+        if variable not in known[entity]:
+            known[entity] = {**known[entity], **MADE[entity](record)}
+        return np.asarray(known[entity][variable].values[:, entities(record)[entity].index(label)], dtype=float)
+
+
+def point_values(record: Record, point: str, what: str) -> Array:
+    """A component of the position, velocity or acceleration of a point of a body."""
+    quantity, _, axis = what.rpartition("_")
+    found = point_motion(record, point)
+    values = {"": found.position, "velocity": found.velocity, "acceleration": found.acceleration}[quantity]
+    return np.asarray(values[:, "xy".index(axis)], dtype=float)
+
+
+def units_of(mechanism: Mechanism) -> dict[str, str]:
+    """Unit of every channel that a curve may be of."""
+    assembly = assemble(mechanism)
+    found = {one.name: one.unit for one in columns(standing(assembly)) if one.noun}
+    found |= {one.name: one.unit for one in columns(standing(assembly)) if not one.noun and one.name not in ("time", "crank_angle")}
+    for name, where in assembly.bodies.items():
+        for pin in where.nodes if where.elements else where.pins:
+            found |= {f"{name}.{pin}.{what}": unit for what, unit in MOVED.items()}
+    return found
+
+
+@dataclass
+class Stepping:
+    """A member in its lane: all of its outputs are kept."""
+
+    number: int
+    assembly: Assembly
+    loop: str = "auto"
+    rows: list[Array] = field(default_factory=list)
+    broken: bool = False
+
+    def __post_init__(self) -> None:
+        choice = self.assembly.choice
+        self.handed, self.every = recorded_rows(self.assembly), choice.outputs_every
+        self.outputs = round(choice.turn / (choice.step * self.every)) if choice.turn is not None else choice.outputs
+        self.bounds = Bounds(self.assembly, self.handed)
+        self.done = 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether it has all its outputs, or none can follow."""
+        return self.broken or self.done >= self.assembly.choice.outputs
+
+    def start(self, state: Array) -> None:
+        """The output of step 0."""
+        self.rows.append(state[None, self.handed])
+
+    def take(self, rows: Array, broken: int, state: Array) -> None:
+        """Some outputs."""
+        self.broken = broken >= 0 or bool(self.bounds.unsound(rows).any())
+        self.rows.append(rows)
+        self.done += len(rows)
+
+    def end(self) -> None:
+        """It is as it is."""
+
+    @property
+    def record(self) -> Record:
+        """What it leaves."""
+        rows = np.concatenate(self.rows)
+        return Record(self.assembly, np.arange(len(rows), dtype=np.int64) * self.every, rows, self.handed)
+
+
+@dataclass
+class Unmade:
+    """A member that cannot be assembled."""
+
+    number: int
+    reason: str
+    ended: bool = True
+
+
+@dataclass
+class Members(Preparing):
+    """Prepares members of a fit; what they have in common is worked out once."""
+
+    timing: Timing | None = None
+
+    def make(self, numbers: Numbers) -> Made:
+        """A mechanism read and assembled for as long as the curves need."""
+        mechanism, timing = loads(self.text, set=list(numbers.items())), cast(Timing, self.timing)
+        turn = turn_of(mechanism)
+        run: dict[str, Any] = {"outputs": timing.outputs, "force_step": True}
+        if timing.turns is not None and turn is not None:
+            step = turn / (timing.outputs * timing.every)
+            run["turns"] = math.ceil(timing.turns(turn) - 1e-9)
+        else:
+            step, run["duration"] = timing.step, timing.duration
+        assembly = assemble(mechanism, step, **run)
+        return Made(Refit(assembly, step, {}, **run), None, None, lambda *_: assembly, None, False)  # type: ignore[arg-type]
+
+    def assembled(self, numbers: Numbers) -> Assembly:
+        """A member's assembly. Raises VfifeError."""
+        play = {path: value for path, value in numbers.items() if self.of_play(path)}
+        made = cast(Made, self.made({path: value for path, value in numbers.items() if path not in play}))
+        found = self.refitted(made, play) if play else made.refit.assembly
+        return found if found is not None else self.make(numbers).refit.assembly
+
+
+class Curves:
+    """Makes traces of a mechanism at any numbers; ``channels`` are those that were measured."""
+
+    def __init__(self, mechanism: Mechanism, channels: Sequence[str], timing: Timing, workers: int | None = None) -> None:
+        self.members = Members(mechanism, Wanted(("*",), 1), timing=timing)
+        self.channels, self.timing, self.workers = Channels(mechanism, channels), timing, workers
+
+    def beside(self, finer: int, turns: float) -> Curves:
+        """The same with so many more steps between two outputs, and so many more turns."""
+        timing = self.timing
+        every, last = timing.every + finer, timing.turns
+        longer = None if last is None else lambda turn: last(turn) + turns
+        changed = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
+        return Curves(self.members.base, self.channels.names, changed, self.workers)
+
+    def each(self, every: Sequence[Numbers]) -> list[Trace | str]:
+        """The trace of each member; where it has none, why."""
+        found: list[Trace | str] = [""] * len(every)
+        for one in stepped(self._stepping(every), len(every), workers=self.workers):
+            member = cast(Stepping | Unmade, one)
+            if isinstance(member, Unmade):
+                found[member.number] = member.reason
+            elif member.broken:
+                found[member.number] = "numbers left all bounds"
+            else:
+                found[member.number] = self.trace(member.record)
+        return found
+
+    def _stepping(self, every: Sequence[Numbers]) -> Iterator[Stepping | Unmade]:
+        for k, numbers in enumerate(every):
+            try:
+                yield Stepping(k, self.members.assembled(numbers))
+            except VfifeError as error:
+                yield Unmade(k, " ".join(str(error).split()))
+
+    def trace(self, record: Record) -> Trace:
+        """The channels of a record."""
+        places = times(record)
+        if self.timing.over == "angle":
+            angle = record.block("particle_theta")[:, record.assembly.topology.driven[0]]
+            places = angle if angle[-1] >= angle[0] else -angle
+        return Trace(places, self.channels.read(record), record.assembly.choice.turn)

@@ -1,0 +1,237 @@
+"""Basins: to which motion each start comes, over a grid of two numbers of the start or of the model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...analysis.attractors import ALIKE, Attractor, attractors
+from ...analysis.chaos import exponent
+from ...analysis.verdict import Verdict, verdict
+from ...errors import Fault, ModelError
+from ...model.mechanism import Mechanism
+from ...modelfile import dump, loads
+from ...results.csvtable import write_rows
+from ...results.mapfile import MapFile
+from ...solvers.orbits import Orbits, Start
+from ...solvers.record import recorded_rows
+from .beside import SAMPLE, Companion, alike, packed, sampled, started_companions, told, unpacked
+from .looks import chosen_series, kept_in, law_words, left_out, looked, models_along, refuse_idle, refuse_large_frame, seed, step_count, tupled
+from .starts import Starts, unit_of_start
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Range: TypeAlias = tuple[str, float, float]
+WHAT, BESIDE = "basins", "beside"
+OF_START = {"position", "angle", "velocity"}  # of a body: with what it begins
+
+
+@dataclass(frozen=True)
+class Grid:
+    """What is asked: two numbers by their ``paths``, with their ``units`` and values ``x`` and ``y``; ``turns``, the first of them ``dropped``;
+    ``series`` at a ``phase`` (1) of the turn, of which there are so many ``steps``; ``exponents``: whether a small difference is watched; so many
+    members have ``companions``."""
+
+    model: str
+    paths: tuple[str, str]
+    units: tuple[str, str]
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    turns: int
+    dropped: int
+    series: tuple[str, ...]
+    phase: float
+    steps: int
+    exponents: bool
+    companions: int
+
+    @property
+    def count(self) -> int:
+        """Members."""
+        return len(self.x) * len(self.y)
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The numbers that are of the model, not of a start: points of one motion move with them."""
+        return tuple(path for path in self.paths if not path.startswith("start.") and OF_START.isdisjoint(path.split(".")))
+
+    def numbers(self, member: int) -> dict[str, float]:
+        """What a member begins with; members go along x first."""
+        return {self.paths[0]: self.x[member % len(self.x)], self.paths[1]: self.y[member // len(self.x)]}
+
+
+@dataclass(frozen=True)
+class Basins:
+    """What is known of each member by number: ``points`` once a turn, shape (turns, series), and ``growth``; no points where it has no start."""
+
+    name: str
+    asked: Grid
+    points: Mapping[int, Array]
+    growth: Mapping[int, Array]
+    companions: tuple[Companion, ...] = field(default=())
+
+    @property
+    def done(self) -> int:
+        """Members that are known."""
+        return len(self.points)
+
+    @cached_property
+    def verdicts(self) -> dict[int, Verdict]:
+        """What the motions are, with their evidence; members without a start have none."""
+        grown = {k: exponent(one) if len(one) > 1 else None for k, one in self.growth.items()}
+        return {k: verdict(one, grown[k]) for k, one in sorted(self.points.items()) if len(one)}
+
+    @cached_property
+    def attractors(self) -> list[Attractor]:
+        """The motions to which members come, that of most members first; over a number of the model those that are called the same."""
+        members, alike = range(self.asked.count), math.inf if self.asked.varied else ALIKE
+        return attractors([self.points[k] if k in self.verdicts else None for k in members], [self.verdicts.get(k) for k in members], alike)
+
+    @property
+    def labels(self) -> Array:
+        """Which of the attractors each member comes to, shape (y, x); NaN where it has no start or is not known yet."""
+        found = np.full(self.asked.count, np.nan)
+        for k, one in enumerate(self.attractors):
+            found[list(one.members)] = k
+        return found.reshape(len(self.asked.y), len(self.asked.x))
+
+    @property
+    def laws(self) -> str:
+        """Contact and friction laws, in words."""
+        return law_words(loads(self.asked.model))
+
+    @property
+    def alike(self) -> str:
+        """How many companions are told to be the same, in a few words."""
+        return alike(self._known, lambda one: self.verdicts[one.number].kind)
+
+    @property
+    def _known(self) -> list[Companion]:
+        return [one for one in self.companions if one.number in self.verdicts]
+
+    @property
+    def told(self) -> str:
+        """What companions come to, in words; empty where there are none."""
+        known = self._known
+        words = lambda one: ", ".join(f"{path} = {value:.4g}" for path, value in self.asked.numbers(one.number).items())  # noqa: E731
+        return told(known, lambda one: self.verdicts[one.number].kind, words)
+
+    def plot(self) -> Figure:
+        """The grid as a figure, each attractor in a colour."""
+        from ...plots.basins import basins as drawn
+
+        return drawn(self)
+
+    def write_csv(self, path: str | Path) -> None:
+        """Writes a row a member: its two numbers, its attractor (counted from 1), its motion, its exponent, and what series are at the end."""
+        rows: list[list[object]] = [[*self.asked.paths, "attractor", "kind", "exponent", *self.asked.series]]
+        labels = self.labels.reshape(-1)
+        for member, one in self.verdicts.items():
+            value = "" if one.exponent is None else one.exponent.value
+            numbers = self.asked.numbers(member).values()
+            rows.append([*numbers, int(labels[member]) + 1, one.kind, value, *self.points[member][-1].tolist()])
+        write_rows(path, rows)
+
+
+def basins(
+    mechanism: Mechanism,
+    x: Range,
+    y: Range,
+    *,
+    count: tuple[int, int] = (16, 16),
+    turns: int = 60,
+    dropped: int | None = None,
+    series: Sequence[str] = (),
+    phase: float = 0.0,
+    step: float | None = None,
+    exponents: bool = True,
+    companions: int = SAMPLE,
+    file: str | Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Basins:
+    """To which motion a mechanism comes from each start of a grid: ``x`` and ``y`` are (path, from, to), in SI units, with so many values.
+
+    Paths: ``start.crank`` (rad, from the model's own start on), ``start.JOINT.x`` and ``.y`` (m: the journal in its bearing, seen from it),
+    ``start.JOINT.vx`` and ``.vy`` (m/s), or any number of the model, as in ``joint.pin.clearance``. Members are looked at where the crank has
+    turned so far beyond the model's own start, ``phase`` (1), for ``turns`` turns, of which ``dropped`` are left out, two thirds unless said.
+    ``exponents``: a small difference is watched, without which chaos is told by the 0-1 test alone, of 100 turns or more. ``companions``: so many
+    members are gone through again, with 1.25 times and half the step. With a ``file`` what is known is kept in it, and the same call goes on
+    there. Ctrl-C leaves what is complete. A journal outside its bearing is no start, and left out. Raises ModelError for a grid that cannot be,
+    HeldError.
+    """
+    dropped = left_out(dropped, turns)
+    asked = planned(mechanism, x, y, count, turns, dropped, series, phase, step, exponents, companions)
+    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
+        known = dict(kept.members()) if kept is not None else {}
+        beside = unpacked(kept.stored(BESIDE)) if kept is not None else []
+        own = Starts(mechanism, asked.steps)
+        near = seed(mechanism, own.at({}), asked.steps) if exponents else None
+        finer: dict[int, Starts] = {asked.steps: own}
+
+        def made(member: int, steps: int) -> Start:
+            starts = finer.setdefault(steps, Starts(mechanism, steps))
+            return Start(member, partial(starts.at, asked.numbers(member)), starts.ahead(asked.numbers(member), phase))
+
+        length = asked.steps, turns, dropped, near
+        try:
+            for one in Orbits(*length).each([made(member, asked.steps) for member in range(asked.count)], tuple(known)):
+                rows = one.rows if one.assembly is not None else np.zeros((0, len(asked.series)))
+                points = rows if one.assembly is None else looked(one.assembly, recorded_rows(one.assembly), rows, asked.series, asked.steps)
+                known[one.number] = points, one.growth
+                if kept is not None:
+                    kept.keep(one.number, points, one.growth, np.zeros(0))
+                if progress is not None:
+                    progress(len(known), asked.count)
+            if not beside and companions:
+                some = [member for member, (points, _) in sorted(known.items()) if len(points)]
+                beside = list(started_companions([some[k] for k in sampled(len(some), companions)], made, *length, asked.series))
+                if kept is not None:
+                    kept.array(BESIDE, packed(beside))
+        except KeyboardInterrupt:
+            if not known:
+                raise
+    return together(mechanism.name, asked, known, beside)
+
+
+def planned(
+    mechanism: Mechanism, x: Range, y: Range, count: tuple[int, int], turns: int, dropped: int, series: Sequence[str], phase: float,
+    step: float | None, exponents: bool, companions: int,
+) -> Grid:  # fmt: skip
+    """What is asked. Raises ModelError for numbers that there are not, or that do not leave members side by side."""
+    refuse_idle(mechanism, turns, dropped)
+    units = []
+    for name, (path, _, _) in (("x", x), ("y", y)):
+        try:
+            units.append(unit_of_start(mechanism, path))
+        except ValueError as error:
+            raise ModelError([Fault(name, str(error))], mechanism.name) from None
+    if x[0] == y[0]:
+        raise ModelError([Fault("y", "this is the number that x is", x[0], "two numbers", "name another one")], mechanism.name)
+    text = dump(mechanism)
+    steps = step_count(models_along(mechanism, (x, y)), step, companions)
+    first = Starts(mechanism, steps).at({})
+    refuse_large_frame(first)
+    chosen, _ = chosen_series(first, series)
+    values = [tuple(np.linspace(low, high, some).tolist()) for (_, low, high), some in zip((x, y), count, strict=True)]
+    return Grid(text, (x[0], y[0]), (units[0], units[1]), values[0], values[1], turns, dropped, chosen, phase, steps, exponents, companions)
+
+
+def together(name: str, asked: Grid, known: Mapping[int, tuple[Array, Array]], beside: Sequence[Companion]) -> Basins:
+    """The basins of members."""
+    points = {k: one.reshape(-1, len(asked.series)) for k, (one, _) in known.items()}
+    return Basins(name, asked, points, {k: one.reshape(-1) for k, (_, one) in known.items()}, tuple(beside))
+
+
+def read_basins(kept: MapFile) -> Basins:
+    """The basins in a map file, as far as they are known."""
+    said = kept.asked
+    return together(said["name"], Grid(**tupled(said["asked"])), kept.members(), unpacked(kept.stored(BESIDE)))

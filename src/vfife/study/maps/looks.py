@@ -1,0 +1,227 @@
+"""What maps, sections and basins have in common: steps in a turn, series that are looked at once in each, files, what is told beside them."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, suppress
+from itertools import takewhile
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...assembly.assemble import assemble
+from ...assembly.assembled import Assembly
+from ...errors import Fault, ModelError, StepError, VfifeError, suggestion
+from ...fields import Measure
+from ...model.functions import turn_of
+from ...model.mechanism import Mechanism
+from ...modelfile import dump, loads
+from ...modelfile.numbers import numbers
+from ...modelfile.override import PathFault, resolve
+from ...modelfile.read import raw_of
+from ...result import Result
+from ...results.askedfile import AskedFile
+from ...results.channels import entities
+from ...results.lock import Lock
+from ...results.mapfile import MapFile
+from ...results.view import View, standing
+from ...simulation import prepare
+from ...solvers.arguments import Asked
+from ...solvers.record import Record
+from ...solvers.sweeping import carried_on
+from ...solvers.tangents import Neighbours
+from ...solvers.transient import choose_loop
+from ..places import held_at
+
+Array = NDArray[np.float64]
+Own = TypeVar("Own", bound=AskedFile)
+DROPPED = 2 / 3  # of the turns, that are not looked at unless said
+NEAR = 1e-6  # of a number, by which the difference begins that is watched
+LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")  # numbers that move no pin, the first first
+MOST_COUNTS = 16
+COUNTS: OrderedDict[tuple[tuple[str, ...], float | None, int], int] = OrderedDict()  # steps in a turn, as they were found
+
+
+def stepped(model: Mechanism, steps: int) -> Assembly:
+    """A model assembled with so many steps in a turn."""
+    return assemble(model, (turn_of(model) or 0.0) / steps, turns=1, outputs=1, force_step=True)
+
+
+def models_along(mechanism: Mechanism, ranges: Sequence[tuple[str, float, float]]) -> list[Mechanism]:
+    """The model with all numbers of ``ranges`` (path, from, to) at their lower, and at their upper ends; itself where there are none of it."""
+    text, own = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
+    return [loads(text, set=[(one[0], one[end]) for one in own]) for end in (1, 2)] if own else [mechanism]
+
+
+def refuse_idle(mechanism: Mechanism, turns: int, dropped: int) -> None:
+    """Raises ModelError where there are no turns, or none is left to look at."""
+    faults = []
+    if turn_of(mechanism) is None:
+        faults.append(Fault("driver", "no crank turns at constant speed, so there is no turn to look at once", "", "", "drive a body"))
+    if not 0 <= dropped < turns:
+        faults.append(Fault("dropped", "no turn is left to look at", str(dropped), f"0 to {turns - 1}", "drop fewer turns"))
+    if faults:
+        raise ModelError(faults, mechanism.name)
+
+
+def refuse_large_frame(assembly: Assembly) -> None:
+    """Raises ModelError for what is too large to be stepped as a straight line."""
+    if choose_loop(assembly, "auto") != "generated":
+        fault = Fault("body", "a frame of so many elements is not swept", "", "", "use fewer elements")
+        raise ModelError([fault], assembly.mechanism.name)
+
+
+def left_out(dropped: int | None, turns: int, share: float = DROPPED) -> int:
+    """Turns that are not looked at, of so many: a share of them unless said, so that one is left."""
+    return turns - max(1, round((1.0 - share) * turns)) if dropped is None else dropped
+
+
+def step_count(models: Sequence[Mechanism], step: float | None, companions: int = 0) -> int:
+    """Steps in a turn, enough for all models: with ``companions``, which look whether they will do, as few as a run tries first.
+
+    Raises ModelError for a step that is too large for one of them. What was found for models of the same text is known: a command asks for its
+    forecast first.
+    """
+    key = tuple(dump(model) for model in models), step, min(companions, 1)
+    if (found := COUNTS.get(key)) is not None:
+        return found
+    counts = []
+    for model in models:
+        if step is not None:
+            refuse_large(model, step)
+        size = prepare(model, Asked(turns=1.0, companions=min(companions, 1))).assembly.choice.step if step is None else step
+        counts.append(math.ceil((turn_of(model) or 0.0) / size * (1.0 - 1e-9)))
+    COUNTS[key] = max(counts)
+    if len(COUNTS) > MOST_COUNTS:
+        COUNTS.popitem(last=False)
+    return max(counts)
+
+
+def refuse_large(model: Mechanism, step: float) -> None:
+    """Raises ModelError for a step that the model is not stable with."""
+    try:
+        assemble(model, step, turns=1.0, outputs=1)
+    except StepError as error:
+        limit = str(error).partition(": ")[2].partition(";")[0]
+        raise ModelError([Fault("step", "this is not taken", f"{step:g} s", limit, "give another")], model.name) from None
+
+
+def chosen_series(first: Assembly, series: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Series that are looked at, those that are asked for or the usual ones, and their units. Raises ModelError for a name that there is not."""
+    chosen, start = tuple(series) or default_series(first), standing(first)
+    refuse_unknown("series", chosen, list(start.series), "the mechanism has none of this name", "name one that it has", first.mechanism.name)
+    return chosen, tuple(unit_of(start, name) for name in chosen)
+
+
+def refuse_unknown(where: str, names: Sequence[str], known: Sequence[str], what: str, otherwise: str, model: str) -> None:
+    """Raises ModelError with all names that are not known, each with the one that is meant, or what to do ``otherwise``."""
+    wrong = [Fault(where, what, name, "", suggestion(name, known, otherwise)) for name in names if name not in known]
+    if wrong:
+        raise ModelError(wrong, model)
+
+
+def default_series(assembly: Assembly) -> tuple[str, ...]:
+    """Where journals are in their bearings, and the largest force of a turn; without contacts the first link's speed."""
+    joints = list(dict.fromkeys(assembly.contact_joints))
+    if joints:
+        return tuple(f"{joints[0]}.{what}" for what in ("penetration", "force_max"))
+    return (f"{list(assembly.bodies)[-1]}.angular_velocity",)
+
+
+def unit_at(mechanism: Mechanism, path: str) -> str:
+    """Unit of the number at a path. Raises ValueError where there is none."""
+    raw = raw_of(dump(mechanism), mechanism.name)
+    try:
+        held = held_at(raw, resolve(raw, path))
+    except PathFault as fault:
+        raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
+    if not isinstance(held, Measure):
+        at = path.split(".")
+        alike = lambda name: sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), at, strict=False)))  # noqa: E731
+        known = sorted((name for name, _ in numbers(dump(mechanism))), key=alike, reverse=True)
+        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, known, 'name one')}")
+    return held.unit
+
+
+def unit_of(start: View, series: str) -> str:
+    """Unit of a series."""
+    return start.channels[start.series.place(series)[0]].unit
+
+
+def looked(assembly: Assembly, kept: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int) -> Array:
+    """What series are once a turn, of rows recorded then, shape (turns, kept): shape (turns, series)."""
+    found = np.zeros((len(rows), len(series)))
+    if not len(rows):
+        return found
+    result = Result(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, kept))
+    for j, name in enumerate(series):
+        variable, entity, label = result.series.place(name)
+        values = result.channels[variable].values
+        place = entities(result.record)[entity].index(str(label)) if entity is not None else 0
+        found[:, j] = values[:, place] if entity is not None else values
+    return found
+
+
+def seed(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbours:
+    """Two models to both sides in a number that moves no pin: the difference between motions that is watched begins as one of it."""
+    text = dump(mechanism)
+    rank = {path: next((k for k, end in enumerate(LIKELY) if path.endswith(end)), len(LIKELY)) for path, value in numbers(text) if value}
+    for path in sorted(rank, key=rank.__getitem__):
+        value = dict(numbers(text))[path]
+        with suppress(VfifeError):
+            both = [stepped(loads(text, set=[(path, value * (1.0 + sign * NEAR))]), steps) for sign in (1.0, -1.0)]
+            moves = np.abs(both[0].state - both[1].state)[first.layout.of("parameter")].any()
+            if moves and all(carried_on(first, one) is None for one in both):
+                return Neighbours(both[0], both[1], 2.0 * NEAR * value)
+    raise ModelError([Fault("model", "none of its numbers can be changed a little, so no motion nearby is known")], mechanism.name)
+
+
+def law_words(mechanism: Mechanism) -> str:
+    """Contact and friction laws of a model, joint by joint where they differ."""
+    by: dict[str, list[str]] = {}
+    for name, joint in mechanism.contacts.items():
+        by.setdefault(f"contact {joint.contact.name}, friction {joint.friction.name}", []).append(name)
+    return "; ".join(words if len(by) == 1 else f"{', '.join(names)}: {words}" for words, names in by.items()) or "no contacts"
+
+
+def kept_in(file: str | Path | None, said: Mapping[str, Any], what: str = "this map") -> AbstractContextManager[MapFile | None]:
+    """The file of a map: see :func:`kept_as`."""
+    return kept_as(MapFile, file, said, what)
+
+
+@contextmanager
+def kept_as(kind: type[Own], file: str | Path | None, said: Mapping[str, Any], what: str) -> Iterator[Own | None]:
+    """A file of a ``kind``, locked: a new one, or one that asks the same; None where nothing is to be kept.
+
+    Raises VfifeError for one that asks something else, HeldError where another process writes ``what`` is in it.
+    """
+    if file is None:
+        yield None
+        return
+    path = Path(file)
+    with Lock(path.absolute().parent, f"{path.name}.lock", what):
+        said = {key: value if isinstance(value, str) else _listed(value) for key, value in said.items()}
+        with kind.going_on(path, said) as found:
+            yield found
+
+
+def _listed(asked: Any) -> dict[str, Any]:
+    """What is asked as JSON has it."""
+
+    def plain(value: Any) -> Any:
+        return [plain(one) for one in value] if isinstance(value, tuple) else value
+
+    return {key: plain(value) for key, value in vars(asked).items()}
+
+
+def tupled(said: Mapping[str, Any]) -> dict[str, Any]:
+    """What is asked as JSON has it, with tuples for lists."""
+
+    def nested(value: Any) -> Any:
+        return tuple(map(nested, value)) if isinstance(value, list) else value
+
+    return {key: nested(value) for key, value in said.items()}

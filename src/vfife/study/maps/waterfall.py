@@ -1,0 +1,246 @@
+"""Waterfalls: spectra of series over a number that changes from run to run, by orders of the crank; mostly over its speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...analysis.spectral import COSINES, resolution_of, window_of
+from ...assembly.assembled import Assembly
+from ...errors import Fault, ModelError
+from ...model.functions import turn_of
+from ...model.mechanism import Mechanism
+from ...modelfile import dump, loads
+from ...results.csvtable import write_rows
+from ...results.mapfile import MapFile
+from ...results.spectra import spectrum
+from ...results.view import standing
+from ...simulation import prepare
+from ...solvers.arguments import Asked
+from ...solvers.ensemble import placed
+from ...solvers.streaming import stepped
+from .looks import kept_in, law_words, refuse_large_frame, refuse_unknown, tupled, unit_at, unit_of
+from .spectral import Spectral
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+WHAT = "waterfall"
+LAST = 4  # turns that are transformed unless said
+LOOKED_AT = 9  # values whose turns are looked at for a forecast
+
+
+@dataclass(frozen=True)
+class Fallen:
+    """What is asked: the number's ``path``, its ``unit`` and ``values``; at each ``turns`` turns, of which the ``last`` are transformed under a
+    ``window``; ``series`` and their ``units``; ``outputs`` in a turn, orders up to the ``highest``, and the largest ``step`` (s).
+    """
+
+    model: str
+    path: str
+    unit: str
+    values: tuple[float, ...]
+    turns: int
+    last: int
+    window: str
+    series: tuple[str, ...]
+    units: tuple[str, ...]
+    outputs: int
+    highest: float
+    step: float
+
+
+@dataclass(frozen=True)
+class Waterfall:
+    """Amplitudes of waves over a number, NaN where it is not known yet, or where the motion diverged.
+
+    ``orders`` (1), shape (places,); ``turn`` (s) at each value, shape (values,); of each of ``asked.series`` the ``amplitudes`` in SI units, shape
+    (values, places). So many values are ``done``; at the ``diverged`` ones there is no motion.
+    """
+
+    name: str
+    asked: Fallen
+    orders: Array
+    turn: Array
+    amplitudes: Mapping[str, Array]
+    done: int
+    diverged: tuple[float, ...] = ()
+
+    @property
+    def frequencies(self) -> Array:
+        """Orders as frequencies (Hz) at each value, shape (values, places)."""
+        return np.asarray(self.orders / self.turn[:, None], dtype=float)
+
+    @property
+    def words(self) -> str:
+        """Window and resolution, in words."""
+        asked = self.asked
+        name = asked.window if asked.window in ("flat-top", "rectangular") else asked.window.capitalize()
+        wide = resolution_of(asked.window, float(asked.last))
+        dropped = f", {asked.turns - asked.last} dropped" if asked.turns > asked.last else ""
+        return f"{name} window over {asked.last} turns{dropped}; resolution {wide:.3g} orders; {asked.outputs} outputs a turn"
+
+    @property
+    def limits(self) -> str:
+        """Step and laws, in words."""
+        return f"steps of {1e6 * self.asked.step:.3g} µs at most; {law_words(loads(self.asked.model))}"
+
+    def plot(self, hertz: bool = False) -> Figure:
+        """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
+        from ...plots.waterfall import drawn
+
+        return drawn(self, hertz)
+
+    def write_csv(self, path: str | Path) -> None:
+        """Writes a row for each value and order: the value, order, frequency (Hz) and the amplitude of each series. Raises OSError."""
+        asked = self.asked
+        heads = (f"{name} [{unit}]" for name, unit in zip(asked.series, asked.units, strict=True))
+        table: list[list[object]] = [[f"{asked.path} [{asked.unit}]", "order [1]", "frequency [Hz]", *heads]]
+        every = np.stack([self.amplitudes[name] for name in asked.series], axis=2)
+        for value, frequencies, amplitudes in zip(asked.values, self.frequencies.tolist(), every, strict=True):
+            if np.isfinite(amplitudes).all():
+                rows = zip(self.orders.tolist(), frequencies, amplitudes.tolist(), strict=True)
+                table += ([value, order, frequency, *row] for order, frequency, row in rows)
+        write_rows(path, table)
+
+
+def waterfall(
+    mechanism: Mechanism,
+    path: str,
+    low: float,
+    high: float,
+    *,
+    count: int = 50,
+    turns: int = 12,
+    last: int | None = None,
+    series: Sequence[str] = (),
+    outputs: int = 1440,
+    highest: float = 50.0,
+    window: str = "hann",
+    step: float | None = None,
+    file: str | Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Waterfall:
+    """Spectra of ``series`` over the number at ``path``, as ``driver.crank.speed``, from ``low`` to ``high`` (SI) in ``count`` runs of their own.
+
+    Each makes so many ``turns``, of which the ``last`` are transformed, four unless said: orders are told apart by 1/last of a turn, up to the
+    ``highest``. What is faster than half the ``outputs`` of a turn is folded back. ``series``: the forces of joints with play, of all joints where
+    there is none, unless said. ``step`` (s): the finer automatic one of both ends unless said. With a ``file`` each run is kept when it ends, and
+    the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for what cannot be, HeldError where another process writes the
+    file.
+    """
+    last = last_of(last, turns)
+    asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
+    places = round(asked.highest * asked.last) + 1
+    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
+        found = {} if kept is None else {number: points for number, (points, _) in kept.members().items()}
+        missing = [k for k in range(count) if k not in found]
+        try:
+            for member in stepped((Spectral(k, assemblies[k], turns, last, asked.series) for k in missing), max(1, len(missing))):
+                one = cast(Spectral, member)
+                points = transformed(one, asked, places)
+                if kept is not None:
+                    kept.keep(one.number, points, np.zeros((0, 1)), np.zeros((0, 1)))
+                found[one.number] = points
+                if progress is not None:
+                    progress(len(found), count)
+        except KeyboardInterrupt:
+            if not found:
+                raise
+    return laid_out(mechanism.name, asked, found)
+
+
+def read_waterfall(file: MapFile) -> Waterfall:
+    """The waterfall in a file, as far as it is known."""
+    said = file.asked
+    return laid_out(said["name"], Fallen(**tupled(said["asked"])), {number: points for number, (points, _) in file.members().items()})
+
+
+def transformed(one: Spectral, asked: Fallen, places: int) -> Array:
+    """Amplitudes of each series, shape (series, places); NaN where the motion diverged."""
+    if one.diverged:
+        return np.full((len(asked.series), places), math.nan)
+    found = [spectrum(values, 1.0, window=asked.window).amplitudes[:places] for values in one.values]
+    return np.array(found)
+
+
+def laid_out(name: str, asked: Fallen, found: Mapping[int, Array]) -> Waterfall:
+    """The waterfall of members by their numbers."""
+    places = round(asked.highest * asked.last) + 1
+    every = np.full((len(asked.values), len(asked.series), places), math.nan)
+    for number, points in found.items():
+        every[number] = points
+    broken = tuple(asked.values[number] for number, points in sorted(found.items()) if not np.isfinite(points).all())
+    turn = np.array([turn_of(loads(asked.model, set=[(asked.path, value)])) or math.nan for value in asked.values])
+    amplitudes = {series: every[:, j] for j, series in enumerate(asked.series)}
+    return Waterfall(name, asked, np.arange(places) / asked.last, turn, amplitudes, len(found), broken)
+
+
+def planned(
+    mechanism: Mechanism, path: str, values: Array, turns: int, last: int, series: tuple[str, ...], outputs: int, highest: float, window: str,
+    step: float | None,
+) -> tuple[Fallen, list[Assembly]]:  # fmt: skip
+    """What is asked, and the model at each value."""
+    window_of(window, 8)
+    faults = []
+    if turn_of(mechanism) is None:
+        faults.append(Fault("driver", "no crank turns at constant speed, so there are no orders", "", "", "drive a body"))
+    if not 1 <= last <= turns:
+        faults.append(Fault("last", "so many turns are not made", str(last), f"1 to {turns}", "transform fewer, or make more turns"))
+    if last < (least := len(COSINES[window])):
+        faults.append(Fault("last", f"under the window {window} an order runs into the next", str(last), f"at least {least}", "take more turns"))
+    if not 0.0 < highest <= 0.5 * outputs:
+        faults.append(Fault("highest", "no such order is seen", f"{highest:g}", f"up to half the {outputs} outputs of a turn", "ask for more"))
+    if faults:
+        raise ModelError(faults, mechanism.name)
+    text = dump(mechanism)
+    models = [loads(text, set=[(path, float(value))]) for value in values]
+    still = [float(value) for value, model in zip(values, models, strict=True) if turn_of(model) is None]
+    if still:
+        raise ModelError(
+            [Fault(path, "no crank turns here, so there are no orders", f"{still[0]:g}", "", "leave it out of the range")], mechanism.name
+        )
+    if step is None:
+        step = automatic(models)
+    assemblies = [placed(model, step, turns, outputs) for model in models]
+    refuse_large_frame(assemblies[0])
+    start = standing(assemblies[0])
+    series = series or usual(assemblies[0], list(start.series))
+    refuse_unknown("series", series, list(start.series), "the mechanism has none of this name", "name one that it has", mechanism.name)
+    if not series:
+        raise ModelError([Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")], mechanism.name)
+    units = tuple(unit_of(start, name) for name in series)
+    return Fallen(
+        text, path, unit_at(mechanism, path), tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step
+    ), assemblies
+
+
+def last_of(last: int | None, turns: int) -> int:
+    """Turns that are transformed, of so many."""
+    return min(LAST, turns) if last is None else last
+
+
+def automatic(models: Sequence[Mechanism]) -> float:
+    """The finer automatic step (s) of the first and the last of models."""
+    return min(prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step for model in (models[0], models[-1]))
+
+
+def about_steps(mechanism: Mechanism, path: str, low: float, high: float, step: float | None) -> float:
+    """About so many steps a turn has, in the mean of a waterfall's runs; 0 where no crank turns, which is told when it is begun."""
+    text = dump(mechanism)
+    models = [loads(text, set=[(path, value)]) for value in np.linspace(low, high, LOOKED_AT).tolist()]
+    turns = [turn_of(model) or 0.0 for model in models]
+    return 0.0 if not all(turns) else sum(turns) / len(turns) / (step or automatic(models))
+
+
+def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:
+    """Forces of the joints with play, or of all joints."""
+    names = [f"{name}.force" for name in (dict.fromkeys(assembly.contact_joints) or assembly.mechanism.joints)]
+    return tuple(name for name in names if name in known)

@@ -1,0 +1,1 @@
+"""Wear over many turns: depths and volumes, worn profiles, jumps over cycles, and lives."""

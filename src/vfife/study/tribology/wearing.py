@@ -1,0 +1,216 @@
+"""How the joints of a mechanism wear over millions of turns: blocks of turns are simulated, and surfaces change in jumps between them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...analysis.measures import largest_loads
+from ...analysis.wear import PLACES
+from ...assembly.assemble import assemble
+from ...errors import Fault, ModelError
+from ...model.functions import turn_of
+from ...model.mechanism import Mechanism
+from ...modelfile import dump
+from ...results.wearfile import WearFile, WornPoint
+from ...solvers.blocks import Blocks
+from ...solvers.halt import Halt
+from ...solvers.record import Record
+from ...solvers.transient import choose_loop
+from ..maps.looks import kept_as, step_count
+from .jumps import Standing, between, jumps
+from .wearcheck import beside
+from .worn import Asked, Surface, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, float, int], None]  # turns known, of how many, turns simulated
+REACH = 0.04  # of the clearance, by which no jump goes further
+FIRST = 0.01  # of the clearance, by which the first goes
+
+
+def wear(
+    mechanism: Mechanism,
+    turns: float,
+    *,
+    block: int = 4,
+    settle: int = 4,
+    tolerance: float = 0.01,
+    harmonics: int = 8,
+    clearance: float | None = None,
+    force: float | None = None,
+    step: float | None = None,
+    file: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Worn:
+    """Wears the joints that have a table ``wear`` for so many ``turns`` of the crank, or until a limit.
+
+    The rate of wear is that of ``block`` turns, after ``settle`` turns that nobody looks at. A jump errs by ``tolerance`` of the smallest clearance
+    at the most; what the step does to the rates is told by the last block again with half of it. The clearance follows the worn profiles by so many
+    ``harmonics`` (1: their mean; 0: not at all). ``clearance`` (m) and ``force`` (N) are limits that end a life: play of a joint, by the deepest
+    places of its surfaces, and the largest force of one. ``step`` (s): the automatic one unless said. With a ``file`` every jump is kept in it, and
+    the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for a mechanism that does not wear so, HeldError where another
+    process writes the file.
+    """
+    asked, surfaces = planned(mechanism, turns, block, settle, tolerance, harmonics, clearance, force, step)
+    with kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept:
+        points: list[WornPoint] = [] if kept is None else kept.points()
+        apart: tuple[float, ...] = () if kept is None else kept.beside
+        try:
+            with Halt() as halt:
+                wearing = Wearing(mechanism, asked, surfaces, halt)
+                for point in wearing.points(points, None if kept is None or not points else kept.state(len(points) - 1)):
+                    if kept is not None:
+                        kept.keep(len(points), point, wearing.blocks.state)
+                    points.append(point)
+                    if progress is not None:
+                        progress(point.told["turns"], asked.turns, round(wearing.blocks.turns))
+                if not apart:
+                    apart = beside(asked, surfaces, wearing.blocks, points[-1].rate, halt)
+                    if kept is not None:
+                        kept.keep_beside(apart)
+        except KeyboardInterrupt:
+            if not points:
+                raise
+    return worn_of(mechanism.name, asked, points, apart)
+
+
+def load_wear(path: str | Path) -> Worn:
+    """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
+    with WearFile.open(Path(path)) as file:
+        said = file.asked
+        return worn_of(said["name"], Asked(**said["asked"]), file.points(), file.beside)
+
+
+def planned(
+    mechanism: Mechanism,
+    turns: float,
+    block: int,
+    settle: int,
+    tolerance: float,
+    harmonics: int,
+    clearance: float | None,
+    force: float | None,
+    step: float | None,
+) -> tuple[Asked, list[Surface]]:
+    """What is asked, and the surfaces that wear. Raises ModelError with all that is wrong."""
+    surfaces, faults = surfaces_of(mechanism), []
+    if turn_of(mechanism) is None:
+        faults.append(Fault("driver", "no crank turns at constant speed, so there are no turns to count", "", "", "drive a body"))
+    if not surfaces:
+        what = "no journal in a bearing wears: there is no coefficient above zero"
+        faults.append(Fault("joint", what, "", "", 'give a joint with clearance a table wear, as in wear = { bearing = "1e-15 1/Pa" }'))
+    for name, value, low in (("turns", turns, 1.0), ("block", block, 1), ("settle", settle, 1), ("harmonics", harmonics, 0)):
+        if not value >= low:
+            faults.append(Fault(name, "too small", f"{value:g}", f"at least {low:g}", "give more"))
+    if not 0.0 < tolerance <= 1.0:
+        faults.append(Fault("tolerance", "out of range", f"{tolerance:g}", "a share above 0 and up to 1", "for example 0.01"))
+    if not faults and clearance is not None and clearance <= max(surface.clearance for surface in surfaces):
+        limit = f"above {max(surface.clearance for surface in surfaces):g} m"
+        faults.append(Fault("clearance", "a joint has as much play from the start", f"{clearance:g} m", limit, "give a larger limit"))
+    if faults:
+        raise ModelError(faults, mechanism.name)
+    steps = -(-step_count([mechanism], step) // PLACES) * PLACES
+    return Asked(dump(mechanism), float(turns), block, settle, tolerance, harmonics, clearance, force, steps), surfaces
+
+
+class Wearing:
+    """Wear under way: the blocks, and what becomes of the depths that they tell."""
+
+    def __init__(self, mechanism: Mechanism, asked: Asked, surfaces: list[Surface], halt: Halt) -> None:
+        self.asked, self.surfaces = asked, surfaces
+        model = shaped(mechanism, surfaces, asked.harmonics)
+        turn = turn_of(model) or 0.0
+        assembly = assemble(model, turn / asked.steps, turns=1, outputs=PLACES, force_step=True)
+        if choose_loop(assembly, "auto") != "generated":
+            raise ModelError([Fault("body", "a frame of so many elements is not followed so far", "", "", "use fewer elements")], model.name)
+        self.blocks = Blocks(assembly, PLACES, halt)
+        self.told: dict[str, Any] = {}
+        self.clearance = min(surface.clearance for surface in surfaces)
+
+    def measure(self, change: Array) -> float:
+        """How large a change of depths is: that of the deepest place, as the geometry follows it."""
+        return float(np.abs(smooth(change, max(self.asked.harmonics, 1))).max())
+
+    def rate(self, depth: Array) -> Array:
+        """Depth (m) that a turn takes at each place of all surfaces, once they are so deep."""
+        if self.asked.harmonics:
+            self.blocks.shape(*swing(self.surfaces, depth, self.asked.harmonics, self.blocks.assembly))
+        record = self.blocks.advance(self.asked.settle, self.asked.block)
+        found, spread = rates(record, self.surfaces, self.asked.block)
+        self.told = {"spread": spread, "force": loads(record, self.surfaces)}
+        return found
+
+    def points(self, known: list[WornPoint], state: Array | None) -> Iterator[WornPoint]:
+        """Points after those that are known, up to the end of the turns or of a life."""
+        asked, joints = self.asked, list(dict.fromkeys(surface.joint for surface in self.surfaces))
+        if known and state is not None:
+            self.blocks.restore(state)
+            told = known[-1].told
+            if told["ended"]:
+                return
+            here, last = Standing(told["turns"], known[-1].depth, known[-1].rate, told["next"]), told
+        else:
+            depth = np.zeros((len(self.surfaces), PLACES))
+            rate = self.rate(depth)
+            change = self.measure(rate)
+            here = Standing(0.0, depth, rate, FIRST * self.clearance / change if change > 0.0 else asked.turns)
+            last = self.say(here, joints)
+            last["ended"] = over(asked, last, None)
+            yield WornPoint(here.depth, here.rate, last)
+        tolerance, reach = (share * self.clearance for share in (asked.tolerance, REACH if asked.harmonics else np.inf))
+        if last["ended"]:
+            return
+        for there in jumps(self.rate, here, asked.turns, tolerance, self.measure, reach):
+            there = self.cut(here, there)
+            told = self.say(there, joints)
+            told["ended"] = over(asked, told, last)
+            yield WornPoint(there.depth, there.rate, told)
+            if told["ended"]:
+                return
+            here, last = there, told
+
+    def cut(self, here: Standing, there: Standing) -> Standing:
+        """The jump, ended where a joint reaches the limit of play in it."""
+        limit = self.asked.clearance
+        if limit is None or there.after is None or max(plays(self.surfaces, there.depth, self.asked.harmonics)) < limit:
+            return there
+        low, high = 0.0, 1.0
+        for _ in range(50):
+            middle = 0.5 * (low + high)
+            reached = max(plays(self.surfaces, between(here, middle, there.size, there.after), self.asked.harmonics)) >= limit
+            low, high = (low, middle) if reached else (middle, high)
+        depth = between(here, high, there.size, there.after)
+        return dataclasses.replace(there, turns=here.turns + high * there.size, depth=depth, rate=self.rate(depth), size=high * there.size)
+
+    def say(self, one: Standing, joints: list[str]) -> dict[str, Any]:
+        """What a point tells beside its depths."""
+        play = plays(self.surfaces, one.depth, self.asked.harmonics)
+        return self.told | {
+            "turns": one.turns, "next": one.next, "size": one.size, "error": one.error, "refused": one.refused, "joints": joints, "play": play,
+            "sharp": sharpness(self.surfaces, one.depth, self.asked.harmonics), "simulated": self.blocks.turns,
+        }  # fmt: skip
+
+
+def over(asked: Asked, told: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
+    """Why a life ends here, after how many turns; nothing where it does not. Between two points a force changes evenly."""
+    for joint, play, force in zip(told["joints"], told["play"], told["force"], strict=True):
+        if asked.clearance is not None and play >= asked.clearance * (1.0 - 1e-9):
+            return {"turns": told["turns"], "joint": joint, "by": "clearance"}
+        if asked.force is not None and force >= asked.force:
+            before = 0.0 if last is None else last["force"][told["joints"].index(joint)]
+            share = 1.0 if last is None else (asked.force - before) / (force - before)
+            begin = told["turns"] if last is None else last["turns"]
+            return {"turns": begin + share * (told["turns"] - begin), "joint": joint, "by": "force"}
+    return {}
+
+
+def loads(record: Record, surfaces: list[Surface]) -> list[float]:
+    """Largest force (N) of each joint that wears, over a record."""
+    window = np.arange(len(record.steps)) > 0
+    found = largest_loads(record, window)
+    return [found[f"{name}.force.max"] for name in dict.fromkeys(surface.joint for surface in surfaces)]
