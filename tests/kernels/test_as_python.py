@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import vfife
+from lane_models import worn_bars
 from mechanisms import beads, every_drive, every_law, everything, geared_ring
 from support import bits, journal_in_bearing, with_settings
 from vfife.assembly.assemble import assemble
@@ -26,7 +27,7 @@ AHEAD, COMPARED = 200, 20
 
 EXAMPLES = ("elastic_pendulum", "four_bar_case_c", "gear_train", "scissor_lift", "slider_crank_loose_guide", "squeezer")
 CASES = {name: vfife.load_model(FOLDER / f"{name}.toml") for name in EXAMPLES}
-CASES |= {"ring": geared_ring(), "beads": beads(), "touching soon": journal_in_bearing(clearance=2e-6)}
+CASES |= {"ring": geared_ring(), "beads": beads(), "worn": worn_bars(1), "touching soon": journal_in_bearing(clearance=2e-6)}
 CASES["coarse"] = with_settings(vfife.load_model(FOLDER / "four_bar_ideal.toml"), step=2.5e-4)
 CASES |= {"every kind": everything(), "every law": every_law(), "every drive": every_drive()}
 
