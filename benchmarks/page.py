@@ -74,7 +74,7 @@ def elastic(found: dict[str, Any]) -> str:
     """Millions of element-steps per second."""
     rows = [[said, number(1e-6 * found[name]["element_steps_per_s"])] for name, said in ELASTIC.items() if name in found]
     for name, value in found.items():
-        if name not in ELASTIC and isinstance(value, dict):
+        if name not in ELASTIC and isinstance(value, dict) and "element_steps_per_s" in value:
             rows.append([f"{name.partition(',')[0]}, four-bar of 22 elements", number(1e-6 * value["element_steps_per_s"])])
     return grid(["", ""], rows)
 
