@@ -1,7 +1,7 @@
 """The text of a step in three modules that call one another: what all steps of a width share, what every step needs, and what few do.
 
-The first is compiled once in a process. The last is compiled with the least effort, which takes a quarter of the time, where it is long or no event is
-to come. A short whole step is made as fast as the rest: impacts, of eight parts each, are a sixth of a run with one loose joint.
+The first is compiled once in a process. The last is compiled with the least effort, which takes a quarter of the time, where it is long or no
+event is to come. A short whole step is made as fast as the rest: impacts, of eight parts each, are a sixth of a run with one loose joint.
 """
 
 from __future__ import annotations
