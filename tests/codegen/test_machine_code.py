@@ -60,7 +60,7 @@ def test_four_lanes_are_packed(mechanism, function):
 @pytest.mark.parametrize("hurried", [False, True])
 @pytest.mark.parametrize("width", [1, 2, 4])
 def test_a_step_is_compiled_in_three_pieces(width, hurried, monkeypatch):
-    """The first is that of all steps of a width. The last, where long, has the same operations with the least effort, and none is fused for that."""
+    """The first is that of all steps of a width. The last, where long, has the same operations with least effort, and none is fused for that."""
     monkeypatch.setattr("vfife.codegen.llvm.SHORT", 0 if hurried else 4000)
     topologies = [assemble(mechanism, 1e-6, duration=1e-3).topology for mechanism in (journal_in_bearing(), four_bar("BC"))]
     one, other = (pieces(topology, width) for topology in topologies)
