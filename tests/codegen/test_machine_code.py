@@ -10,8 +10,7 @@ import pytest
 from support import SQUARE, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.codegen import native
-from vfife.codegen.llvm import written
-from vfife.codegen.pieces import pieces
+from vfife.codegen.pieces import pieces, written
 
 ARITHMETIC = re.compile(r"^v?(add|sub|mul|div|sqrt|min|max)(sd|pd)$")
 FUSED = re.compile(r"\bv?fn?m(add|sub|la|ls)|\bfma\b", re.M)
@@ -61,7 +60,7 @@ def test_four_lanes_are_packed(mechanism, function):
 @pytest.mark.parametrize("width", [1, 2, 4])
 def test_a_step_is_compiled_in_three_pieces(width, hurried, monkeypatch):
     """The first is that of all steps of a width. The last, where long, has the same operations with least effort, and none is fused for that."""
-    monkeypatch.setattr("vfife.codegen.llvm.SHORT", 0 if hurried else 4000)
+    monkeypatch.setattr("vfife.codegen.pieces.SHORT", 0 if hurried else 4000)
     topologies = [assemble(mechanism, 1e-6, duration=1e-3).topology for mechanism in (journal_in_bearing(), four_bar("BC"))]
     one, other = (pieces(topology, width) for topology in topologies)
     assert one.shared == other.shared

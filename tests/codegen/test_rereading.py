@@ -10,8 +10,8 @@ import pytest
 import vfife
 from support import SQUARE
 from vfife.assembly.assemble import assemble
-from vfife.codegen import llvm, rereading, schedule
-from vfife.codegen.pieces import pieces
+from vfife.codegen import rereading, schedule
+from vfife.codegen.pieces import pieces, written
 from vfife.codegen.straight_line import trace
 from vfife.codegen.trace import Operation, Trace, is_row
 from vfife.model.mechanism import Mechanism
@@ -102,7 +102,7 @@ def test_rows_that_functions_make_anew_are_not_the_same_in_each_step():
 def test_vectors_that_are_put_aside_keep_to_cache_lines():
     """A stack begins at a multiple of 16 bytes; every other vector of 32 on it would lie in two lines of 64. Who enters aligns it for all."""
     for width in (1, 2, 4, 8):
-        for text in (llvm.written(CASE_C, width), *pieces(CASE_C, width)[:3]):
+        for text in (written(CASE_C, width), *pieces(CASE_C, width)[:3]):
             assert (f'"override-stack-alignment", i32 {8 * width}}}' in text) == (width > 2)
             entered = re.findall(r"@(?:advance|stream)\(.*$", text, re.M)
             assert all(('"stackrealign"' in head) == (width > 2) for head in entered)
@@ -112,4 +112,4 @@ def test_vectors_that_are_put_aside_keep_to_cache_lines():
 def test_what_is_put_aside_has_short_addresses():
     """From a frame pointer they are a byte shorter than from the stack's: a seventh of the time of ten bodies in ideal joints."""
     for width in (1, 4):
-        assert '"frame-pointer"="all"' in re.search(r"@lean\(.*$", llvm.written(CASE_C, width), re.M)[0]
+        assert '"frame-pointer"="all"' in re.search(r"@lean\(.*$", written(CASE_C, width), re.M)[0]

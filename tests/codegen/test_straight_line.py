@@ -10,6 +10,7 @@ import vfife
 from support import SQUARE, four_bar, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.codegen import llvm, rereading, schedule
+from vfife.codegen.pieces import written
 from vfife.codegen.straight_line import about, trace
 from vfife.codegen.trace import OPERATORS, Trace, is_row
 from vfife.model.mechanism import Mechanism
@@ -112,7 +113,7 @@ def test_lines_and_blocks_are_linear_in_the_elements():
     small, large = (assembled(bar(n)).topology for n in (20, 80))
     counts = [len(trace(topology).operations) for topology in (small, large)]
     assert counts[1] == pytest.approx(4 * counts[0], rel=0.05)
-    text = llvm.written(large, 1)
+    text = written(large, 1)
     (lean,) = re.findall(r"define internal i64 @lean\(.*?\n}", text, re.S)
     assert max(len(block.splitlines()) for block in re.split(r"^\w+:$", lean, flags=re.M)) < 4 * llvm.BLOCK
 

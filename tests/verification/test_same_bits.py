@@ -21,7 +21,7 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.codegen import native
 from vfife.codegen.cuda import Card
-from vfife.codegen.llvm import written
+from vfife.codegen.pieces import written
 from vfife.errors import DeviceError
 from vfife.solvers.ensemble import ensemble
 from vfife.solvers.transient import run

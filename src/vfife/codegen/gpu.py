@@ -13,7 +13,8 @@ import re
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .llvm import Lane, Writer, brief, driver, resize, searched, whole
+from .llvm import Lane, Writer, driver, resize, searched, whole
+from .pieces import brief
 from .schedule import streamed
 from .straight_line import Function, functions, resizing, trace
 from .trace import STEP_NUMBER, Operand, Trace, is_row, rows_used

@@ -8,17 +8,14 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Collection, Iterable
-from functools import lru_cache
 from pathlib import Path
 
 from ..kernels.arrays import Layout
-from ..kernels.topology import Topology
 from .cachelines import LINE, padded
-from .elimination import shared_tangent
 from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
-from .straight_line import Function, functions, resizing, trace
-from .tangent import Tangents, named, of_size, of_time, tangent
+from .straight_line import Function
+from .tangent import Tangents, named, of_time
 from .trace import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
@@ -26,7 +23,6 @@ ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "u
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 ANSWER = "{ double, double, double, double }"  # of a polynomial
 FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step)"
-SHORT = 4000  # lines of a whole step that is worth being made fast
 STACK = 16  # bytes of which where a stack begins is a multiple
 COPY = 6_000  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
@@ -384,43 +380,3 @@ def operators(width: int) -> str:
     w = Writer(width)
     declared = [f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")]
     return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({', '.join([w.number] * 3)})"])
-
-
-@lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
-def _traced(topology: Topology) -> tuple[list[Function], Trace, Trace, Trace]:
-    """Functions, lean step, whole step, and the change of a step's size."""
-    return functions(topology), trace(topology), trace(topology, True), resizing(topology)
-
-
-def written(topology: Topology, width: int, directions: int = 0) -> str:
-    """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
-    found, step, long, change = parts(topology, directions)
-    return "\n".join(
-        [
-            *often(topology, width, directions, found, step),
-            whole(long, width, bool(found), brief(step, long)),
-            resize(change, width),
-            driver(Layout(topology), width, directions),
-        ]
-    )
-
-
-def parts(topology: Topology, directions: int) -> tuple[list[Function], Trace, Trace, Trace]:
-    """Functions, lean step, whole step and the change of a step's size, with derivatives in so many directions."""
-    layout, (found, step, long, change) = Layout(topology), _traced(topology)
-    if not directions:
-        return found, step, long, change
-    steps = shared_tangent(step, layout.rows, directions), tangent(long, layout.rows, directions)
-    return found, *steps, tangent(change, layout.rows, directions, of_size(layout.row("step")))
-
-
-def brief(step: Trace, long: Trace) -> bool:
-    """Whether a whole step is taken now and then, and is short enough to be made fast."""
-    return bool(step.rare) and len(long.operations) < SHORT
-
-
-def often(topology: Topology, width: int, directions: int, found: list[Function], step: Trace) -> list[str]:
-    """What every step needs: functions, where there are any, and the lean step."""
-    layout = Layout(topology)
-    changing = {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}
-    return [searched(found, width, layout, step.stores, directions), lean(step, width, changing, arranged=directions > 0)]

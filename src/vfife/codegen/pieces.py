@@ -7,12 +7,18 @@ event is to come. A short whole step is made as fast as the rest: impacts, of ei
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import NamedTuple
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .llvm import ANSWER, aligned, brief, driver, lanes, often, operators, parts, resize, whole
+from .elimination import shared_tangent
+from .llvm import ANSWER, aligned, driver, lanes, lean, operators, resize, searched, whole
+from .straight_line import Function, functions, resizing, trace
+from .tangent import of_size, tangent
+from .trace import Trace
 
+SHORT = 4000  # lines of a whole step that is worth being made fast
 FUNCTION = re.compile(r"^define [^@]*@(\w+)\(.*?^}\n", re.M | re.S)
 KNOWN = {
     "lean": "i64 @lean(ptr, ptr, ptr, i64, i64, i64)",
@@ -36,7 +42,7 @@ class Pieces(NamedTuple):
 
 
 def pieces(topology: Topology, width: int, directions: int = 0) -> Pieces:
-    """The modules of :func:`.llvm.written`."""
+    """The modules of :func:`written`."""
     found, step, long, change = parts(topology, directions)
     fast = brief(step, long)
     theirs = {one[1]: one[0] for one in FUNCTION.finditer(driver(Layout(topology), width, directions))}
@@ -55,3 +61,43 @@ def _module(width: int, texts: list[str]) -> str:
     needed = [f"declare {said}" for name, said in KNOWN.items() if name not in own]
     public = (text.replace("define internal ", "define ", 1) for text in texts)
     return "\n".join([operators(width), lanes(width), *needed, *public, aligned(width)])
+
+
+@lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
+def _traced(topology: Topology) -> tuple[list[Function], Trace, Trace, Trace]:
+    """Functions, lean step, whole step, and the change of a step's size."""
+    return functions(topology), trace(topology), trace(topology, True), resizing(topology)
+
+
+def written(topology: Topology, width: int, directions: int = 0) -> str:
+    """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
+    found, step, long, change = parts(topology, directions)
+    return "\n".join(
+        [
+            *often(topology, width, directions, found, step),
+            whole(long, width, bool(found), brief(step, long)),
+            resize(change, width),
+            driver(Layout(topology), width, directions),
+        ]
+    )
+
+
+def parts(topology: Topology, directions: int) -> tuple[list[Function], Trace, Trace, Trace]:
+    """Functions, lean step, whole step and the change of a step's size, with derivatives in so many directions."""
+    layout, (found, step, long, change) = Layout(topology), _traced(topology)
+    if not directions:
+        return found, step, long, change
+    steps = shared_tangent(step, layout.rows, directions), tangent(long, layout.rows, directions)
+    return found, *steps, tangent(change, layout.rows, directions, of_size(layout.row("step")))
+
+
+def brief(step: Trace, long: Trace) -> bool:
+    """Whether a whole step is taken now and then, and is short enough to be made fast."""
+    return bool(step.rare) and len(long.operations) < SHORT
+
+
+def often(topology: Topology, width: int, directions: int, found: list[Function], step: Trace) -> list[str]:
+    """What every step needs: functions, where there are any, and the lean step."""
+    layout = Layout(topology)
+    changing = {row + k * layout.rows for f in found for row in f.rows for k in range(directions + 1)}
+    return [searched(found, width, layout, step.stores, directions), lean(step, width, changing, arranged=directions > 0)]
