@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .errors import RunFileError
+from .errors import RunFileError, StorageError
+from .files import replacement
 from .model.above import answered
 from .results.companions import beside, kept_companions, restored_companions
 from .results.header import is_run_file
 from .results.provenance import final_state, keep_reference, provenance, restored, versions
 from .results.runfile import RunFile
+from .results.tables import unwritten
 from .results.view import View
 from .solvers.record import Estimate, Record, Rows, lasting_rows
 
@@ -70,17 +71,14 @@ class Result(View):
     def save(self, path: str | Path) -> None:
         """Writes a run file that :meth:`load` reads; one that is there already gives way when the new one is whole."""
         path = Path(path)
-        part = path.with_name(path.name + ".part")
         meta = self._meta()
         if path.exists() and not is_run_file(path):
             raise RunFileError(f"{path}: there is another file of this name, which is no run file of vfife; name another one")
         try:
-            with RunFile.create(part, meta, replace=True) as file:
+            with replacement(path) as temporary, RunFile.create(temporary, meta, replace=True) as file:
                 self.finish(file)
-            os.replace(part, path)
-        except BaseException:
-            part.unlink(missing_ok=True)
-            raise
+        except OSError as error:
+            raise StorageError(unwritten(str(path), f"no run file can be made here ({error.strerror})")) from error
 
     def finish(self, file: RunFile) -> None:
         """Ends a run file: what it does not have yet of the model, outputs, last state and reference, how the run ended, and its summary."""

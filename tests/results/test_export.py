@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 import vfife
+from vfife import files
 from vfife.cli import ended
 from vfife.plots import PICTURES
-from vfife.results import whole
 from vfife.results.export import FORMATS, Names
 
 
@@ -148,7 +148,7 @@ def test_what_cannot_be_written_leaves_what_was_there(name: str, monkeypatch: py
     def fails(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(whole.os, "fsync", fails)
+    monkeypatch.setattr(files.os, "fsync", fails)
     with pytest.raises(OSError, match="No space"):
         result().export(name)
     assert os.listdir() == [name] and Path(name).read_text() == "before"

@@ -32,9 +32,7 @@ def animate(
         refuse_taken(target, force)
     begun = time.monotonic()
     result, _ = loaded(run)
-    part = target.with_name(f"{target.name}.part")
     NOW.saved = f"No film was written. {KEPT}"
-    NOW.last.append(lambda: part.unlink(missing_ok=True))
     with sentences(str(target)), writing(str(target), KEPT):
         from ..plots.filmfiles import animate as written
         from ..solvers.progress import Progress

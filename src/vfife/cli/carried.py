@@ -79,7 +79,8 @@ def kept_in(place: RunFolder) -> str:
 def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, quiet: bool) -> None:
     """Summary, figures, the one object or the tables, and the exit code."""
     from ..codegen.cache import trouble
-    from ..results.folder import SUMMARY, written
+    from ..files import write_text
+    from ..results.folder import SUMMARY
 
     cached = trouble()
     notes = [*place.notes, *([cached] if cached else []), *result.summary["run"]["notes"], *result.summary["warnings"]]
@@ -87,7 +88,7 @@ def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, qu
         tell("note", f"{cached}.")
     NOW.saved = f"The run itself is whole, in {place.path}." if result.record.status == Status.COMPLETE else kept_in(place)
     with writing(str(place.path), f"The run itself is whole, in {place.path}."):
-        written(place.path / SUMMARY, json_text(result.summary) + "\n")
+        write_text(place.path / SUMMARY, json_text(result.summary) + "\n")
         if figures and result.record.status != Status.INTERRUPTED:
             from ..plots import figures as drawn
             from ..plots import save

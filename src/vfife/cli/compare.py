@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..results.folder import numbered, refuse_foreign, written
+from ..files import read_bytes, write_text
+from ..results.folder import numbered, refuse_foreign
 from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .progress import ProgressLine
@@ -78,7 +79,7 @@ def compare(
             found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step, companions=beside, folder=place)
             close(line)
         with writing(str(place), kept_in(place)):
-            written(place / SUMMARY, json_text(payload(found)) + "\n")
+            write_text(place / SUMMARY, json_text(payload(found)) + "\n")
             found.write_csv(place / TABLE)
             if figures:
                 from ..plots.comparison import drawn
@@ -105,8 +106,8 @@ def begin(place: Path, text: str, locks: list[Lock]) -> None:
     locks.append(Lock(place))
     NOW.last.append(locks[0].release)
     NOW.saved = kept_in(place)
-    written(place / MODEL, text)
-    written(place / SUMMARY, json_text({"model": None, "planned": None, "runs": []}) + "\n")
+    write_text(place / MODEL, text)
+    write_text(place / SUMMARY, json_text({"model": None, "planned": None, "runs": []}) + "\n")
 
 
 def kept_in(place: Path) -> str:
@@ -136,7 +137,7 @@ def folder_for(asked: Path | None, model: Path, text: str, force: bool) -> Path:
     refuse_foreign(asked, SUMMARY, "comparison")
     if (asked / SUMMARY).is_file() and not force:
         before = asked / MODEL
-        if unfinished(asked / SUMMARY) and before.is_file() and before.read_text(encoding="utf-8") != text:
+        if unfinished(asked / SUMMARY) and before.is_file() and read_bytes(before).decode("utf-8") != text:
             raise ValueError(
                 f"-o {asked}: the comparison that was begun here is that of another model, or of other options; add --force to replace it"
             )
@@ -148,7 +149,7 @@ def folder_for(asked: Path | None, model: Path, text: str, force: bool) -> Path:
 def unfinished(path: Path) -> bool:
     """Whether a comparison was broken off, as its file says."""
     try:
-        said = json.loads(path.read_text(encoding="utf-8"))
+        said = json.loads(read_bytes(path))
         return said["planned"] is None or len(said["runs"]) < said["planned"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False

@@ -144,7 +144,6 @@ def export(
         refuse_ending(target, ENDINGS)
         refuse_taken(target, force)
     NOW.saved = f"Nothing was written. {AS_IT_WAS}"
-    NOW.last.append(lambda: target.with_name(f"{target.name}.part").unlink(missing_ok=True))
     result, _ = loaded(run)
     with sentences(str(run)), writing(str(target), AS_IT_WAS):
         result.export(target, figure)

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..files import read_bytes
+
 if TYPE_CHECKING:
     from ..modelfile.tables import Table
 
@@ -22,7 +24,7 @@ def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     from ..modelfile.reader import Written
     from ..modelfile.tables import Table
 
-    raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     _, given = override(raw, items)
     expand(raw, str(path))
     reading = Written(raw, given)

@@ -198,10 +198,10 @@ def save_fitted(place: Path | None, text: str, found: Fit) -> None:
     if place is None:
         return
     with sentences(str(place)), writing(str(place)):
+        from ..files import write_text
         from ..modelfile import dump, loads
-        from ..results.folder import written
 
-        written(place, dump(loads(text, set=found.set)))
+        write_text(place, dump(loads(text, set=found.set)))
 
 
 def of_law(files: list[Path], law: str, set_: list[str] | None, laws: list[Path] | None, confidence: float, seed: int) -> Any:

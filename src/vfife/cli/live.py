@@ -48,8 +48,8 @@ def write(source: Path, out: Path, slide: list[str] | None, no_sliders: bool, se
     if not out.absolute().parent.is_dir():
         fail(f"-o {out}: there is no folder {out.absolute().parent}; make it first")
     with sentences(str(source)):
+        from ..files import write_text as kept
         from ..live.page import LARGEST
-        from ..results.folder import written as kept
 
         take_laws(laws)
         text, notes, names = written(source, slide, no_sliders, set_)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..results.folder import written
+from ..files import write_text
 from .terminal import fail, grid, output, row, sentences, writing
 
 ROOM = Path(__file__).resolve().parents[1]
@@ -31,7 +31,7 @@ def new(name: NameArgument = None, out: OutOption = None, force: ForceOption = F
     with sentences(str(out)), writing(str(out), "What was there is as it was."):
         if out.exists() and not force:
             raise ValueError("there is such a file already; choose another name, or replace it with --force")
-        written(out, text)
+        write_text(out, text)
 
 
 def templates() -> dict[str, Path]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..results.folder import written
+from ..files import write_text
 from .options import JsonOption
 from .signals import NOW
 from .terminal import errors, fail, grid, json_text, output, print_json, row, sentences, span, tell, writing
@@ -93,7 +93,7 @@ def work(names: list[str], path: Path, budget: float, seed: int) -> tuple[list[I
                 place.add(made, json_text)
                 done.append(made)
             if budget > 0.0:
-                written(path / "fitted.json", json_text(context.fit) + "\n")
+                write_text(path / "fitted.json", json_text(context.fit) + "\n")
         except KeyboardInterrupt:
             whole = False
     return done, whole, as_numbers(context.parameters)

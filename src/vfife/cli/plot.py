@@ -77,8 +77,6 @@ def drawn(result: Result, targets: dict[str, Path], at: str | None, run: str) ->
     """Draws one figure after the other, each of them whole or not there."""
     from ..plots import figure, saved_as
 
-    parts = [path.with_name(f"{path.name}.part") for path in targets.values()]
-    NOW.last.append(lambda: removed(parts))
     for done, (name, path) in enumerate(targets.items(), 1):
         with sentences(run), writing(str(path), f"{KEPT}, and so is what was there before."):
             made = figure(result, name, result.reference, at)
@@ -86,12 +84,6 @@ def drawn(result: Result, targets: dict[str, Path], at: str | None, run: str) ->
             saved_as(made, path)
         typer.echo(path)
         NOW.saved = f"{KEPT}; {done} of {len(targets)} figures were drawn, in {path.parent}."
-
-
-def removed(parts: list[Path]) -> None:
-    """Takes away what is half written."""
-    for part in parts:
-        part.unlink(missing_ok=True)
 
 
 def listed(result: Result) -> None:

@@ -35,14 +35,14 @@ def report(run: RunArgument, out: Out = None, no_live: NoLive = False, force: Fo
     NOW.saved = f"No report was written. {KEPT}"
     result, _ = loaded(run)
     with sentences(str(run)):
+        from ..files import write_text
         from ..live.cell import reported
-        from ..results.folder import written
 
         page, notes = reported(result, not no_live)
     for note in notes:
         tell("note", note)
     with writing(str(target), KEPT):
-        written(target, page)
+        write_text(target, page)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")
 
 
@@ -55,12 +55,12 @@ def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
         refuse_taken(target, force)
     found = read(file)
     with sentences(str(file)):
+        from ..files import write_text
         from ..live.studied import reported
-        from ..results.folder import written
 
         page, notes = reported(found, not no_live)
     for note in notes:
         tell("note", note)
     with writing(str(target), "The study is as it was, and so is what was there before."):
-        written(target, page)
+        write_text(target, page)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")

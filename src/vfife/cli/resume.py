@@ -66,10 +66,11 @@ def resumed(path: Path, until: float | None, figures: bool, as_json: bool, quiet
     try:
         result = carried(opened, place, quiet)
         if until is not None:
+            from ..files import write_text
             from ..modelfile import dump
-            from ..results.folder import MODEL, written
+            from ..results.folder import MODEL
 
-            written(place.path / MODEL, dump(result.record.assembly.mechanism))
+            write_text(place.path / MODEL, dump(result.record.assembly.mechanism))
         concluded(result, place, figures, as_json, quiet)
     finally:
         place.leave()

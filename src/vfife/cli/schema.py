@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..results.folder import written
+from ..files import write_text
 from .terminal import writing
 
 OutOption = Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Write it into this file.", show_default=False)]
@@ -27,4 +27,4 @@ def schema(out: OutOption = None, study: StudyOption = False) -> None:
         typer.echo(text(), nl=False)
         return
     with writing(str(out), "What was there is as it was."):
-        written(out, text())
+        write_text(out, text())

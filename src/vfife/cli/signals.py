@@ -133,6 +133,8 @@ def end_at_once() -> NoReturn:
     try:
         for action in NOW.last:
             action()
+        if (files := sys.modules.get("vfife.files")) is not None:
+            files.remove_unfinished()
         sentence = f"{NOW.by}. {NOW.saved}"
         os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
         if ASKED.as_json and not ASKED.printed:

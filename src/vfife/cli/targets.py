@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from ..files import read_bytes
+
 MOST = 8_000_000  # bytes of a model that are looked through
 
 
@@ -45,7 +47,7 @@ def tables_of(model: Path) -> list[Path]:
     try:
         if model.suffix.lower() != ".toml" or model.stat().st_size > MOST:
             return []
-        raw = tomllib.loads(model.read_text(encoding="utf-8"))
+        raw = tomllib.loads(read_bytes(model).decode("utf-8"))
         return [model.parent / text for text in texts(raw) if text.lower().endswith(".csv")]
     except (OSError, ValueError, RecursionError):  # told when the model is read
         return []

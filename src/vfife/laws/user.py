@@ -18,6 +18,7 @@ from types import FrameType, ModuleType
 from typing import NoReturn
 
 from ..errors import LawError
+from ..files import read_bytes
 from .law import ContactLaw, FrictionLaw, Law, built_in
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
@@ -66,7 +67,7 @@ def forgotten(registry: dict[str, type[Law]], known: dict[str, type[Law]]) -> No
 def read(path: Path) -> str:
     """Text of a file of laws."""
     try:
-        return path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+        return read_bytes(path).decode("utf-8-sig").replace("\r\n", "\n")
     except OSError as error:
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
         raise LawError(f"{path}: it cannot be read ({error.strerror}); {remedy}") from None

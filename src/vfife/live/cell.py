@@ -7,11 +7,11 @@ from html import escape
 from pathlib import Path
 
 from ..errors import VfifeError
+from ..files import write_text
 from ..model.mechanism import Mechanism
 from ..plots.notebook import pictures
 from ..report.document import document
 from ..result import Result
-from ..results.folder import written
 from .page import live_page, result_page
 from .sliders import asked_slides, default_slides
 
@@ -39,7 +39,7 @@ class Live:
 
     def save(self, path: str | Path) -> None:
         """Writes the page; what is there gives way when it is whole. Raises OSError where it cannot be written."""
-        written(Path(path), self.page)
+        write_text(Path(path), self.page)
 
 
 def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float | None = None) -> Live:
@@ -78,4 +78,4 @@ def reported(result: Result, running: bool = True) -> tuple[str, list[str]]:
 
 def report(result: Result, path: str | Path, running: bool = True) -> None:
     """Writes the report; what is there gives way when it is whole."""
-    written(Path(path), reported(result, running)[0])
+    write_text(Path(path), reported(result, running)[0])

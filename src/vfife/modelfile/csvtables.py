@@ -6,6 +6,7 @@ So a mechanism, and a run's copy of its model, holds the numbers themselves and 
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import re
 from collections.abc import Iterator, Mapping
@@ -14,6 +15,7 @@ from typing import Any
 
 from ..errors import Path, QuantityError, kind_of, shown, suggestion
 from ..fields import Refused
+from ..files import read_bytes
 from ..units import number
 from .tables import CSV, Raw, entries, target_of
 
@@ -135,12 +137,11 @@ def contents(told: Any, file: str | None) -> str:
         near = [one.name for one in found.parent.glob("*.csv")] if found.parent.is_dir() else []
         raise Refused("there is no such file beside the model", "", "", suggestion(told, near, f"put it into {folder}"))
     try:
-        with found.open("rb") as stream:
-            data = stream.read(LARGEST + 1)
+        data = read_bytes(found, LARGEST)
     except OSError as error:
+        if error.errno == errno.EFBIG:
+            raise Refused("the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out") from None
         raise Refused(f"it cannot be read ({error.strerror})", "", "", "name a file that can be read") from None
-    if len(data) > LARGEST:
-        raise Refused("the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

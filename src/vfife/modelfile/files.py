@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import Fault, ModelError, kind_of, shown
+from ..files import replacement
 from ..model.mechanism import Mechanism
 from .read import load as read_file
 from .write import dump
@@ -44,14 +45,13 @@ def save_model(mechanism: Mechanism, path: str | Path) -> None:
     Raises ModelError for a mechanism that no model file can hold, and where the file cannot be written.
     """
     path = Path(path)
-    part = path.with_name(f"{path.name}.part")
     try:
         text = dump(mechanism)
     except (TypeError, ValueError) as error:
         raise ModelError([Fault("mechanism", f"no model file can hold it: {error}")], str(path)) from None
     try:
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, path)
+        with replacement(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
     except OSError as error:
         remedy = "name a file in a folder that is there and can be written to"
         raise ModelError([Fault("file", f"it cannot be written ({error.strerror})", remedy=remedy)], str(path)) from None

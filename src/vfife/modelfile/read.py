@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from ..errors import Fault, ModelError, Path, place, shown
+from ..files import read_bytes
 from ..model.mechanism import Mechanism
 from ..model.validate import Checks, across, check_laws
 from ..model.validate.names import check_name
@@ -37,7 +38,7 @@ def text_of(path: str | FilePath) -> str:
     """The text of a file. Raises ModelError where it cannot be read."""
     data = b""
     try:
-        data = FilePath(path).read_bytes()
+        data = read_bytes(path)
         return data.decode("utf-8-sig")
     except OSError as error:
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"

@@ -7,8 +7,8 @@ from html import escape
 from pathlib import Path
 from string import Template
 
+from ..files import write_text
 from ..report.contents import Chart, Item, Parameter, Table, Verdict
-from ..results.folder import written
 
 PAGE = Template("""<!DOCTYPE html>
 <html lang="en">
@@ -119,6 +119,6 @@ class Folder:
             (self.path / "figures" / f"{chart.name}.png").write_bytes(data)
             self.sources[chart.name] = embedded(data)
         self.items.append(item)
-        written(self.index, page(self.items, lambda chart: self.sources[chart.name], self.footer))
+        write_text(self.index, page(self.items, lambda chart: self.sources[chart.name], self.footer))
         numbers = {one.name: one.data for one in self.items}
-        written(self.path / "paper.json", as_text(numbers) + "\n")
+        write_text(self.path / "paper.json", as_text(numbers) + "\n")

@@ -12,10 +12,10 @@ import matplotlib
 
 from ..assembly.assemble import assemble
 from ..errors import VfifeError, shown, suggestion
+from ..files import replacement
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from ..results.view import standing
-from ..results.whole import whole
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .files import saved
@@ -104,7 +104,7 @@ def save_one(result: View, name: str | None, path: Path, beside: Collection[str]
         found = figures(result, names=[wanted])
     except VfifeError as error:
         raise VfifeError(f"{path}: {error}") from None
-    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}), whole(path) as part:
+    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}), replacement(path) as part:
         found[wanted].savefig(part, format=kind[1:])
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
 
+from ..files import replacement
 from .style import STYLE
 
 if TYPE_CHECKING:
@@ -24,13 +23,7 @@ def saved_in_style(draw: Callable[[], Figure], path: Path) -> Path:
 
 def saved(figure: Figure, path: Path) -> Path:
     """Writes a figure under another name and renames it; the ending of ``path`` chooses PNG, PDF or SVG."""
-    part, kind = path.with_name(f"{path.name}.part"), path.suffix.lower().removeprefix(".")
-    by = f"vfife, Matplotlib {matplotlib.__version__}"
-    try:
-        figure.savefig(part, format=kind, metadata={"png": {"Software": by}, "pdf": {"Creator": by}, "svg": {"Creator": by}}.get(kind))
-        os.replace(part, path)
-    except BaseException:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
+    kind, by = path.suffix.lower().removeprefix("."), f"vfife, Matplotlib {matplotlib.__version__}"
+    with replacement(path) as temporary:
+        figure.savefig(temporary, format=kind, metadata={"png": {"Software": by}, "pdf": {"Creator": by}, "svg": {"Creator": by}}.get(kind))
     return path

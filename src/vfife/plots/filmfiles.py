@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING, cast
 from PIL import Image, ImageColor
 
 from ..errors import StorageError, VfifeError
-from ..results.whole import whole
+from ..files import replacement
 from .film import Film
 from .style import BODIES, FAINT, GREY, INK, ORANGE, VERMILION
 
@@ -50,7 +50,7 @@ def animate(
     film = Film(result, reference if reference is not None else result.reference, frames, turns, PIXELS[kind])
     if result.record.static:
         rate = min(rate, max(1.0, film.frames / SHORTEST))
-    with whole(path) as part:
+    with replacement(path) as part:
         if kind == ".gif":
             _gif(film, part, rate, told)
         else:

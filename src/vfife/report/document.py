@@ -14,6 +14,7 @@ from rich.table import Table
 
 from .. import __version__
 from ..errors import VfifeError
+from ..files import read_bytes
 from ..modelfile import dump, load
 from .checked import parts
 from .statics import print_static
@@ -117,7 +118,7 @@ def inputs(result: View, source: str | None) -> str:
 def as_given(kept: str, source: str | None) -> str:
     """The model file as it reads now, and whether it gives what was run."""
     try:
-        given = Path(source).read_text("utf-8") if source else ""
+        given = read_bytes(source).decode("utf-8") if source else ""
         same = bool(given) and dump(load(Path(source or ""))) == kept
     except (OSError, VfifeError, ValueError):
         given = ""

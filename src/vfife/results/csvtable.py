@@ -8,14 +8,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .folder import written
+from ..files import write_text
 
 
 def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
     """Writes rows, that of the heads first; a file that is there gives way when the new one is whole. Raises OSError."""
     stream = io.StringIO(newline="")
     csv.writer(stream).writerows(rows)
-    written(Path(path), stream.getvalue(), newline="")
+    write_text(Path(path), stream.getvalue(), newline="")
 
 
 def write_named(path: str | Path, heads: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..files import replacement
 from .formats import arrow, write_as, write_parquet
 from .netcdf import write_netcdf
-from .whole import whole
 from .wide import Column, columns
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def _csv(view: View, path: Path) -> None:
     """A line of names with units, then one for each output, numbers to the last bit."""
     every = list(columns(view))
     values = [one.values.tolist() for one in every]
-    with whole(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
+    with replacement(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         lines = csv.writer(stream)
         lines.writerow(one.titled for one in every)
         lines.writerows(zip(*values, strict=True))
@@ -59,7 +59,7 @@ def _matlab(view: View, path: Path) -> None:
         key = names[of_itself(one)]
         where[key], said[key] = np.asarray(one.values, dtype=float), one.unit
     about = {names[key]: value if isinstance(value, float) else str(value) for key, value in view.attributes.items()}
-    with whole(path) as part, part.open("wb") as stream:
+    with replacement(path) as part, part.open("wb") as stream:
         scipy.io.savemat(stream, {"result": found, "units": units, "about": about}, long_field_names=True, oned_as="column", do_compression=True)
 
 

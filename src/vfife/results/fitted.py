@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..files import write_text
 from ..model.above import answered
 from .csvtable import write_rows
-from .folder import written
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -198,7 +198,7 @@ class Fit:
 
     def write_json(self, path: str | Path) -> None:
         """What :meth:`json` has. Raises OSError."""
-        written(Path(path), json.dumps(self.json(), indent=1, default=float) + "\n")
+        write_text(Path(path), json.dumps(self.json(), indent=1, default=float) + "\n")
 
     def plot(self) -> Figure:
         """Measured curves with the model's, what is left of each, and how the parameters hang together."""

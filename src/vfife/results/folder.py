@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
 
 from ..errors import RunFileError
+from ..files import read_bytes
 from .header import RUN_FILE, is_run_file
 from .lock import LOCK, holder
 
@@ -67,9 +67,9 @@ def is_own(path: Path, model: str | None) -> bool:
         if path.name == RUN_FILE:
             return is_run_file(path)
         if path.name == MODEL:
-            return path.read_text(encoding="utf-8") == model
+            return read_bytes(path).decode("utf-8") == model
         if path.name == SUMMARY:
-            said = json.loads(path.read_text(encoding="utf-8"))
+            said = json.loads(read_bytes(path))
             return isinstance(said, dict) and set(said) >= SUMMARY_KEYS
         with path.open("rb") as stream:
             told = stream.read(HEAD)
@@ -106,21 +106,6 @@ def empty(stage: Path) -> None:
             (stage / name).unlink(missing_ok=True)
     with suppress(OSError):  # something that is not ours
         stage.rmdir()
-
-
-def written(path: Path, text: str, newline: str | None = None) -> None:
-    """Writes a text under another name and renames it: there is the old file or the new one, and never a part of it."""
-    if path.exists() and not path.is_file():  # a pipe, a terminal
-        path.write_text(text, encoding="utf-8", newline=newline)
-        return
-    part = path.with_name(f"{path.name}.part")
-    try:
-        part.write_text(text, encoding="utf-8", newline=newline)
-        os.replace(part, path)
-    except BaseException:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
 
 
 def find_run(given: Path) -> Path:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..errors import VfifeError
-from .whole import whole
+from ..files import replacement
 
 What = TypeVar("What")
 
@@ -42,5 +42,5 @@ def write_parquet(path: Path, pyarrow: Any, columns: Iterable[tuple[str, Any, Ma
     named = list(columns)
     fields = [pyarrow.field(name, array.type, metadata=told) for name, array, told in named]
     schema = pyarrow.schema(fields, metadata={key: str(value) for key, value in attributes.items()})
-    with whole(path) as part:
+    with replacement(path) as part:
         pyarrow.parquet.write_table(pyarrow.Table.from_arrays([array for _, array, _ in named], schema=schema), part)

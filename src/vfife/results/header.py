@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..files import open_regular
+
 RUN_FILE = "run.sqlite"  # its name in a run folder
 APPLICATION = 0x56464946  # "VFIF", in the header of the file
 FORMAT = 3  # 1 had no arrays, and so no start; 1 and 2 had no seals
@@ -36,7 +38,7 @@ def study_head(path: Path) -> bytes | None:
 def head_with(path: Path, application: int) -> bytes | None:
     """The header of a file of SQLite with an application id; None for any other file."""
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             head = stream.read(HEADER)
     except OSError:
         return None

@@ -13,6 +13,7 @@ from types import ModuleType, TracebackType
 from typing import IO, Any
 
 from ..errors import HeldError
+from ..files import read_bytes, require_regular
 
 
 def _module(name: str) -> ModuleType | None:
@@ -28,6 +29,7 @@ fcntl: Any = _module("fcntl")
 msvcrt: Any = _module("msvcrt") if fcntl is None else None
 
 LOCK = "run.lock"
+LARGEST = 10_000  # bytes of a lock file, which names a process and a time
 NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}  # what a file system says that knows none
 
 
@@ -85,7 +87,7 @@ def holder(folder: Path, name: str = LOCK) -> str | None:
     """Who writes into a folder and since when, in words; None where nobody does."""
     path = folder / name
     try:
-        with path.open("r+", encoding="utf-8") as stream:
+        with open(path, "r+", encoding="utf-8", opener=_opened) as stream:
             if not _taken(stream):
                 return None
             return _who(path)
@@ -98,7 +100,7 @@ def holder(folder: Path, name: str = LOCK) -> str | None:
 def _held(path: Path, what: str) -> IO[str]:
     """The lock file, locked: one that was unlinked meanwhile by its former holder is not it."""
     while True:
-        stream = path.open("a+", encoding="utf-8")
+        stream = open(path, "a+", encoding="utf-8", opener=_opened)  # noqa: SIM115 - the lock holds it
         try:
             if _taken(stream):
                 raise HeldError(_refusal(path, what))
@@ -110,6 +112,17 @@ def _held(path: Path, what: str) -> IO[str]:
             stream.close()
             raise
         stream.close()
+
+
+def _opened(path: str, flags: int) -> int:
+    """Open a lock file, but no link that somebody has planted, whose target would be cut off, and no pipe. Raises OSError."""
+    descriptor = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0), 0o666)
+    try:
+        require_regular(os.fstat(descriptor), path)
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
 
 
 def _refusal(path: Path, what: str) -> str:
@@ -133,7 +146,7 @@ def _taken(stream: IO[str]) -> bool:
 def _who(path: Path) -> str:
     """The holder in words, as far as its file says."""
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        told = json.loads(read_bytes(path, LARGEST))
         return f"process {int(told['process'])} on {told['host']}, since {told['since']},"
     except (OSError, ValueError, KeyError, TypeError):
         return "another process"

@@ -9,10 +9,10 @@ from __future__ import annotations
 import errno
 import io
 import os
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..files import replacement
 from .tables import free_bytes
 
 if TYPE_CHECKING:
@@ -25,23 +25,16 @@ ROOM = 1.1  # of the bytes of the numbers that a file may take
 def write_netcdf(data: xarray.Dataset, path: Path) -> None:
     """Writes a dataset; a file that is there is replaced when the new one is whole. Raises OSError, after which nothing has changed."""
     encoding: dict[str, dict[str, Any]] = {str(name): {"zlib": True, "complevel": 1, "shuffle": True} for name in data.data_vars}
-    part = path.with_name(f"{path.name}.part")
-    try:
+    with replacement(path) as temporary:
         if data.nbytes > IN_MEMORY:
             free = free_bytes(path)
             if free is not None and free < ROOM * data.nbytes:
                 raise OSError(errno.ENOSPC, f"{os.strerror(errno.ENOSPC)}: this takes up to {int(ROOM * data.nbytes):,} bytes", str(path))
-            data.to_netcdf(part, engine="h5netcdf", encoding=encoding)
+            data.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
         else:
             made = _made(data, encoding)
-            with part.open("wb") as stream:
+            with temporary.open("wb") as stream:
                 stream.write(made)
-                stream.flush()
-                os.fsync(stream.fileno())
-        os.replace(part, path)
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
 
 
 def _made(data: xarray.Dataset, encoding: dict[str, dict[str, Any]]) -> memoryview:

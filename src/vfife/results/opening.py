@@ -7,12 +7,15 @@ import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from ..errors import RunFileError, StorageError
+from ..files import replacement
 from .header import FIT_APPLICATION, FORMAT, MAP_APPLICATION, RUN_FILE, WEAR_APPLICATION, head_of, head_with, study_head
 from .tables import damaged, unwritten
-from .whole import whole
 
+BEAT = 1_000_000  # instructions of SQLite's machine between two looks at the budget, some 20 ms
+MOST_BEATS = 5_000  # about two minutes; the longest statement of ours, a read of all rows of a study of a million members, takes 40
 SYNCHRONOUS = "NORMAL"  # what is complete is on the disk before a run goes on, though the machine should lose its power
 
 
@@ -38,9 +41,41 @@ def run_file_at(path: str | Path) -> Path:
     return path
 
 
+class Connection(sqlite3.Connection):
+    """A connection that runs only short statements: one that needs more than MOST_BEATS, as a file made to trap us might, fails."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.beats = 0
+        self.execute("PRAGMA trusted_schema = OFF")
+        self.set_progress_handler(self.beat, BEAT)
+
+    def execute(self, *args: Any) -> sqlite3.Cursor:
+        """Run a statement, with the whole budget before it."""
+        self.beats = 0
+        return super().execute(*args)
+
+    def beat(self) -> bool:
+        """Count a beat; True ends the statement."""
+        self.beats += 1
+        return self.beats > MOST_BEATS
+
+
+def refuse_schema(connection: sqlite3.Connection) -> None:
+    """Raise sqlite3.DatabaseError for a file with views, triggers or virtual tables: none of ours has any, and they run statements of their own."""
+    for kind, name, root in connection.execute("SELECT type, name, rootpage FROM sqlite_master"):
+        if kind not in ("table", "index") or not root:  # a virtual table has no page of its own
+            raise sqlite3.DatabaseError(f"it has a {kind} {str(name)[:40]!r}, which vfife never makes")
+
+
 def connected(path: Path) -> sqlite3.Connection:
     """A connection that writes."""
-    connection = sqlite3.connect(path, timeout=60.0, isolation_level=None)
+    connection = sqlite3.connect(path, timeout=60.0, isolation_level=None, factory=Connection)
+    try:
+        refuse_schema(connection)
+    except BaseException:
+        connection.close()
+        raise
     connection.execute("PRAGMA journal_mode = DELETE")
     connection.execute(f"PRAGMA synchronous = {SYNCHRONOUS}")
     return connection
@@ -50,9 +85,7 @@ def connected(path: Path) -> sqlite3.Connection:
 def new_file(path: Path, kind: str, application: int, version: int, schema: Iterable[str]) -> Iterator[sqlite3.Connection]:
     """A connection to a new file with its tables, which is there whole or not at all; one of this name gives way. Raises StorageError."""
     try:
-        with whole(path) as part:
-            for left in (part, part.with_name(f"{part.name}-journal")):
-                left.unlink(missing_ok=True)
+        with replacement(path) as part:
             connection = connected(part)
             try:
                 connection.execute(f"PRAGMA application_id = {application}")
@@ -72,8 +105,8 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
     That needs to write: where it cannot be done in place, it is done on a copy that vanishes.
     """
     try:
-        connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, timeout=60.0, isolation_level=None)
-        connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, timeout=60.0, isolation_level=None, factory=Connection)
+        refuse_schema(connection)
         connection.execute("PRAGMA query_only = ON")
         return connection
     except sqlite3.OperationalError as error:
@@ -83,14 +116,15 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
         raise RunFileError(damaged(path, str(error), kind)) from error
     import tempfile
 
-    memory = sqlite3.connect(":memory:", isolation_level=None)
+    memory = sqlite3.connect(":memory:", isolation_level=None, factory=Connection)
     try:
         with tempfile.TemporaryDirectory() as folder:
             for name in (path.name, f"{path.name}-journal"):
                 if (path.parent / name).exists():
                     shutil.copy(path.parent / name, folder)
                     (Path(folder) / name).chmod(0o600)
-            copy = sqlite3.connect(Path(folder) / path.name)
+            copy = sqlite3.connect(Path(folder) / path.name, factory=Connection)
+            refuse_schema(copy)
             copy.backup(memory)
             copy.close()
     except (sqlite3.DatabaseError, UnicodeDecodeError, OSError) as error:

@@ -52,7 +52,7 @@ class RunFile(StoredRun):
         if path.exists():
             if not replace:
                 raise RunFileError(f"{path}: there is a run file already; name another one or remove it first")
-            if not is_run_file(path):
+            if path.stat().st_size and not is_run_file(path):
                 raise RunFileError(f"{path}: there is another file of this name, which is no run file of vfife; name another one")
             for old in (path, path.with_name(path.name + "-journal")):
                 old.unlink(missing_ok=True)

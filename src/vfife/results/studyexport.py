@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..files import replacement
 from .formats import arrow, write_as, write_parquet
 from .netcdf import write_netcdf
 from .studied import Study
-from .whole import whole
 
 
 def write(study: Study, path: Path) -> None:
@@ -28,7 +28,7 @@ def _csv(study: Study, path: Path) -> None:
     """A line of names with units, then one for each member, numbers to the last bit."""
     rows, known = study.rows(), units(study)
     names = study.columns
-    with whole(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
+    with replacement(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         lines = csv.writer(stream)
         lines.writerow(f"{name} [{known[name]}]" if name in known else name for name in names)
         lines.writerows([row[name] for name in names] for row in rows)

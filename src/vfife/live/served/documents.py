@@ -10,10 +10,10 @@ from typing import Any
 
 from ...errors import Fault, ModelError, VfifeError
 from ...errors import Path as KeyPath
+from ...files import read_bytes, write_text
 from ...model.mechanism import Mechanism
 from ...modelfile import loads
 from ...modelfile.edited import edited, inline
-from ...results.folder import written
 
 LARGEST = 2_000_000  # bytes of a model file
 KEPT = 200  # texts that can be had back
@@ -114,7 +114,7 @@ class Document:
             stamp = (found.st_mtime_ns, found.st_size)
             if stamp == self.stamp:
                 return None
-            disk = self.path.read_bytes().decode("utf-8-sig") if found.st_size <= LARGEST else ""
+            disk = read_bytes(self.path, LARGEST).decode("utf-8-sig")
         except (OSError, UnicodeDecodeError):
             gone, self.stamp = self.stamp != (0, 0), (0, 0)
             self.disk = None if gone else self.disk
@@ -142,10 +142,12 @@ class Document:
             raise Conflict("this model has no file yet; give it a name")
         if path is not None and path != self.path and path.exists():
             raise Conflict(f"there is a file {path.name} already; choose another name")
+        if target.exists() and not target.is_file():
+            raise Conflict(f"{target.name} is no regular file any more (a pipe, a device or a folder); choose another name")
         before = self.version
         if target == self.path and (self.follow() == "faults" or self.version != before):
             raise Conflict(f"{target.name} was changed by another program meanwhile; it is shown now, and Undo brings back what was here")
-        written(target, self.text)
+        write_text(target, self.text)
         self.path, self.name, self.disk, self.faults = target, target.name, self.text, ()
         found = target.stat()
         self.stamp = (found.st_mtime_ns, found.st_size)

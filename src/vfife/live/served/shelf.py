@@ -8,6 +8,7 @@ from itertools import count
 from pathlib import Path
 
 from ... import gallery
+from ...files import read_bytes
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, load
 from ...modelfile.override import resolve
@@ -101,7 +102,7 @@ class Shelf:
 def from_disk(which: str, path: Path) -> Document:
     """A document of a file. Raises ModelError where it cannot be read or has faults."""
     try:
-        text, found = path.read_bytes().decode("utf-8-sig"), path.stat()
+        text, found = read_bytes(path).decode("utf-8-sig"), path.stat()
     except (OSError, UnicodeDecodeError):
         load(path)  # which says why
         raise
@@ -113,7 +114,7 @@ def is_model(path: Path, folder: Path) -> bool:
     try:
         if path.resolve().parent != folder or not path.is_file() or path.stat().st_size > LARGEST:
             return False
-        return bool(PARTS & tomllib.loads(path.read_text("utf-8")).keys())
+        return bool(PARTS & tomllib.loads(read_bytes(path, LARGEST).decode("utf-8")).keys())
     except (OSError, ValueError, RecursionError):
         return False
 
@@ -121,7 +122,7 @@ def is_model(path: Path, folder: Path) -> bool:
 def title_of(path: Path) -> str:
     """What a model file says that it is called; nothing where it says nothing, or not in a text."""
     try:
-        return str(tomllib.loads(path.read_text("utf-8")).get("name", ""))
+        return str(tomllib.loads(read_bytes(path, LARGEST).decode("utf-8")).get("name", ""))
     except (OSError, ValueError, RecursionError):
         return ""
 

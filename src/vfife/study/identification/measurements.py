@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import Fault, ModelError, QuantityError, VfifeError, shown, suggestion
+from ...files import read_bytes
 from ...units import number
 
 Array = NDArray[np.float64]
@@ -116,7 +117,7 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
         if path.stat().st_size > LARGEST:
             faults.append(Fault("file", "it is too large", f"{path.stat().st_size:,} bytes", f"{LARGEST // 1_000_000} MB", "thin it out"))
             return [], []
-        text = path.read_bytes().decode("utf-8-sig")
+        text = read_bytes(path, LARGEST).decode("utf-8-sig")
     except OSError as error:
         near = [one.name for one in path.absolute().parent.glob("*.csv")] if path.absolute().parent.is_dir() else []
         missing = isinstance(error, FileNotFoundError)

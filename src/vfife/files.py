@@ -1,0 +1,114 @@
+"""Files on disk: written as a whole under a random name, read only where they are regular and of bounded size.
+
+A name such as ``model.toml.part`` can be guessed. Whoever may write into the folder could plant a link of that name, and a
+write through it would leave the folder. A temporary file is therefore created exclusively (O_EXCL, O_NOFOLLOW) and has a random
+name. A device, a pipe or a socket in the place of a file would never end, or never begin: :func:`read_bytes` refuses both.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO
+
+# A model file of a thousand bodies has some 300 kB. What is larger by a factor of a hundred is no file of ours.
+LARGEST = 32_000_000
+# Attempts to find a free random name of 64 bits; a second one is never needed unless the folder is hostile.
+ATTEMPTS = 16
+# Temporary files that this process has begun and not finished, for signals that leave no time to unwind.
+UNFINISHED: set[Path] = set()
+KINDS = (
+    (stat.S_ISDIR, errno.EISDIR, "it is a folder"),
+    (stat.S_ISFIFO, errno.EINVAL, "it is a pipe, not a regular file"),
+    (stat.S_ISSOCK, errno.EINVAL, "it is a socket, not a regular file"),
+    (stat.S_ISCHR, errno.EINVAL, "it is a device, not a regular file"),
+    (stat.S_ISBLK, errno.EINVAL, "it is a device, not a regular file"),
+)
+
+
+@contextmanager
+def replacement(path: Path) -> Iterator[Path]:
+    """Yield an empty temporary file beside ``path``, which takes its place when the block ends without an error.
+
+    The file reaches the disk before it is renamed, so that a crash leaves the old file or the new one. Raises OSError where
+    the folder cannot be written to; then, and after an error in the block, the old file is unchanged.
+    """
+    temporary = create_beside(path)
+    UNFINISHED.add(temporary)
+    try:
+        yield temporary
+        with temporary.open("rb+") as stream:
+            os.fsync(stream.fileno())
+        os.replace(temporary, path)
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        UNFINISHED.discard(temporary)
+
+
+def create_beside(path: Path) -> Path:
+    """Create an empty file with a random name in the folder of ``path`` and return its name. Raises OSError."""
+    flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
+    for _ in range(ATTEMPTS):
+        # The whole name stays within the 255 bytes of a file system, however long that of the file is.
+        temporary = path.with_name(f".{path.name[:50]}.{os.urandom(8).hex()}.part")
+        try:
+            os.close(os.open(temporary, flags, 0o666))
+        except FileExistsError:
+            continue
+        return temporary
+    raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+
+
+def remove_unfinished() -> None:
+    """Remove the temporary files of this process."""
+    for temporary in list(UNFINISHED):
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str, newline: str | None = None) -> None:
+    """Write a text file (UTF-8): afterwards there is the old file or the new one, never a part of it.
+
+    A terminal or pipe, as in ``-o /dev/stdout``, is written to directly. Raises OSError.
+    """
+    if path.exists() and not path.is_file():
+        path.write_text(text, encoding="utf-8", newline=newline)
+        return
+    with replacement(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline=newline)
+
+
+def read_bytes(path: str | Path, largest: int = LARGEST) -> bytes:
+    """Return the bytes of a regular file of at most ``largest`` bytes.
+
+    The kind is that of the opened file, so a name that is exchanged meanwhile cannot deceive; a pipe is opened without waiting
+    for a writer. Raises OSError, whose ``strerror`` says what the file is instead or how large it is.
+    """
+    with open_regular(path) as stream:
+        data = stream.read(largest + 1)
+    if len(data) > largest:
+        raise OSError(errno.EFBIG, f"it has more than {largest / 1e6:g} MB", str(path))
+    return data
+
+
+def open_regular(path: str | Path) -> BinaryIO:
+    """Open a regular file for reading. Raises OSError as :func:`read_bytes` does."""
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    try:
+        require_regular(os.fstat(descriptor), path)
+        return os.fdopen(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def require_regular(found: os.stat_result, path: str | Path) -> None:
+    """Raise OSError with the kind of a file that is not regular; ``found`` is what the system says of ``path``."""
+    for is_kind, number, words in KINDS:
+        if is_kind(found.st_mode):
+            raise OSError(number, words, str(path))
