@@ -70,7 +70,7 @@ def processes_here(distributed: ModuleType, count: int | None) -> Iterator[Any]:
             n_workers=count,
             threads_per_worker=1,
             processes=True,
-            dashboard_address=":0",
+            dashboard_address="127.0.0.1:0",
             memory_limit=0,
             silence_logs="CRITICAL",
             preload=[DEAF],
