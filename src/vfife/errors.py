@@ -61,6 +61,10 @@ class RunFileError(VfifeError):
     """A run file that cannot be written or read: what is wrong, where, and what to do."""
 
 
+class DamageWarning(UserWarning):
+    """A file has parts that are damaged or missing; the rest of it is used."""
+
+
 class HeldError(VfifeError):
     """A run folder into which another process writes."""
 

@@ -15,6 +15,7 @@ from .results.header import is_run_file
 from .results.provenance import final_state, keep_reference, provenance, restored, versions
 from .results.runfile import RunFile
 from .results.tables import unwritten
+from .results.tally import warn_of_damage
 from .results.view import View
 from .solvers.record import Estimate, Record, Rows, lasting_rows
 
@@ -107,7 +108,9 @@ class Result(View):
         Raises RunFileError where there is no such file, or it is damaged or of another kind.
         """
         with RunFile.open(path) as file:
-            return cls.of(file)
+            result = cls.of(file)
+        warn_of_damage(file.path, "run", result.record.lost, "Run the model again, or take a copy of the file.")
+        return result
 
     @classmethod
     def of(cls, file: RunFile) -> Result:
@@ -186,6 +189,7 @@ def _read(record: Record, path: Path) -> Rows:
     with RunFile.open(path) as file:
         record.steps, rows = file.outputs()
         record.lost = file.lost
+    warn_of_damage(path, "run", record.lost, "Run the model again, or take a copy of the file.")
     if rows.shape[1] != len(record.kept):
         raise RunFileError(f"{path}: {rows.shape[1]} rows were recorded and {len(record.kept)} are named; run the model again")
     return rows

@@ -202,7 +202,7 @@ def test_a_study_whose_members_are_all_damaged_is_shown(command: Command, closed
         file.execute("UPDATE members SET hash = 'none'")
     done = command("study", "show", "x.study", "--members")
     assert done.exit_code == 0, done.exception
-    assert "6 members of this file are damaged" in done.stderr and "0 members" in done.stdout
+    assert "this study file is damaged: 6 members are damaged" in done.stderr and "0 members" in done.stdout
     command("study", "export", "x.study", "x.csv")
     assert (tmp_path / "x.csv").read_text().startswith("member,play [m],speed [rad/s],"), "the names of columns stay"
 

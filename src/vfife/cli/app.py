@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
@@ -11,7 +13,25 @@ from .. import __version__
 from .commands import Named
 from .plainly import Plainly, UsageError
 from .signals import NOW, Signals
-from .terminal import BAD_INPUT, fail, failed
+from .terminal import BAD_INPUT, fail, failed, tell
+
+
+@contextmanager
+def warnings_as_sentences() -> Iterator[None]:
+    """Print warnings about damaged files as sentences on standard error, each of them once."""
+    import warnings
+
+    with warnings.catch_warnings():
+        shown = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+            if category.__name__ == "DamageWarning":  # its module would make every command start later
+                tell("warning", str(message))
+            else:
+                shown(message, category, *where, **more)
+
+        warnings.showwarning = show
+        yield
 
 
 class Group(Plainly, TyperGroup):
@@ -27,7 +47,7 @@ class Group(Plainly, TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Runs the command that is named."""
-        with Signals():
+        with Signals(), warnings_as_sentences():
             try:
                 return super().invoke(ctx)
             except KeyboardInterrupt:

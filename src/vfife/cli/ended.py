@@ -176,6 +176,4 @@ def loaded(run: Path) -> tuple[Result, Path]:
         result = Result.load(file)
     if result.record.status != Status.COMPLETE:
         errors().print(f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False)
-    if result.record.lost:
-        errors().print(f"note: this run file is damaged: {', '.join(result.record.lost)} cannot be read; the rest is used", markup=False)
     return result, file

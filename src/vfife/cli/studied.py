@@ -11,7 +11,7 @@ from ..results.lock import holder
 from .ended import ForceFile, refuse_ending, refuse_taken
 from .membered import FileArgument as FileArgument
 from .options import JsonOption
-from .terminal import amount_of_bytes, counted, errors, grid, output, print_json, row, sentences, writing
+from .terminal import amount_of_bytes, counted, grid, output, print_json, row, sentences, writing
 
 if TYPE_CHECKING:
     from ..results.studied import Study
@@ -36,8 +36,6 @@ def read(file: Path) -> Study:
         from ..results.studied import Study
 
         found = Study.open(file)
-    if found.lost:
-        errors().print(f"note: {found.lost:,} members of this file are damaged and left out; the same study run again computes them", markup=False)
     return found
 
 

@@ -13,27 +13,26 @@ from . import tables
 from .header import head_with
 from .opening import connected, new_file, readable
 from .tables import told
+from .tally import TalliedFile, warn_of_damage
 
 
-class AskedFile:
+class AskedFile(TalliedFile):
     """Such a file, open for writing (:meth:`create`, :meth:`write`) or reading (:meth:`open`); a context manager that closes it.
 
     A ``kind`` has an ``application`` and a ``version`` in its header, and its tables, ``schema``.
     """
 
-    kind: ClassVar[str]
     application: ClassVar[int]
     version: ClassVar[int]
     schema: ClassVar[list[str]]
-
-    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
-        self.path, self._connection = path, connection
 
     @classmethod
     def create(cls, path: Path, asked: Mapping[str, Any]) -> Self:
         """A new file, which is there whole or not at all; one of this name gives way. Raises StorageError."""
         with new_file(path, cls.kind, cls.application, cls.version, cls.schema) as connection:
-            tables.insert(connection, "meta", cls.kind, json.dumps(asked))
+            file = cls(path, connection)
+            with file._transaction():
+                file._insert("meta", cls.kind, json.dumps(asked))
         return cls.write(path)
 
     @classmethod
@@ -44,7 +43,13 @@ class AskedFile:
     @classmethod
     def open(cls, path: Path) -> Self:
         """An existing file, to be read. Raises RunFileError for any other file."""
-        return cls(cls.own(path), readable(path, cls.kind))
+        file = cls(cls.own(path), readable(path, cls.kind))
+        try:
+            file.examine()
+        except sqlite3.Error as error:
+            file.close()
+            raise RunFileError(tables.damaged(path, str(error), cls.kind)) from error
+        return file
 
     @classmethod
     def going_on(cls, path: Path, asked: Mapping[str, Any]) -> Self:
@@ -52,19 +57,10 @@ class AskedFile:
         if not path.exists():
             return cls.create(path, asked)
         with cls.open(path) as before:
+            warn_of_damage(path, cls.kind, before.damage, "What is gone is computed again now.")
             if before.asked != json.loads(json.dumps(asked)):
                 raise VfifeError(f"{path}: there is a {cls.kind} file here that asks something else; name another file, or remove this one")
         return cls.write(path)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Closes the file; what was written is on the disk already."""
-        self._connection.close()
 
     @property
     @told

@@ -18,6 +18,7 @@ from .fitted import Fit, Laid, Value
 from .header import FIT_APPLICATION, FIT_FORMAT
 from .packing import packed, unpacked
 from .tables import told
+from .tally import warn_of_damage
 
 Array = NDArray[np.float64]
 Row = tuple[str, dict[str, Any], Array | None]  # key of what was looked at, what is told of it, numbers
@@ -33,18 +34,14 @@ class FitFile(AskedFile):
     application: ClassVar[int] = FIT_APPLICATION
     version: ClassVar[int] = FIT_FORMAT
     schema: ClassVar[list[str]] = tables.FIT_SCHEMA
+    rows: ClassVar[dict[str, str]] = {"looks": "points", "found": "results"}
 
     @told
     def keep(self, rows: Sequence[Row]) -> None:
         """Keeps points that were looked at together, all or none of them."""
-        self._connection.execute("BEGIN IMMEDIATE")
-        try:
+        with self._transaction():
             for key, said, numbers in rows:
-                tables.insert(self._connection, "looks", key, json.dumps(said), b"" if numbers is None else packed(numbers))
-            self._connection.commit()
-        finally:
-            if self._connection.in_transaction:
-                self._connection.rollback()
+                self._insert("looks", key, json.dumps(said), b"" if numbers is None else packed(numbers))
 
     @told
     def look(self, key: str) -> tuple[dict[str, Any], Array | None] | None:
@@ -61,7 +58,8 @@ class FitFile(AskedFile):
     def conclude(self, found: Fit, how: Mapping[str, Any]) -> None:
         """Keeps what was found, and how it was looked for, in the place of what was found before."""
         numbers = packed(np.stack([getattr(one, part) for one in found.curves for part in CURVES], axis=1))
-        tables.insert(self._connection, "found", "fit", json.dumps({"how": how, "fit": plain(found)}), numbers)
+        with self._transaction():
+            self._insert("found", "fit", json.dumps({"how": how, "fit": plain(found)}), numbers)
 
     @told
     def found(self, how: Mapping[str, Any] | None = None) -> Fit | None:
@@ -107,5 +105,8 @@ def load_fit(path: str | Path) -> Fit:
         found = file.found()
         if found is None:
             kept = f"{file.count():,} points are kept in it"
+            if file.damage:
+                raise RunFileError(tables.damaged(file, "; ".join(file.damage)))
             raise RunFileError(f"{file.path}: this fit has not come to its end, and {kept}; give the command that began it again")
-        return found
+    warn_of_damage(Path(path), "fit", file.damage, "Give the command that made it again: it computes what is gone.")
+    return found

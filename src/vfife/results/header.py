@@ -10,13 +10,13 @@ RUN_FILE = "run.sqlite"  # its name in a run folder
 APPLICATION = 0x56464946  # "VFIF", in the header of the file
 FORMAT = 3  # 1 had no arrays, and so no start; 1 and 2 had no seals
 STUDY_APPLICATION = 0x56465354  # "VFST", of a study file
-STUDY_FORMAT = 1
+STUDY_FORMAT = 2  # 1 had no tally of its rows; so of the three below
 MAP_APPLICATION = 0x56464D50  # "VFMP", of a map file
-MAP_FORMAT = 1
+MAP_FORMAT = 2
 WEAR_APPLICATION = 0x56465752  # "VFWR", of a wear file
-WEAR_FORMAT = 1
+WEAR_FORMAT = 2
 FIT_APPLICATION = 0x56464654  # "VFFT", of a fit file
-FIT_FORMAT = 1
+FIT_FORMAT = 2
 HEADER = 100  # bytes of SQLite's header
 
 

@@ -24,16 +24,19 @@ class MapFile(AskedFile):
     application: ClassVar[int] = MAP_APPLICATION
     version: ClassVar[int] = MAP_FORMAT
     schema: ClassVar[list[str]] = tables.MAP_SCHEMA
+    rows: ClassVar[dict[str, str]] = {"legs": "values", "arrays": "arrays"}
 
     @told
     def keep(self, number: int, points: Array, growth: Array, state: Array) -> None:
         """What the chains left at a value: points, shape (turns, series x chains), growth (turns, chains) and the state to go on from."""
-        tables.insert(self._connection, "legs", number, packed(points), packed(growth), packed(state))
+        with self._transaction():
+            self._insert("legs", number, packed(points), packed(growth), packed(state))
 
     @told
     def array(self, key: str, values: Array) -> None:
         """Keeps an array beside a leg that is kept after it: without the leg it means nothing."""
-        tables.insert(self._connection, "arrays", key, packed(values))
+        with self._transaction():
+            self._insert("arrays", key, packed(values))
 
     @told
     def stored(self, key: str) -> Array | None:

@@ -17,6 +17,7 @@ from ..errors import VfifeError, shown, suggestion
 from ..model.above import answered
 from ..solvers.status import Status
 from .studyfile import WHAT, Kept, StudyFile
+from .tally import warn_of_damage
 
 if TYPE_CHECKING:
     import pandas
@@ -69,17 +70,20 @@ class Study:
 
     def __init__(self, path: Path | None, meta: Mapping[str, Any], members: Sequence[Kept], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
         self.path, self.meta, self.members = path, dict(meta), tuple(members)
-        self.outcomes = {one.number: outcomes[one.number] for one in members if one.number in outcomes}
+        self.outcomes = {one.number: outcomes[one.number] for one in members if outcomes.get(one.number, {}).get("hash") == one.hash}
         self.lost = 0
+        self.damage: tuple[str, ...] = ()
 
     @classmethod
     def open(cls, path: str | Path) -> Study:
         """A study file as it is now, also while it grows. Raises RunFileError."""
         with StudyFile.open(path) as file:
+            file.examine()
             members = file.members()
             found = cls(Path(path), file.meta, members, file.outcomes())
-            found.lost = file.lost
-            return found
+            found.lost, found.damage = file.lost, file.damage
+        warn_of_damage(found.path, "study", found.damage, "The same study run again computes what is gone.")
+        return found
 
     def __repr__(self) -> str:
         return f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.members)} members; see .data, .parameters, .measures, .plot()>"

@@ -20,7 +20,7 @@ from . import tables
 from .header import STUDY_APPLICATION, STUDY_FORMAT, study_head
 from .opening import connected, new_file, readable
 from .tables import told, unwritten
-from .transactions import Transactions
+from .tally import TalliedFile
 
 if TYPE_CHECKING:
     from ..study.engine import Outcome
@@ -46,13 +46,14 @@ def hash_of(numbers: Numbers) -> str:
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-class StudyFile(Transactions):
+class StudyFile(TalliedFile):
     """A study file, open for writing (:meth:`create`, :meth:`write`) or reading (:meth:`open`); a context manager that closes it.
 
     ``lost`` counts rows that were damaged and are left out; a member whose outcome is lost is computed again.
     """
 
     kind: ClassVar[str] = "study"
+    rows: ClassVar[dict[str, str]] = {"members": "members", "outcomes": "outcomes"}
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
         super().__init__(path, connection)
@@ -93,7 +94,7 @@ class StudyFile(Transactions):
         values = json.dumps({name: value for name, value in outcome.values.items() if math.isfinite(value)})
         row = (str(outcome.status), outcome.reason or "", int(outcome.turns), int(settled), int(outcome.steps), float(step), values)
         with self._transaction(GATHER):
-            tables.insert(self._connection, "outcomes", member.number, member.hash, *row)
+            self._insert("outcomes", member.number, member.hash, *row)
 
     @told
     def add(self, members: Sequence[Numbers], asked: Mapping[str, Any]) -> int:
@@ -115,18 +116,25 @@ class StudyFile(Transactions):
 
     def _put(self, meta: Mapping[str, Any]) -> None:
         for key, value in meta.items():
-            tables.insert(self._connection, "meta", key, json.dumps(value))
+            self._insert("meta", key, json.dumps(value))
 
     def _add(self, members: Sequence[Numbers]) -> int:
+        self._remove_damaged()
         known = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
         number = 1 + int(self._connection.execute("SELECT coalesce(max(number), -1) FROM members").fetchone()[0])
         first = number
         for numbers in members:
             if (name := hash_of(numbers)) not in known:
                 known.add(name)
-                tables.insert(self._connection, "members", number, name, json.dumps(dict(numbers)))
+                self._insert("members", number, name, json.dumps(dict(numbers)))
                 number += 1
         return number - first
+
+    def _remove_damaged(self) -> None:
+        """Remove members whose rows are damaged, so that they are added anew."""
+        for number, row in tables.rows(self._connection, "members"):
+            if row is None:
+                self._connection.execute("DELETE FROM members WHERE number = ?", (number,))
 
     # ------------------------------------------------------------------------------------------------------- reading
 

@@ -34,11 +34,13 @@ class WearFile(AskedFile):
     application: ClassVar[int] = WEAR_APPLICATION
     version: ClassVar[int] = WEAR_FORMAT
     schema: ClassVar[list[str]] = tables.WEAR_SCHEMA
+    rows: ClassVar[dict[str, str]] = {"points": "points"}
 
     @told
     def keep(self, number: int, point: WornPoint, state: Array) -> None:
         """A point, and the state to go on from."""
-        tables.insert(self._connection, "points", number, json.dumps(point.told), packed(point.depth), packed(point.rate), packed(state))
+        with self._transaction():
+            self._insert("points", number, json.dumps(point.told), packed(point.depth), packed(point.rate), packed(state))
 
     @told
     def points(self) -> list[WornPoint]:
@@ -51,7 +53,8 @@ class WearFile(AskedFile):
     @told
     def keep_beside(self, apart: Sequence[float]) -> None:
         """How far the companion of the last block is apart from it."""
-        tables.insert(self._connection, "meta", "beside", json.dumps(list(apart)))
+        with self._transaction():
+            self._insert("meta", "beside", json.dumps(list(apart)))
 
     @property
     @told

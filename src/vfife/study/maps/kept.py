@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from ...errors import RunFileError
 from ...results.mapfile import MapFile
+from ...results.tally import warn_of_damage
 from . import basins, diagram, sections, waterfall
 from .basins import Basins
 from .diagram import Bifurcation
@@ -27,4 +28,6 @@ def load_map(path: str | Path) -> Kept:
         what = str(file.asked.get("what"))
         if what not in READERS:
             raise RunFileError(f"{path}: this map file was written by another version of vfife; make the map again")
-        return READERS[what](file)
+        found = READERS[what](file)
+    warn_of_damage(Path(path), "map", file.damage, "Give the command that made it again: it computes what is gone.")
+    return found

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from ...analysis.measures import largest_loads
 from ...analysis.wear import PLACES
 from ...assembly.assemble import assemble
-from ...errors import Fault, ModelError
+from ...errors import Fault, ModelError, RunFileError
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
+from ...results.tally import warn_of_damage
 from ...results.wearfile import WearFile, WornPoint
 from ...solvers.blocks import Blocks
 from ...solvers.halt import Halt
@@ -82,8 +83,13 @@ def wear(
 def load_wear(path: str | Path) -> Worn:
     """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
     with WearFile.open(Path(path)) as file:
-        said = file.asked
-        return worn_of(said["name"], Asked(**said["asked"]), file.points(), file.beside)
+        said, points, apart = file.asked, file.points(), file.beside
+    again = "Give the command that made it again: it computes what is gone."
+    if not points:
+        why = f"this wear file is damaged: {'; '.join(file.damage)}" if file.damage else "no point of this wear is known so far"
+        raise RunFileError(f"{path}: {why}. {again}")
+    warn_of_damage(Path(path), "wear", file.damage, again)
+    return worn_of(said["name"], Asked(**said["asked"]), points, apart)
 
 
 def planned(

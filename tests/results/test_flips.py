@@ -1,0 +1,161 @@
+"""Bits flipped, pages zeroed and pages exchanged in files of every kind: the answer is the one that was written, or the damage is reported."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import random
+import sqlite3
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vfife
+from vfife.errors import DamageWarning, VfifeError
+from vfife.model.wear import Wear
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+PAGE = 4096
+COUNT = 12  # of each kind of damage; `make soak` makes 300
+
+
+def run_file(folder: Path) -> Path:
+    model = vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml")
+    vfife.simulate(model, turns=0.05, outputs=100, step=1e-5).save(folder / "a.sqlite")
+    return folder / "a.sqlite"
+
+
+def study_file(folder: Path) -> Path:
+    vary = {"joint.pin.clearance": [f"{k} um" for k in range(100, 160)]}
+    vfife.study(vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml"), vary, ["pin.force.max"], turns=1, step=1e-5, file=folder / "a.study")
+    return folder / "a.study"
+
+
+def map_file(folder: Path) -> Path:
+    model, given = vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml"), {"turns": 4, "dropped": 2, "step": 1e-5, "companions": 0}
+    vfife.bifurcation(model, "joint.pin.clearance", 2e-4, 3e-4, count=12, **given, file=folder / "a.map")
+    return folder / "a.map"
+
+
+def wear_file(folder: Path) -> Path:
+    model = vfife.gallery.slider_crank_loose_pin(friction=0.05, clearance=2e-4, restitution=0.5)
+    model.joints["pin"] = dataclasses.replace(model.joints["pin"], wear=Wear(bearing=1e-15, journal=2e-16))
+    vfife.wear(model, 4e6, block=1, settle=1, step=1e-5, file=folder / "a.wear")
+    return folder / "a.wear"
+
+
+def fit_file(folder: Path) -> Path:
+    model = vfife.Mechanism("oscillator", gravity=(0.0, 0.0))
+    model.point("O", 0.0, 0.0)
+    model.point_mass("b", mass=2.0, position=(0.11, 0.0))
+    model.spring("k", "ground.O", "b.center", stiffness=800.0, damping=3.0, free_length=0.1)
+    times = np.linspace(0.0, 0.5, 40)
+    rows = [f"{t:.9g}, {0.1 + 0.01 * math.exp(-1.25 * t) * math.cos(15.76 * t):.9g}" for t in times]
+    (folder / "s.csv").write_text("\n".join(["time (s), b.x (m)", *rows]) + "\n")
+    given = {"screened": 8, "starts": 1, "derivatives": "differences", "step": "1 ms"}
+    vfife.fit(model, folder / "s.csv", {"spring.k.stiffness": ("200 N/m", "1000 N/m")}, **given, file=folder / "a.fit")
+    return folder / "a.fit"
+
+
+def answer_of_run(path: Path) -> Any:
+    result = vfife.load_result(path)
+    return result.record.rows.tobytes(), repr(dict(result.measures)), repr(result.record.companions and result.record.companions.rows.tobytes())
+
+
+def answer_of_study(path: Path) -> Any:
+    study = vfife.load_study(path)
+    return [(one.numbers, study.outcomes.get(one.number)) for one in study.members], study.name, study.status, study.measures
+
+
+def answer_of_map(path: Path) -> Any:
+    found = vfife.load_map(path)
+    return {name: points.tobytes() for name, points in found.points.items()}, found.kinds, found.exponents.tobytes(), found.asked
+
+
+def answer_of_wear(path: Path) -> Any:
+    found = vfife.load_wear(path)
+    return found.turns.tobytes(), found.depth.tobytes(), found.rate.tobytes(), found.beside, found.complete
+
+
+def answer_of_fit(path: Path) -> Any:
+    return vfife.load_fit(path).json()
+
+
+KINDS: dict[str, tuple[Callable[[Path], Path], Callable[[Path], Any]]] = {
+    "run": (run_file, answer_of_run), "study": (study_file, answer_of_study), "map": (map_file, answer_of_map),
+    "wear": (wear_file, answer_of_wear), "fit": (fit_file, answer_of_fit),
+}  # fmt: skip
+
+
+def flip(data: bytearray, chance: random.Random) -> None:
+    """One bit."""
+    data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
+
+
+def zero(data: bytearray, chance: random.Random) -> None:
+    """A page, as after a block of the disk was lost; the first one has the header."""
+    at = PAGE * chance.randrange(1, len(data) // PAGE)
+    data[at : at + PAGE] = bytes(PAGE)
+
+
+def exchange(data: bytearray, chance: random.Random) -> None:
+    """Two pages."""
+    one, other = (PAGE * k for k in chance.sample(range(1, len(data) // PAGE), 2))
+    data[one : one + PAGE], data[other : other + PAGE] = data[other : other + PAGE], data[one : one + PAGE]
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def kind(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, Callable[[Path], Any], Any]:
+    make, answer = KINDS[request.param]
+    path = make(tmp_path_factory.mktemp(request.param))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DamageWarning)
+        return path.read_bytes(), answer, answer(path)
+
+
+@pytest.mark.parametrize("damage", [flip, zero, exchange], ids=lambda one: one.__name__)
+def test_no_damage_goes_unreported(kind, damage, tmp_path):
+    unreported(kind, damage, tmp_path / "b", COUNT)
+
+
+def test_a_warning_blames_the_line_of_the_user(tmp_path):
+    path = tmp_path / "a.study"
+    path.write_bytes(study_file(tmp_path).read_bytes())
+    with sqlite3.connect(path) as connection:
+        connection.execute("DELETE FROM outcomes WHERE number = 3")
+    connection.close()
+    with pytest.warns(DamageWarning, match="1 outcomes are missing; the rest is used. The same study run again") as heard:
+        vfife.load_study(path)
+    assert heard[0].filename == __file__
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("damage", [flip, zero, exchange], ids=lambda one: one.__name__)
+def test_no_damage_of_three_hundred_goes_unreported(kind, damage, tmp_path):
+    unreported(kind, damage, tmp_path / "b", 300)
+
+
+def unreported(kind: tuple[bytes, Callable[[Path], Any], Any], damage: Callable, path: Path, count: int) -> None:
+    """Fail where an answer is another one and nothing was reported; every error has words."""
+    whole, answer, right = kind
+    chance, told = random.Random(damage.__name__), 0
+    for k in range(count):
+        data = bytearray(whole)
+        damage(data, chance)
+        path.write_bytes(data)
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always")
+            try:
+                found = answer(path)
+            except VfifeError as error:
+                assert str(error).strip() and str(path) in str(error), error
+                told += 1
+                continue
+            reported = any(issubclass(one.category, DamageWarning) and str(path) in str(one.message) for one in heard)
+        told += reported
+        assert reported or found == right, f"{damage.__name__} {k}: another answer, and nothing is reported"
+    assert told >= count // 20
