@@ -152,4 +152,4 @@ def warn_of_damage(path: Path | None, kind: str, damage: tuple[str, ...], remedy
     while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).partition(".")[0] == __package__.partition(".")[0]:
         level, frame = level + 1, frame.f_back
     text = f"{path}: this {kind} file is damaged: {'; '.join(damage)}; the rest is used. {remedy}"
-    warnings.warn(text, DamageWarning, stacklevel=level - 1)
+    warnings.warn(text, DamageWarning, stacklevel=level)
