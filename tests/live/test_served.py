@@ -1,5 +1,6 @@
 """The served page as programs see it: who is answered, what may be opened and written, what is told when a file or a model changes."""
 
+import asyncio
 import http.client
 import json
 import os
@@ -22,6 +23,7 @@ from vfife.modelfile import dump, load, loads
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
+from vfife.live.served.mailbox import MOST_BROWSERS, Mailbox, text_of
 from vfife.live.served.serving import served
 from vfife.live.served.session import Session
 
@@ -170,6 +172,74 @@ def test_what_makes_no_sense_is_refused(client, sent):
     found = client.opened()
     status, said = client.ask(f"model/{found['id']}/set", sent, method="POST", **{"Content-Type": "application/json"})
     assert status in (400, 404, 422) and said["faults"]
+
+
+@pytest.mark.parametrize("wrong", [None, 5, ["a"], {}, True])
+def test_what_is_no_text_is_refused_in_words(client, wrong):
+    where = f"model/{client.opened()['id']}"
+    asked = [
+        ("open", {"name": "x", "text": wrong}),
+        ("open", {"name": wrong, "text": TEXT}),
+        ("open", {"file": wrong}),
+        ("open", {"gallery": wrong}),
+    ]
+    asked += [(f"{where}/text", {"text": wrong, "version": 1}), *([(f"{where}/save", {"name": wrong})] if wrong is not None else [])]
+    for place, sent in asked:
+        status, said = client.ask(place, sent)
+        assert status == 422 and "is to be a text" in said["faults"][0]["said"], (place, sent, said)
+
+
+def test_quick_changes_start_no_more_threads(folder):
+    """Of a hundred and fifty changes only the last page is wanted: there were 116 threads."""
+    session = Session(folder, sliders=False)
+    document = session.shelf.from_text("quick", TEXT)
+    begun = threading.Event()
+    session.pages.page = lambda document, full=False: begun.wait(10.0)
+    before = threading.active_count()
+    for k in range(150):
+        session.change(document.id, lambda one, k=k: one.take(f"# {k}\n{TEXT}"))
+    assert threading.active_count() <= before and len(session.pages.next) <= 1
+    begun.set()
+    session.close()
+
+
+def test_a_page_that_was_waited_for_is_that_of_the_last_change(folder, monkeypatch):
+    session = Session(folder, sliders=False)
+    document, made = session.shelf.from_text("quick", TEXT), []
+    monkeypatch.setattr("vfife.live.served.pages.live_page", lambda mechanism, *more: made.append(mechanism.name) or mechanism.name)
+    with session.pages.building:
+        waiting = [threading.Thread(target=session.pages.page, args=(document,)) for _ in range(20)]
+        for one in waiting:
+            one.start()
+        document.take(re.sub(r'name = ".*"', 'name = "the last"', TEXT, count=1))
+    for one in waiting:
+        one.join(10.0)
+    assert made == ["the last"]
+    session.close()
+
+
+def test_a_browser_that_does_not_read_costs_one_event_of_each_kind():
+    mailbox = Mailbox()
+    for k in range(10_000):
+        for which in "ab":
+            mailbox.put(*text_of({"kind": "model", "id": which, "text": f"{k}"}))
+    assert len(mailbox.events) == 2
+    (key, text) = asyncio.run(mailbox.take(1.0))
+    assert key == ("model", "a") and '"9999"' in text
+
+
+def test_more_browsers_than_there_can_be_are_refused(client):
+    sockets, answers = [], []
+    try:
+        for _ in range(MOST_BROWSERS + 3):
+            one = socket.create_connection(("127.0.0.1", client.serving.port), timeout=20)
+            sockets.append(one)
+            one.sendall(f"GET /{client.secret}/events HTTP/1.1\r\nHost: 127.0.0.1:{client.serving.port}\r\n\r\n".encode())
+            answers.append(one.recv(15))
+    finally:
+        for one in sockets:
+            one.close()
+    assert answers.count(b"HTTP/1.1 200 OK") <= MOST_BROWSERS and b"HTTP/1.1 503 Se" in answers
 
 
 def test_a_file_is_followed_and_a_browser_does_not_write_over_what_came(client, folder):

@@ -126,7 +126,7 @@ def test_a_pipe_in_the_place_of_a_file_that_is_followed_counts_as_gone(folder):
     path.unlink()
     os.mkfifo(path)
     found: list[str | None] = []
-    thread = threading.Thread(target=lambda: found.append(document.follow()), daemon=True)
+    thread = threading.Thread(target=lambda: found.append(document.follow(document.look())), daemon=True)
     thread.start()
     thread.join(5.0)
     assert found == ["gone"]

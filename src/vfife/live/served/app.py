@@ -17,8 +17,9 @@ from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingR
 from starlette.routing import Route
 
 from ...errors import VfifeError
-from .documents import LARGEST, Conflict, Draft, Json, told
+from .documents import LARGEST, Conflict, Draft, Json, text_in, told
 from .guard import WITHIN, Guard
+from .mailbox import MOST_BROWSERS, Mailbox
 from .session import Session
 
 BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
@@ -56,21 +57,24 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
     def of(request: Request) -> str:
         return str(request.path_params["which"])
 
+    def taken(request: Request, new: str, version: Any) -> Json:
+        return session.change(of(request), lambda document: document.take(new, version))
+
     routes = [
         Route("/", lambda _: file("shell.html")),
         Route("/{name}.js", lambda request: file(f"{request.path_params['name']}.js")),
         Route("/shell.css", lambda _: file("shell.css")),
         Route("/schema", lambda _: Response(SCHEMA.read_bytes(), media_type="application/json")),
-        Route("/events", lambda _: StreamingResponse(events(session), media_type="text/event-stream")),
+        Route("/events", lambda _: listening(session)),
         Route("/shelf", doing(lambda *_: session.shelf.json())),
         Route("/model/{which}", doing(lambda request, _: session.shelf[of(request)].json())),
         Route("/model/{which}/page", running),
         Route("/drawing/{name}", shown),
         Route("/open", doing(lambda _, asked: session.open(asked)), methods=["POST"]),
-        Route("/model/{which}/text", doing(lambda r, a: session.change(of(r), lambda d: d.take(a["text"], a["version"]))), methods=["POST"]),
+        Route("/model/{which}/text", doing(lambda r, a: taken(r, text_in(a, "text"), a["version"])), methods=["POST"]),
         Route("/model/{which}/set", doing(lambda r, a: session.change(of(r), lambda d: d.set(changes(a), a["version"]))), methods=["POST"]),
         Route("/model/{which}/undo", doing(lambda r, _: session.change(of(r), lambda d: d.undo())), methods=["POST"]),
-        Route("/model/{which}/save", doing(lambda r, a: session.save(of(r), a.get("name"))), methods=["POST"]),
+        Route("/model/{which}/save", doing(lambda r, a: session.save(of(r), name_in(a))), methods=["POST"]),
         Route("/model/{which}/run", doing(lambda r, _: session.run(of(r))), methods=["POST"]),
         Route("/model/{which}/stop", doing(lambda r, _: session.runs.stop(of(r))), methods=["POST"]),
     ]
@@ -82,6 +86,11 @@ def file(name: str) -> Response:
     if name not in FILES:
         return Response(status_code=404)
     return Response((BROWSER / name).read_bytes(), media_type=KINDS[Path(name).suffix])
+
+
+def name_in(asked: Json) -> str | None:
+    """The name under which a model is to be saved, None for the one it has. Raises TypeError for anything but a text."""
+    return None if asked.get("name") is None else text_in(asked, "name")
 
 
 def changes(asked: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
@@ -157,20 +166,29 @@ async def drawn(request: Request, session: Session) -> Response:
             return Response(status_code=404)
 
 
+def listening(session: Session) -> Response:
+    """The events of a session, as they happen; refused where so many browsers listen that it must be a mistake."""
+    if len(session.listeners) >= MOST_BROWSERS:
+        return Response("vfife live: too many browsers listen; close some\n", 503, {"retry-after": "10"})
+    return StreamingResponse(events(session), media_type="text/event-stream")
+
+
 async def events(session: Session) -> AsyncIterator[str]:
     """What happens, as it happens, with a sign of life now and then."""
-    queue: asyncio.Queue[Json] = asyncio.Queue()
-    session.listeners.add(queue)
+    mailbox = Mailbox()
+    if len(session.listeners) >= MOST_BROWSERS:
+        return
+    session.listeners.add(mailbox)
     try:
         yield "retry: 500\n\n"
         while True:
             try:
-                event = await asyncio.wait_for(queue.get(), BEAT)
+                (kind, _), event = await mailbox.take(BEAT)
             except TimeoutError:
                 yield ": here\n\n"
                 continue
-            yield f"data: {json.dumps(event, ensure_ascii=False)}\n\n"
-            if event["kind"] == "end":
+            yield event
+            if kind == "end":
                 return
     finally:
-        session.listeners.discard(queue)
+        session.listeners.discard(mailbox)

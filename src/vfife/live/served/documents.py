@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...errors import Fault, ModelError, VfifeError
 from ...errors import Path as KeyPath
@@ -30,6 +30,15 @@ class Draft(VfifeError):
     def __init__(self, error: ModelError, text: str) -> None:
         super().__init__(str(error))
         self.faults, self.text, self.values = error.faults, text, leaves(tomllib.loads(text))
+
+
+class Look(NamedTuple):
+    """What a look at a file saw: its name, the stamp that was known before and the one of ``now``, and its text, None where it is gone."""
+
+    path: Path
+    before: tuple[int, int] | None
+    now: tuple[int, int]
+    text: str | None
 
 
 @dataclass
@@ -105,21 +114,30 @@ class Document:
 
     # ------------------------------------------------------------------------------------------------------------ file
 
-    def follow(self) -> str | None:
-        """Looks whether the file has another text: "model" where it was taken, "faults" where it is not sound, "gone", or None."""
-        if self.path is None:
+    def look(self) -> Look | None:
+        """Read the file where it has another time of change or size than before; None where it has not, or there is no file."""
+        path, stamp = self.path, self.stamp
+        if path is None:
             return None
         try:
-            found = self.path.stat()
-            stamp = (found.st_mtime_ns, found.st_size)
-            if stamp == self.stamp:
-                return None
-            disk = read_bytes(self.path, LARGEST).decode("utf-8-sig")
+            found = path.stat()
+            now = (found.st_mtime_ns, found.st_size)
+            return None if now == stamp else Look(path, stamp, now, read_bytes(path, LARGEST).decode("utf-8-sig"))
         except (OSError, UnicodeDecodeError):
-            gone, self.stamp = self.stamp != (0, 0), (0, 0)
+            return Look(path, stamp, (0, 0), None)
+
+    def follow(self, seen: Look | None) -> str | None:
+        """Take what a look at the file has seen: "model" where the text was taken, "faults" where it is not sound, "gone", or None.
+
+        A look counts for nothing where the file was saved or looked at meanwhile.
+        """
+        if seen is None or (seen.path, seen.before) != (self.path, self.stamp):
+            return None
+        gone, self.stamp = seen.now == (0, 0) != self.stamp, seen.now
+        if seen.text is None:
             self.disk = None if gone else self.disk
             return "gone" if gone else None
-        self.stamp = stamp
+        disk = seen.text
         if disk == self.disk:
             return None
         self.disk = disk
@@ -145,7 +163,7 @@ class Document:
         if target.exists() and not target.is_file():
             raise Conflict(f"{target.name} is no regular file any more (a pipe, a device or a folder); choose another name")
         before = self.version
-        if target == self.path and (self.follow() == "faults" or self.version != before):
+        if target == self.path and (self.follow(self.look()) == "faults" or self.version != before):
             raise Conflict(f"{target.name} was changed by another program meanwhile; it is shown now, and Undo brings back what was here")
         write_text(target, self.text)
         self.path, self.name, self.disk, self.faults = target, target.name, self.text, ()
@@ -161,6 +179,14 @@ class Document:
             "file": self.path.name if self.path else None, "faults": list(self.faults), "undo": len(self.before),
             "values": leaves(tomllib.loads(self.text)),
         }  # fmt: skip
+
+
+def text_in(asked: Json, key: str) -> str:
+    """A text that was sent. Raises TypeError for anything else."""
+    value = asked[key]
+    if not isinstance(value, str):
+        raise TypeError(f"{key} is to be a text, and was sent as {type(value).__name__}")
+    return value
 
 
 def told(error: Exception) -> tuple[Json, ...]:

@@ -34,8 +34,9 @@ class Pages:
         self.current: Key | None = None
         self.newer = False  # whether something was asked for since the sliders that are being assembled were begun
         self.building, self.changed, self.closed = threading.Lock(), threading.Condition(), False
-        self.thread = threading.Thread(target=self._work, name="sliders", daemon=True)
-        self.thread.start()
+        self.next: dict[str, Document] = {}  # documents whose page is made before a browser asks
+        for work, name in ((self._work, "sliders"), (self._make_ahead, "pages")):
+            threading.Thread(target=work, name=name, daemon=True).start()
 
     def page(self, document: Document, full: bool = False) -> str:
         """The page of a document as it is; with its sliders where they are there and asked for. Raises VfifeError where it cannot run."""
@@ -43,19 +44,29 @@ class Pages:
         if full and (key, True) in self.made:
             return self.made[key, True]
         with self.building:
+            key = document.id, document.version  # of what changed while we waited, only the last is made
             if (key, False) not in self.made:
                 self._keep(key, False, live_page(document.mechanism, [], document.its_step))
         self._want(document, key)
         return self.made[key, False]
 
     def ahead(self, document: Document) -> None:
-        """Begins the page of a document that has changed, which browsers are about to ask for."""
+        """Begin the page of a document that has changed, which browsers are about to ask for; pages begun before count no more."""
+        with self.changed:
+            self.next[document.id] = document
+            self.changed.notify_all()
 
-        def make() -> None:
+    def _make_ahead(self) -> None:
+        """Make pages ahead, one after the other, in the only thread that does."""
+        while True:
+            with self.changed:
+                while not self.next and not self.closed:
+                    self.changed.wait()
+                if self.closed:
+                    return
+                _, document = self.next.popitem()
             with suppress(VfifeError, ValueError, ArithmeticError):  # told to who asks for it
                 self.page(document)
-
-        threading.Thread(target=make, daemon=True).start()
 
     def _keep(self, key: Key, full: bool, page: str) -> None:
         self.made[key, full] = page
@@ -76,7 +87,7 @@ class Pages:
                 self.wanted[document.id] = document
                 self.wanted.move_to_end(document.id)
                 self.newer = True
-            self.changed.notify()
+            self.changed.notify_all()
 
     def _work(self) -> None:
         while True:
@@ -124,4 +135,4 @@ class Pages:
         """Ends the thread, at the next position at the latest."""
         with self.changed:
             self.closed = True
-            self.changed.notify()
+            self.changed.notify_all()

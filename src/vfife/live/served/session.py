@@ -8,7 +8,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from .documents import Conflict, Document, Json
+from .documents import Conflict, Document, Json, text_in
+from .mailbox import Mailbox, text_of
 from .pages import Pages
 from .runs import Runs
 from .shelf import Shelf
@@ -25,7 +26,7 @@ class Session:
         self.runs = Runs(self.tell, self.shelf.folder, list(options))
         self.lock = threading.RLock()
         self.drawing = asyncio.Lock()  # matplotlib draws for one thread at a time
-        self.listeners: set[asyncio.Queue[Json]] = set()
+        self.listeners: set[Mailbox] = set()
         self.loop: asyncio.AbstractEventLoop | None = None
 
     # --------------------------------------------------------------------------------------------------------- telling
@@ -37,8 +38,9 @@ class Session:
                 self.loop.call_soon_threadsafe(self._put, event)
 
     def _put(self, event: Json) -> None:
-        for queue in self.listeners:
-            queue.put_nowait(event)
+        key, text = text_of(event)
+        for mailbox in self.listeners:
+            mailbox.put(key, text)
 
     async def watch(self) -> None:
         """Follows the files of what is open, as long as the session lasts."""
@@ -50,8 +52,9 @@ class Session:
     def look(self) -> None:
         """Looks once at the files of what is open."""
         for document in list(self.shelf.documents.values()):
+            seen = document.look()  # without the lock: a slow disk must not stop what browsers ask
             with self.lock:
-                what = document.follow()
+                what = document.follow(seen)
             if what == "gone":
                 name = document.path.name if document.path else document.name
                 self.tell({"kind": "gone", "id": document.id, "said": f"{name} is not there any more. Its text stays here; Save writes it anew."})
@@ -64,11 +67,11 @@ class Session:
         """Opens a mechanism of the gallery, a model file of the folder, or a text. Raises LookupError and ModelError."""
         with self.lock:
             if "gallery" in asked:
-                document = self.shelf.from_gallery(str(asked["gallery"]))
+                document = self.shelf.from_gallery(text_in(asked, "gallery"))
             elif "file" in asked:
-                document = self.shelf.from_folder(str(asked["file"]))
+                document = self.shelf.from_folder(text_in(asked, "file"))
             else:
-                document = self.shelf.from_text(str(asked["name"]), str(asked["text"]))
+                document = self.shelf.from_text(text_in(asked, "name"), text_in(asked, "text"))
             return document.json()
 
     def change(self, which: str, change: Callable[[Document], object]) -> Json:
