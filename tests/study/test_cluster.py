@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -138,3 +140,23 @@ def test_what_is_no_cluster_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "distributed", None)
     with pytest.raises(VfifeError, match=r"vfife\[cluster\]"):
         room.imported()
+
+
+def test_no_other_machine_can_reach_a_local_cluster(runner: Any) -> None:
+    """Scheduler, dashboard and workers listen on this machine alone."""
+    psutil = pytest.importorskip("psutil")
+    list(runner(load_model(BASE), NUMBERS[:2], WANTED))
+    own = psutil.Process()
+    listening = [
+        one.laddr.ip for process in (own, *own.children(recursive=True)) for one in process.net_connections("inet") if one.status == "LISTEN"
+    ]
+    assert len(listening) >= 4 and set(listening) == {"127.0.0.1"}
+
+
+def test_the_tracker_of_semaphores_says_nothing() -> None:
+    """The option is given while a cluster of this machine runs, and only then."""
+    before = list(sys.warnoptions)
+    with room.quiet_tracker():
+        assert room.TRACKER in sys.warnoptions
+        assert any("resource_tracker" in one for one in subprocess._args_from_interpreter_flags())
+    assert sys.warnoptions == before

@@ -7,6 +7,7 @@ again one by one, and a member that takes its worker with it three times is give
 from __future__ import annotations
 
 import logging
+import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -21,6 +22,7 @@ from .spreading import Spread, Work, imported
 
 NOISY = ("asyncio", "distributed", "distributed.client")  # tell with tracebacks what is told here in sentences
 DEAF = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"  # Ctrl-C is for who asks
+TRACKER = "ignore:resource_tracker:UserWarning"
 ANSWER = 10.0  # s that a scheduler has to answer
 
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -65,6 +67,7 @@ def processes_here(distributed: ModuleType, count: int | None) -> Iterator[Any]:
     import dask
 
     with (
+        quiet_tracker(),
         dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
         distributed.LocalCluster(
             n_workers=count,
@@ -77,6 +80,20 @@ def processes_here(distributed: ModuleType, count: int | None) -> Iterator[Any]:
         ) as local,
     ):
         yield local
+
+
+@contextmanager
+def quiet_tracker() -> Iterator[None]:
+    """Let the process that removes semaphores of ended processes do so without a word.
+
+    After Ctrl-C workers end at once and leave their semaphores to that process, the resource tracker of multiprocessing, which
+    removes them and warns of a leak that is none. It starts with the filters of warnings that :data:`sys.warnoptions` has.
+    """
+    sys.warnoptions.append(TRACKER)
+    try:
+        yield
+    finally:
+        sys.warnoptions.remove(TRACKER)
 
 
 def elsewhere(address: str | None, device: str | None) -> Runner | None:
