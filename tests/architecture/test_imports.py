@@ -13,11 +13,15 @@ EXTRAS = ("cluster", "gpu", "live", "optimise", "parquet", "sensitivity", "video
 NOT_IMPORTED = {
     "cuda-bindings": "imported by tests where pytest finds them",
     "distributed": "a cluster that the caller hands in; study asks nothing of it by name",
+    "fonttools": "of matplotlib, held above a vulnerability",
+    "h11": "of uvicorn, held above a vulnerability",
     "h5netcdf": "the engine that xarray is told to write with, by its name",
     "h5py": "what h5netcdf writes with",
     "nvidia-cuda-nvcc-cu12": "ptxas, a program",
     "nvidia-cuda-nvdisasm": "a program",
     "pytest-cov": "a plugin of pytest: make coverage",
+    "tornado": "of distributed, held above a vulnerability",
+    "urllib3": "of distributed, held above a vulnerability",
 }
 # Modules that are not called by the name that they are installed by.
 IMPORTED_AS = {"PIL": "pillow", "bochscpu": "bochscpu-python", "cuda": "cuda-bindings", "xdist": "pytest-xdist"}

@@ -95,3 +95,11 @@ def test_only_the_command_that_is_named_is_loaded(behind_others: tuple[list[set[
     assert not found[k] & {f"vfife.cli.{name}" for name in others}
     assert own != "schema" or "vfife.cli.schema" in found[k]
     assert own != "rum" or "Did you mean 'run'" in said
+
+
+def test_the_entry_listens_before_anything_is_imported():
+    """Ctrl-C in the first hundredths of a second leaves no traceback; only the interpreter's own start comes before."""
+    said = "import sys, _signal; before = set(sys.modules); import vfife_command"
+    said += "; print(sorted(set(sys.modules) - before), _signal.getsignal(_signal.SIGINT) == _signal.SIG_DFL)"
+    found = subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True)
+    assert found.stdout.split("]")[0] == "['vfife_command'" and found.stdout.strip().endswith("True")
