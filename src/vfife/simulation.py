@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
 from .analysis.energy import drifting, too_open
-from .analysis.ranges import estimate, own_ranges
+from .analysis.ranges import estimate, own_ranges, window
 from .analysis.trust import finer
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
@@ -341,7 +341,7 @@ def looked_at(prepared: Prepared, record: Record) -> Record:
     """The record of a smooth run with an estimate of what its step leaves out, where one is made: Ctrl-C leaves it out."""
     if prepared.refined and record.status == Status.COMPLETE and len(record.steps) > 2:
         with suppress(KeyboardInterrupt):
-            record.estimate = estimate(record, refine(record))
+            record.estimate = estimate(record, refine(record, window(record)))
     return record
 
 

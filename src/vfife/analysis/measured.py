@@ -9,6 +9,7 @@ from typing import Any
 
 from ..errors import suggestion
 
+NOT_ESTIMATED = "not estimated"  # in the place of a range where the error of a number is unknown
 FORMER = {"deep": "deep_landings", "deepest": "landing_depth.max", "fastest": "approach_speed.max"}  # endings of names as they were before
 
 
@@ -16,9 +17,9 @@ class Measured(float):
     """A measure of a run: a number with what is not known of it, ``low`` to ``high``, and what varies, ``lowest`` to ``highest``.
 
     ``value`` is what it counts as wherever a number is expected. ``low`` and ``high`` are its range over the run and its companions, ``lowest`` and
-    ``highest`` those of the turns that it is told of (:class:`~vfife.analysis.turns.Turns`). Where there is nothing to tell, all five are the
-    same. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave open: its value is that of the distribution of least norm,
-    one of infinitely many.
+    ``highest`` those of the turns that it is told of (:class:`~vfife.analysis.turns.Turns`). ``estimated`` is False where the error of the value is unknown: ``low`` and ``high`` are the value then, and mean nothing. It is True
+    where both are given, unless it is said otherwise. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave open: its value
+    is that of the distribution of least norm, one of infinitely many.
     """
 
     low: float
@@ -26,6 +27,7 @@ class Measured(float):
     unique: bool
     lowest: float
     highest: float
+    estimated: bool
 
     def __new__(
         cls,
@@ -35,14 +37,22 @@ class Measured(float):
         unique: bool = True,
         lowest: float | None = None,
         highest: float | None = None,
+        estimated: bool | None = None,
     ) -> Measured:
         made = super().__new__(cls, value)
         made.low, made.high, made.unique = (value if low is None else low), (value if high is None else high), unique
         made.lowest, made.highest = (value if lowest is None else lowest), (value if highest is None else highest)
+        made.estimated = (low is not None and high is not None) if estimated is None else estimated
         return made
 
-    def __getnewargs__(self) -> tuple[float, float, float, bool, float, float]:  # type: ignore[override]
-        return self.value, self.low, self.high, self.unique, self.lowest, self.highest
+    def __getnewargs__(self) -> tuple[float, float, float, bool, float, float, bool]:  # type: ignore[override]
+        return self.value, self.low, self.high, self.unique, self.lowest, self.highest, self.estimated
+
+    def __repr__(self) -> str:
+        return f"{self} ({f'{self.low!r} to {self.high!r}' if self.estimated else NOT_ESTIMATED})"
+
+    def __str__(self) -> str:
+        return float.__repr__(self)
 
     @property
     def value(self) -> float:

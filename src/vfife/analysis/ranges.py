@@ -10,10 +10,12 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
+from ..solvers.repeating import outputs_of_a_turn
 from .measured import Measured, Measures
-from .measures import PEAKS, Measure, compared, last_turn, measures, over_run, over_turn
+from .measures import Measure, compared, last_turn, measures, over_run, over_turn
 from .turns import Turns, each_turn, each_turn_beside, part_of, turns
 
 Array = NDArray[np.float64]
@@ -23,6 +25,10 @@ JUDGED = ("force.max", "moment.max", "penetration.max", "angular_acceleration.ma
 LOADS = (".force.max", ".moment.max", ".torque.max")
 NOISE = 1e-9  # of the largest load: what rounding leaves of one that is zero
 ROUNDING = 16.0 * 2.2e-16  # of an angle (rad)
+SAFETY = 1.25  # times an estimated error: that of Roache's grid convergence index for three grids
+SLOWEST = 0.75  # ratio of a difference to that before it, at the most: an order of 0.4
+FLOOR = 0.1  # of the error of the largest value that is known worst, relative to its size
+PLACES = (".place",)  # endings of measures that jump from node to node, whose differences are no errors
 LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that, so that an idle joint makes no run sensitive
 
 
@@ -52,7 +58,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, every: 
             for name, (one, low, high) in found.items()
         }
     made = Measures({
-        name: Measured(one, low, high, name not in open_ones, one.lowest, one.highest) for name, (one, low, high) in found.items()
+        name: Measured(one, low, high, name not in open_ones, one.lowest, one.highest, _estimated(record, name, one))
+        for name, (one, low, high) in found.items()
     })  # fmt: skip
     made.part = part_of(record, counted(record))
     return made
@@ -64,6 +71,11 @@ def _reach(record: Record, name: str, one: Measured) -> tuple[float, float]:
         return one.low, one.high
     error = record.estimate.errors.get(name, 0.0)
     return one.value - error, one.value + error
+
+
+def _estimated(record: Record, name: str, one: Measured) -> bool:
+    """Whether the error of a measure is known, from companions, or from a run at finer steps or on a finer mesh."""
+    return one.estimated if record.estimate is None else name in record.estimate.errors
 
 
 def own_ranges(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Measured]:
@@ -102,7 +114,7 @@ def joined(own: Mapping[str, float], others: Sequence[Mapping[str, float]]) -> d
     found = {}
     for name, value in own.items():
         every = [value, *(one[name] for one in others if name in one)]
-        found[name] = Measured(value, min(every), max(every))
+        found[name] = Measured(value, min(every), max(every), estimated=len(every) > 1)
     return found
 
 
@@ -114,20 +126,55 @@ def over_turns(lanes: Sequence[Sequence[Mapping[str, float]]], *, together: bool
         means = [math.fsum(lane) / len(lane) for lane in turnly if lane]
         every = [value for lane in (turnly if together else turnly[:1]) for value in lane]
         value = math.fsum(means) / len(means) if together else means[0]
-        found[name] = Measured(value, min(means), max(means), lowest=min(every), highest=max(every))
+        found[name] = Measured(value, min(means), max(means), lowest=min(every), highest=max(every), estimated=len(means) > 1)
     return found
 
 
-def estimate(record: Record, refined: Refined) -> Estimate:
-    """Errors of the largest values of a turn: what they differ by from those at half the step, times 2^p/(2^p - 1) with the order p.
+def window(record: Record) -> int:
+    """The step of the output from which on the measures of a run need its outputs: that before their first turn."""
+    said, outputs = counted(record), outputs_of_a_turn(record.assembly)
+    if said is None or outputs is None:
+        return oldest_needed(record.assembly, int(record.steps[-1]))
+    return int(record.steps[(said.first - 1) * outputs])
 
-    An order is taken as it is found, between one and two; two where nothing but rounding is left to tell it by.
+
+def estimate(record: Record, refined: Refined) -> Estimate:
+    """Errors of all measures of a smooth run, from the same measures at half and at a quarter of its step (:func:`error_of`).
+
+    Two runs may agree on a measure by chance. So none is taken to be better known than FLOOR times the largest value that is known worst.
     """
-    finer = dataclasses.replace(record, steps=refined.steps, source=refined.rows, kept=refined.kept)
-    own, other = (measures(one, every=PEAKS) for one in (record, finer))
-    power = 2.0 ** min(max(2.0 if refined.order is None else refined.order, 1.0), 2.0)
-    judged = [name for name in own if name.endswith(tuple(f".{kind}" for kind in JUDGED)) and name in other]
-    return Estimate(refined.order, {name: abs(own[name] - other[name]) * power / (power - 1.0) for name in judged})
+    own, half, quarter = (_values(one, record) for one in (record, refined.half, refined.quarter))
+    names = [name for name in own if not name.endswith(PLACES) and name in half and name in quarter]
+    errors = {name: error_of(own[name], half[name], quarter[name], refined.order) for name in names}
+    size = sizes({name: Measured(value) for name, value in own.items()}, record.assembly.choice.step)
+    floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
+    return Estimate(refined.order, {name: max(one, floor * size.get(name, abs(own[name]))) for name, one in errors.items()}, refined.converges)
+
+
+def error_of(own: float, half: float, quarter: float, order: float | None) -> float:
+    """Error of a value from those at half and at a quarter of the step, where positions converge with ``order``.
+
+    The distance from h/4, and what h/4 misses: the differences from halving to halving continue as a geometric series. Its ratio is that of the
+    two differences of the value, 3/4 at the most, and 2^-p at the least, p the order between one and two (two where there is only rounding). The
+    second difference alone would do for a regular value, so it may not be smaller than the first lets expect. Largest values are met between
+    steps and converge unevenly: hence SAFETY.
+    """
+    first, second, both = abs(own - half), abs(half - quarter), abs(own - quarter)
+    least = 2.0 ** -min(max(2.0 if order is None else order, 1.0), 2.0)
+    ratio = min(max(second / first if first > 0.0 else SLOWEST, least), SLOWEST)
+    return SAFETY * max(first / (1.0 - least), both + second * ratio / (1.0 - ratio))
+
+
+def _values(part: Record, run: Record) -> dict[str, float]:
+    """The measures of a ``run``, taken of the last outputs of it or of its repetition at another step."""
+    said, outputs = counted(run), outputs_of_a_turn(run.assembly)
+    if said is None or outputs is None or not said.several:
+        return measures(part)
+    count = said.last - said.first + 1
+    rows = slice(len(part.steps) - count * outputs - 1, None)
+    part = dataclasses.replace(part, steps=part.steps[rows], source=part.rows[rows], companions=None)
+    lanes = [[_of_a_turn(one, None, None) for one in each_turn(part, 1, count)]]
+    return {name: one.value for name, one in over_turns(lanes, together=False).items()}
 
 
 def followed(record: Record, found: Mapping[str, Measured], earlier: Mapping[str, tuple[float, float]]) -> bool:

@@ -28,7 +28,8 @@ class Trust:
     """What companions, or a run at half the step, say of a run.
 
     ``measure`` is known worst: within ``apart`` of its size (1), from ``low`` to ``high``. ``parting`` is where they part, ``lost`` how many of
-    the ``companions`` have infinite numbers. Of a smooth run, which has none, ``apart`` is the estimated error, and ``order`` that of the step.
+    the ``companions`` have infinite numbers. Of a smooth run, which has none, ``apart`` is the estimated error, and ``order`` that of the step;
+    ``converges`` is False where runs at smaller steps do not come together.
     """
 
     companions: int
@@ -39,11 +40,12 @@ class Trust:
     parting: Parting | None
     lost: int
     order: float | None = None
+    converges: bool = True
 
     @property
     def sensitive(self) -> bool:
         """Whether the motion is decided by the steps."""
-        return self.apart > SENSITIVE
+        return self.apart > SENSITIVE or not self.converges
 
 
 def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | None:
@@ -55,7 +57,7 @@ def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | N
     name, apart = max(spreads(found, record.assembly.choice.step).items(), key=lambda item: item[1], default=("", 0.0))
     low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
     if left is None:
-        return Trust(0, name, 0.5 * apart, low, high, None, 0, None if said is None else said.order)
+        return Trust(0, name, 0.5 * apart, low, high, None, 0, None if said is None else said.order, said is None or said.converges)
     return Trust(len(left.shifts), name, 1.0 if left.lost else apart, low, high, left.parting, len(left.lost))
 
 
@@ -66,7 +68,7 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
         return None
     said = trust(record)
     diverged = record.status == Status.DIVERGED
-    apart = 0.0 if said is None else 1.0 if diverged else said.apart
+    apart = 0.0 if said is None else 1.0 if diverged or not said.converges else said.apart
     most = OPEN_HALVINGS if not_periodic(record) else HALVINGS
     if apart > record.assembly.mechanism.settings.tolerance and sum(one is not None for _, one in choice.tried) < most:
         return (*choice.tried, (choice.step, apart))

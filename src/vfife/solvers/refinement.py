@@ -1,10 +1,14 @@
-"""A smooth run again with half the step: what its own step leaves out is known from the difference, and from a quarter of it the order."""
+"""A smooth run repeated with half and with a quarter of its step: the difference is the error of its own step, and both give the order.
+
+Both runs are as long as the run itself, because errors grow with its length: close to a bifurcation transients decay slowly, and a small error of
+the step becomes a large one at the end. An order observed in the first half says nothing about the second.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from math import log2
+from math import log2, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,66 +16,76 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
-from .companions import measured_rows, oldest_needed
 from .halt import Halt
 from .pace import Pace
-from .record import Record, places
+from .record import Record, places, recorded_rows
 
 Array = NDArray[np.float64]
 
-MOST_LINES = 5e9  # lines times steps of a run that is made again unasked: a second or two
-WORTH_LANES = 1e9  # beyond which two lanes, which have to be compiled, are quicker than two runs
+MOST_LINES = 5e9  # lines times steps of a run that is repeated by default: half a second, three with both repetitions
+FINER = (2, 4)  # steps of the repetitions in one step of the run
 CHUNK = 64  # outputs between two looks
 SAMPLED = ("particle_x", "particle_y", "particle_theta", "particle_ax", "particle_ay", "particle_aw")  # what is of the time t_n
 EXACT = 1e-13  # what rounding leaves of positions, relative
 EPS = float(np.finfo(float).eps)
 OVER_NOISE = 30.0
 TINY = 1e-100
+PARTS = 8  # of the run, in each of which the differences are compared
+DECISIVE = 1e-3  # of the size of the motion: smaller differences between h and h/2 decide nothing, whatever their order
+FALLING = 0.5  # a difference that falls by less from one halving to the next falls more slowly than the step
+APART = 0.1  # of the size of the motion: runs at h/2 and h/4 that differ by more do not show the same motion
 
 
 @dataclass
 class Refined:
-    """A run at half the step: measured ``rows`` of S at the outputs ``steps`` (numbers of the coarse step) of the last turn and the one before.
+    """Runs at ``half`` and at a ``quarter`` of the step: their outputs from the step ``first`` (of the run itself) on.
 
-    ``order``: by which power of the step positions and accelerations at the outputs converge, over the first half of the run; None where there is
-    nothing but rounding left.
+    ``order``: by which power of the step positions and accelerations converge, over all outputs; None where there is only rounding. ``converges``:
+    whether the differences fall with the step wherever outputs were kept.
     """
 
-    kept: NDArray[np.uint32]
-    steps: NDArray[np.int64]
-    rows: Array
+    half: Record
+    quarter: Record
     order: float | None
+    converges: bool
 
 
 def worth(assembly: Assembly) -> bool:
-    """Whether a run is short enough to be made again unasked."""
+    """Whether a run is short enough to be repeated by default."""
     return about(assembly.topology) * float(assembly.choice.steps) <= MOST_LINES
 
 
-def refine(record: Record) -> Refined:
-    """Runs the first half of a smooth run at a quarter of its step beside all of it at half."""
-    half, quarter = (with_step(record.assembly, part * record.assembly.choice.step) for part in (0.5, 0.25))
-    choice, kept = record.assembly.choice, measured_rows(record.assembly)
-    sampled = np.concatenate([record.assembly.layout.rows_of(name) for name in SAMPLED]).astype(np.uint32)
-    outputs, every = len(record.steps) - 1, 2 * choice.outputs_every
-    together = about(half.topology) * float(choice.steps) > WORTH_LANES
-    runners = [started(group, np.concatenate([kept, sampled])) for group in ([(half, quarter)] if together else [(half,), (quarter,)])]
-    begin = runners[0].advance(1, 1)[:, : len(kept), 0]
-    for runner in runners[1:]:
-        runner.advance(1, 1)
-    oldest = oldest_needed(record.assembly, int(record.steps[-1]))
-    window = [begin] if oldest == 0 else []
-    compared = Differences(record, sampled)
+def refine(record: Record, first: int = 0) -> Refined:
+    """Repeats a smooth run with half and with a quarter of its step, and keeps the outputs from the step ``first`` on."""
+    kept = recorded_rows(record.assembly)
+    finer = [divided(record.assembly, parts) for parts in FINER]
+    runners = [started(one, kept) for one in finer]
+    begin = [runner.advance(1, 1)[:, :, 0] for runner in runners]
+    windows = [[rows] if first <= 0 else [] for rows in begin]
+    compared, outputs = Differences(record, kept), len(record.steps) - 1
     with Halt() as halt:
         paces = [Pace(halt.look) for _ in runners]
         for done in range(0, outputs, CHUNK):
             count = min(CHUNK, outputs - done)
-            rows = np.concatenate([pace.advance(runner, every, count) for pace, runner in zip(paces, runners, strict=True)], axis=2)
-            wanted = (done + 1 + np.arange(count)) * choice.outputs_every >= oldest
-            window.append(rows[wanted, : len(kept), 0])
-            compared.take(done, rows[:, len(kept) :])
-    rows = np.concatenate(window)
-    return Refined(kept, np.asarray(record.steps[len(record.steps) - len(rows) :]), rows, compared.order())
+            both = [
+                pace.advance(runner, one.choice.outputs_every, count)[:, :, 0]
+                for pace, runner, one in zip(paces, runners, finer, strict=True)
+            ]  # fmt: skip
+            wanted = np.asarray(record.steps[done + 1 : done + 1 + count]) >= first
+            for window, rows in zip(windows, both, strict=True):
+                window.append(rows[wanted])
+            compared.take(done, *both)
+    half, quarter = (
+        _record(record, one, parts, kept, np.concatenate(window)) for one, parts, window in zip(finer, FINER, windows, strict=True)
+    )
+    since = (len(record.steps) - len(half.steps)) * PARTS // len(record.steps)
+    return Refined(half, quarter, compared.order(), compared.converges(since))
+
+
+def _record(record: Record, finer: Assembly, parts: int, kept: NDArray[np.uint32], rows: Array) -> Record:
+    """The last outputs of a repetition as a record with its own steps."""
+    steps = parts * np.asarray(record.steps[len(record.steps) - len(rows) :])
+    return Record(finer, steps, rows, kept, loop="generated", status=record.status)
 
 
 def with_step(assembly: Assembly, step: float) -> Assembly:
@@ -81,39 +95,64 @@ def with_step(assembly: Assembly, step: float) -> Assembly:
     return dataclasses.replace(assembly, state=state)
 
 
-def started(group: tuple[Assembly, ...], kept: NDArray[np.uint32]) -> Runner:
-    """A runner with a lane for each."""
-    states, tables = np.stack([one.state for one in group], axis=1), np.stack([one.tables for one in group])
-    return Runner(group[0].topology, states, tables, "generated", kept, parts=group[0].mechanism.settings.parts)
+def divided(assembly: Assembly, parts: int) -> Assembly:
+    """The same start with a step that is one of ``parts`` of its own, and outputs at the same times."""
+    choice = assembly.choice
+    choice = dataclasses.replace(choice, step=choice.step / parts, outputs_every=parts * choice.outputs_every)
+    return dataclasses.replace(with_step(assembly, choice.step), choice=choice)
+
+
+def started(assembly: Assembly, kept: NDArray[np.uint32]) -> Runner:
+    """What steps it."""
+    return Runner(
+        assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], "generated", kept, parts=assembly.mechanism.settings.parts
+    )
 
 
 class Differences:
-    """Sums the squares of what a step, half of it and a quarter of it differ by at the outputs of the first half of a run."""
+    """Sums the squares of the differences between a step, half and a quarter of it, at the outputs of each of ``PARTS`` parts of a run."""
 
-    def __init__(self, record: Record, sampled: NDArray[np.uint32]) -> None:
-        self.own = record.rows[:, places(record.kept, sampled)]
-        self.halves: dict[int, Array] = {}
-        self.squares, self.count = np.zeros((2, len(sampled))), 0
+    def __init__(self, record: Record, kept: NDArray[np.uint32]) -> None:
+        sampled = np.concatenate([record.assembly.layout.rows_of(name) for name in SAMPLED]).astype(np.uint32)
+        self.columns, self.own = places(kept, sampled), record.rows[:, places(record.kept, sampled)]
+        self.squares, self.counts = np.zeros((PARTS, 2, len(sampled))), np.zeros(PARTS)
         self.step = record.assembly.choice.step
 
-    def take(self, done: int, rows: Array) -> None:
-        """Outputs after ``done``, shape (outputs, sampled, 2): at half the step, and at a quarter of it, whose time is half of that."""
-        for k, row in enumerate(rows):
-            output = done + k + 1
-            self.halves[output] = row[:, 0]
-            if output % 2 == 0:
-                half, own = self.halves.pop(output // 2), self.own[output // 2]
-                self.squares += (own - half) ** 2, (half - row[:, 1]) ** 2
-                self.count += 1
+    def take(self, done: int, half: Array, quarter: Array) -> None:
+        """Outputs after the first ``done``, shape (outputs, kept) each."""
+        fine, finest, own = half[:, self.columns], quarter[:, self.columns], self.own[done + 1 : done + 1 + len(half)]
+        part = (done + 1 + np.arange(len(half))) * PARTS // len(self.own)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for k in np.unique(part):
+                inside = part == k
+                self.squares[k] += ((own - fine)[inside] ** 2).sum(axis=0), ((fine - finest)[inside] ** 2).sum(axis=0)
+                self.counts[k] += inside.sum()
 
-    def order(self) -> float | None:
-        """Logarithm to base two of the ratio of both differences, of those of the four kinds of quantities in which there is more than rounding."""
+    def scaled(self) -> tuple[Array, Array, Array]:
+        """Mean squares of both differences, of all parts and kinds over the squared size of each kind, and the noise of each kind."""
         largest = np.abs(self.own).reshape(len(self.own), len(SAMPLED), -1).max(axis=(0, 2), initial=0.0)
         size, turn, push = max(*largest[:2], TINY), max(largest[2], 1.0), max(*largest[3:5], TINY)
         spin = max(largest[5], push / size)
-        rounding = EPS / (0.25 * self.step) ** 2  # of a second difference of numbers near one
+        rounding = EPS / (self.step / FINER[-1]) ** 2  # of a second difference of numbers near one
         scale = np.array([size, size, turn, push, push, spin])
         noise = np.array([EXACT, EXACT, EXACT, rounding * size / push, rounding * size / push, rounding * turn / spin])
-        coarse, fine = self.squares.reshape(2, len(SAMPLED), -1).sum(axis=2) / scale**2 / max(self.count, 1)
+        found = self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3) / scale**2 / np.maximum(self.counts, 1.0)[:, None, None]
+        return found[:, 0], found[:, 1], noise
+
+    def order(self) -> float | None:
+        """Logarithm to base two of the ratio of both differences, of those kinds of quantities in which there is more than rounding."""
+        coarse, fine, noise = self.scaled()
+        share = self.counts[:, None] / max(self.counts.sum(), 1.0)
+        coarse, fine = (coarse * share).sum(axis=0), (fine * share).sum(axis=0)
         telling = (np.sqrt(fine) > OVER_NOISE * noise) & (coarse > 0.0)
         return 0.5 * log2(float(coarse[telling].sum() / fine[telling].sum())) if telling.any() else None
+
+    def converges(self, since: int) -> bool:
+        """Whether the differences fall with the step in all parts from number ``since`` on, where they are large enough to matter."""
+        coarse, fine, noise = self.scaled()
+        for k in range(since, PARTS):
+            telling = np.sqrt(fine[k]) > OVER_NOISE * noise
+            first, second = (sqrt(float(one[k][telling].sum())) for one in (coarse, fine))
+            if not second <= APART or (first > DECISIVE and second > FALLING * first):
+                return False
+        return True
