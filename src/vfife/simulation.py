@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
 from .analysis.energy import drifting, too_open
+from .analysis.meshes import mesh_estimate
 from .analysis.ranges import estimate, own_ranges, window
 from .analysis.trust import finer
 from .assembly.assemble import assemble
@@ -33,6 +34,8 @@ from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
 from .solvers.companions import displacements, number
+from .solvers.meshes import finer_equilibria, refinable
+from .solvers.meshes import worth as worth_a_finer_mesh
 from .solvers.progress import Progress
 from .solvers.record import Checkpoint, Record, recorded_rows
 from .solvers.refinement import refine, worth
@@ -63,7 +66,7 @@ class Prepared:
     loop: Loop
     again: Callable[[float], Assembly]  # the same with another step (s)
     companions: int = 0
-    refined: bool = False  # whether it is smooth, and is run again with half the step
+    refined: bool = False  # whether it is repeated with smaller steps, being smooth, or on a finer mesh, being static
     asked: Mapping[str, Any] = field(default_factory=dict)  # what it takes to prepare it again, beside the model
     earlier: Earlier = field(default_factory=dict)  # ranges of the try before, where it is taken up in a later one
     searches: bool = True  # whether an automatic step may still be halved
@@ -181,7 +184,9 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
             raise ModelError([fault], "simulate()")
         given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
-        return Prepared(assemble(still), None, asked.loop, lambda _: assemble(still), asked={"sources": sources_of_the_step().decode()})
+        assembly, wanted = assemble(still), companions_of(mechanism, asked.companions)
+        finer, about = repeated(assembly, wanted, asked.loop), {"sources": sources_of_the_step().decode()}
+        return Prepared(assembly, None, asked.loop, lambda _: assemble(still), refined=finer, asked=about)
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
         mechanism = on_clock(mechanism, former)
@@ -191,7 +196,7 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
         ideal = reference_of(mechanism, asked.turns, asked.duration, former)
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
 
-    wanted = mechanism.settings.companions if asked.companions is None else asked.companions
+    wanted = companions_of(mechanism, asked.companions)
 
     def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
         found = assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
@@ -205,10 +210,26 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
     if before is None and begin != CONTACT_STEPS and not companions and assembly.choice.automatic:
         assembly = again(asked.step)  # a large frame: nobody looks whether a coarse step will do
-    smooth = not mechanism.contacts and choose_loop(assembly, asked.loop) == "generated"
-    refined = smooth and bool(wanted) and (wanted != "auto" or worth(assembly))
     kept = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
-    return Prepared(assembly, ideal, asked.loop, again, companions, refined, kept)
+    return Prepared(assembly, ideal, asked.loop, again, companions, repeated(assembly, wanted, asked.loop), kept)
+
+
+def companions_of(mechanism: Mechanism, wanted: int | str | None) -> int | str:
+    """The companions that are wanted, those of the settings unless others are."""
+    return mechanism.settings.companions if wanted is None else wanted
+
+
+def repeated(assembly: Assembly, wanted: int | str, loop: Loop = "auto") -> bool:
+    """Whether a run without companions is repeated for an estimate of its errors: a smooth one with smaller steps, a static one on a finer mesh.
+
+    With "auto" companions only a short one is; with 0 none.
+    """
+    if not wanted:
+        return False
+    if assembly.mechanism.settings.analysis == "static":
+        return refinable(assembly.mechanism) and (wanted != "auto" or worth_a_finer_mesh(assembly))
+    smooth = not assembly.mechanism.contacts and choose_loop(assembly, loop) == "generated"
+    return smooth and (wanted != "auto" or worth(assembly))
 
 
 def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop = "auto") -> int:
@@ -236,7 +257,7 @@ def carry_out(
     if file is not None and prepared.reference is not None and not file.has_reference:
         keep_reference(file, prepared.reference.record)
     if prepared.static:
-        return Result(equilibrium(assembly, loop=loop, progress=progress, file=file, resume=resume))
+        return Result(meshed(prepared, equilibrium(assembly, loop=loop, progress=progress, file=file, resume=resume), progress))
     judge = partial(drifting, assembly, recorded_rows(assembly))
     record = run(assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, resume=resume, judge=judge)
     record = looked_at(prepared, record)
@@ -342,6 +363,14 @@ def looked_at(prepared: Prepared, record: Record) -> Record:
     if prepared.refined and record.status == Status.COMPLETE and len(record.steps) > 2:
         with suppress(KeyboardInterrupt):
             record.estimate = estimate(record, refine(record, window(record)))
+    return record
+
+
+def meshed(prepared: Prepared, record: Record, progress: Callable[[Progress], None] | None) -> Record:
+    """The record of a static analysis with an estimate of what its mesh leaves out, where one is made: Ctrl-C leaves it out."""
+    with suppress(KeyboardInterrupt):
+        if prepared.refined and (finer := finer_equilibria(record, progress)) is not None:
+            record.estimate = mesh_estimate(record, finer)
     return record
 
 

@@ -16,10 +16,11 @@ FORMER = {"deep": "deep_landings", "deepest": "landing_depth.max", "fastest": "a
 class Measured(float):
     """A measure of a run: a number with what is not known of it, ``low`` to ``high``, and what varies, ``lowest`` to ``highest``.
 
-    ``value`` is what it counts as wherever a number is expected. ``low`` and ``high`` are its range over the run and its companions, ``lowest`` and
-    ``highest`` those of the turns that it is told of (:class:`~vfife.analysis.turns.Turns`). ``estimated`` is False where the error of the value is unknown: ``low`` and ``high`` are the value then, and mean nothing. It is True
-    where both are given, unless it is said otherwise. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave open: its value
-    is that of the distribution of least norm, one of infinitely many.
+    ``value`` is what it counts as wherever a number is expected. ``low`` and ``high`` are its range over the run and its companions, or by its
+    estimated error; ``lowest`` and ``highest`` those of the turns that it is told of (:class:`~vfife.analysis.turns.Turns`). ``estimated`` is
+    False where the error of the value is unknown: ``low`` and ``high`` are the value then and mean nothing. It is True where both are given,
+    unless it is said otherwise. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave open: its value is that of the
+    distribution of least norm, one of infinitely many.
     """
 
     low: float

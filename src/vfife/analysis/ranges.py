@@ -16,6 +16,7 @@ from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
 from .measured import Measured, Measures
 from .measures import Measure, compared, last_turn, measures, over_run, over_turn
+from .meshes import EXACT
 from .turns import Turns, each_turn, each_turn_beside, part_of, turns
 
 Array = NDArray[np.float64]
@@ -75,6 +76,8 @@ def _reach(record: Record, name: str, one: Measured) -> tuple[float, float]:
 
 def _estimated(record: Record, name: str, one: Measured) -> bool:
     """Whether the error of a measure is known, from companions, or from a run at finer steps or on a finer mesh."""
+    if record.static and name in EXACT:
+        return True
     return one.estimated if record.estimate is None else name in record.estimate.errors
 
 

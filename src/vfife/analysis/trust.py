@@ -12,6 +12,7 @@ from ..solvers.status import Status
 from .energy import ledger, own_floor
 from .measured import Measured
 from .measures import PEAKS
+from .meshes import spreads as static_spreads
 from .ranges import ranged, spreads
 from .turns import turns
 
@@ -28,8 +29,8 @@ class Trust:
     """What companions, or a run at half the step, say of a run.
 
     ``measure`` is known worst: within ``apart`` of its size (1), from ``low`` to ``high``. ``parting`` is where they part, ``lost`` how many of
-    the ``companions`` have infinite numbers. Of a smooth run, which has none, ``apart`` is the estimated error, and ``order`` that of the step;
-    ``converges`` is False where runs at smaller steps do not come together.
+    the ``companions`` have infinite numbers. Of a smooth or static run, which has none, ``apart`` is the estimated error;
+    ``order`` is that of the step, and ``converges`` is False where runs at smaller steps do not come together.
     """
 
     companions: int
@@ -54,7 +55,8 @@ def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | N
     if left is None and said is None:
         return None
     found = ranged(record, every=PEAKS) if found is None else found
-    name, apart = max(spreads(found, record.assembly.choice.step).items(), key=lambda item: item[1], default=("", 0.0))
+    widths = static_spreads(record, found) if record.static else spreads(found, record.assembly.choice.step)
+    name, apart = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
     low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
     if left is None:
         return Trust(0, name, 0.5 * apart, low, high, None, 0, None if said is None else said.order, said is None or said.converges)

@@ -17,11 +17,11 @@ NANOSECONDS = {
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
 PACKED = 0.5  # of the outputs' bytes, in the run file
 STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4  # s, and for each line of the step, once for all models of the same topology
-STATIC_ITERATIONS = 1000.0, 40.0  # of an equilibrium: at least, and for each element along a body, squared, and each body
 STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
 BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
 MOST_TRIES = 15.0  # times the steps of the first try, where an automatic step is halved three times
-REFINED = 5.0  # times the steps of a run that is made again with half its step, and its first half with a quarter
+REFINED = 7.0  # times the steps of a smooth run that is repeated with half and with a quarter of its step
+MESHED = 4.5  # times the time of a static analysis that is repeated with twice the elements; 3 to 4.5 in the examples
 
 MEMORY = 2.5  # times the record that its readers take
 LIBRARIES = 2.5e8  # bytes that are taken before anything is computed
@@ -70,6 +70,7 @@ def estimate(assembly: Assembly, reference: Assembly | None = None) -> dict[str,
 
 def _alone(assembly: Assembly) -> dict[str, Any]:
     from ..codegen.straight_line import about
+    from ..solvers.meshes import iterations
     from ..solvers.record import recorded_rows
     from ..solvers.transient import choose_loop
 
@@ -94,11 +95,3 @@ def _alone(assembly: Assembly) -> dict[str, Any]:
         "rows": assembly.layout.rows,
         "bytes": 8 * len(recorded_rows(assembly)) * (choice.outputs + 1),
     }
-
-
-def iterations(assembly: Assembly) -> float:
-    """Iterations that an equilibrium may take: those of slender frames go with the square of the elements in line."""
-    least, each = STATIC_ITERATIONS
-    bodies = assembly.bodies.values()
-    longest = max((len(body.elements) for body in bodies), default=1)
-    return min(least + each * longest**2 * len(bodies), float(assembly.mechanism.settings.iterations))
