@@ -111,7 +111,7 @@ def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, qu
 def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
     """What ``--json`` prints."""
     found = {key: result.summary[key] for key in RESULT_KEYS}
-    told = {key: result.summary[key] for key in ("turns", "part", "measures", "ranges", "not_unique", "trust")}
+    told = {key: result.summary[key] for key in ("turns", "part", "measures", "ranges", "not_unique", "not_estimated", "trust")}
     return {**found, "run": str(place.path), "loop": result.record.loop, "notes": notes, **told}
 
 

@@ -112,10 +112,10 @@ def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
     if part := (found["summary"] or {}).get("part"):
         yield "Measures", f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %"
-    from ..report.digits import plain
+    from ..report.digits import bounds, plain
 
     for name in (found["summary"] or {}).get("measures") or {}:
-        yield "Measure", f"{name} = {plain(found['summary'], name)}"
+        yield "Measure", f"{name} = {plain(found['summary'], name)} ({bounds(found['summary'], name)})"
 
 
 def in_words(step: int | None) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..analysis.measured import NOT_ESTIMATED
+
 COUNTED = (".impacts", ".grazing", ".deep_landings")
 
 
@@ -18,6 +20,27 @@ def spread_of(told: dict[str, Any], name: str) -> float:
         return 0.0
     unknown, varies = float(one["high"] - one["low"]), float(one.get("highest", 0.0) - one.get("lowest", 0.0))  # a former summary has no turns
     return unknown if unknown > 0.0 and told["turns"].get("motion") == "not periodic" else max(unknown, varies)
+
+
+def estimated(told: dict[str, Any], name: str) -> bool:
+    """Whether the error of a measure of a summary is known. One of a former version does not say so; no width tells it there."""
+    one = (told.get("ranges") or {}).get(name)
+    if "not_estimated" in told:
+        return name not in told["not_estimated"]
+    return one is not None and one["high"] > one["low"]
+
+
+def bounds(told: dict[str, Any], name: str) -> str:
+    """The range of a measure of a summary as bare numbers, in the digits that are known, or that it was not estimated."""
+    if not estimated(told, name):
+        return NOT_ESTIMATED
+    one = (told.get("ranges") or {}).get(name)
+    value = told["measures"][name]
+    low, high = (float(value) if one is None else float(one[key]) for key in ("low", "high"))
+    if not high > low:
+        return "exact"
+    digits = max(1, math.ceil(math.log10(max(abs(low), abs(high)) / (high - low))) + 2) if math.isfinite(high - low) else 6
+    return f"{low:.{min(digits, 12)}g} to {high:.{min(digits, 12)}g}"
 
 
 def plain(told: dict[str, Any], name: str) -> str:
@@ -36,7 +59,12 @@ def plain(told: dict[str, Any], name: str) -> str:
 
 def measured(told: dict[str, Any], name: str, unit: str) -> str:
     """A measure of a summary with a prefix, in the digits that are known of it."""
-    return prefixed(told["measures"][name], unit, spread_of(told, name))
+    return prefixed(told["measures"][name], unit, spread_of(told, name)) + mark(told, name)
+
+
+def mark(told: dict[str, Any], *names: str) -> str:
+    """What stands behind a measure, or the largest of several, where others were estimated and it was not. A run without any says so once."""
+    return "" if not told["trust"] or all(estimated(told, name) for name in names) else f" ({NOT_ESTIMATED})"
 
 
 def decimals(value: float, spread: float, significant: int = 4, most: int = 1) -> int:

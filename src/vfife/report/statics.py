@@ -6,13 +6,23 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ..analysis.equilibria import equilibria
+from ..analysis.meshes import EXACT
 from ..solvers.status import Status
+from .digits import bounds, plain
+from .trust import trusted, verdict
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
     from ..results.view import View
 
+UNITS = {"displacement.max": "m", "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m"}
+MESHED = "Ranges are the errors of the mesh, from the same analysis with twice the elements."
+UNESTIMATED = (
+    "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not come to its end, or it is long or was "
+    "told not to be repeated (companions = 1 has it repeated)."
+)
 COLUMNS = 6  # joints whose reactions fit beside each other
 MOST = 40  # rows that a table shows, spread evenly over the load factors
 
@@ -42,6 +52,9 @@ def static_warnings(result: View) -> Iterable[str]:
         yield record.message
     elif record.status != Status.COMPLETE:
         yield f"The analysis is {record.status}: only the load factors that are told here were reached."
+    found = {"trust": trusted(result), "turns": {}, "static": True}
+    if coarse := verdict(found):
+        yield coarse
     moved = [entry["displacement"] for entry in equilibria(record)]
     jumps = [later - earlier for earlier, later in zip(moved, moved[1:], strict=False)]
     for k, jump in enumerate(jumps[1:], start=1):
@@ -53,6 +66,22 @@ def static_warnings(result: View) -> Iterable[str]:
                 "passed and the structure snapped through. Put load factors closer together before it, or prescribe a travel to follow the way."
             )
             break
+
+
+def largest(told: dict[str, Any]) -> Table:
+    """The measures with their ranges."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for k, heading in enumerate(("measure", "value", "range")):
+        table.add_column(heading, justify="right" if k else "left")
+    for name in told["measures"]:
+        if name not in EXACT:
+            unit = UNITS.get(name) or next((unit for kind, unit in UNITS.items() if name.endswith(f".{kind}")), "")
+            table.add_row(Text(name), f"{plain(told, name)} {unit}".rstrip(), bounds(told, name))
+    return table
 
 
 def print_static(console: Console, told: dict[str, Any]) -> None:
@@ -90,6 +119,9 @@ def print_static(console: Console, told: dict[str, Any]) -> None:
         table.add_row(*cells, *reactions)
     console.print(Text("Equilibria, reactions on the journals", style="bold"))
     console.print(table)
+    console.print(Text("Largest values of all load factors", style="bold"))
+    console.print(largest(told))
+    console.print(Text(MESHED if told["trust"] else UNESTIMATED))
     if told["not_unique"]:
         named = ", ".join(name.removesuffix(".max") for name in told["not_unique"])
         console.print(Text(f"Shared by least norm, not unique: {named}. Joints are redundant: rigid bodies leave open how these share the load."))

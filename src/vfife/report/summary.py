@@ -38,9 +38,10 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
     """All that the summary of a run says: texts, numbers, lists and dictionaries only.
 
     ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns`` (:func:`~vfife.report.turns.turned`),
-    the ``part`` of the run that ``measures`` are of, these, their ``ranges`` (``low`` and ``high`` over the companions, ``lowest`` and ``highest``
-    turn), names of those that are ``not_unique`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``,
-    ``conformal``, ``remarks`` and ``warnings`` are what the tables of :func:`show` are made of. The reference is the result's own unless another
+    the ``part`` of the run that ``measures`` are of, these, their ``ranges`` (``low`` and ``high`` over the companions or by their error, whether
+    that is ``estimated``, ``lowest`` and ``highest`` turn), names of those that are ``not_unique`` or ``not_estimated`` and ``trust`` stand at the
+    top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``conformal``, ``remarks`` and ``warnings`` are what the tables of
+    :func:`show` are made of. The reference is the result's own unless another
     one is given.
     """
     reference = reference if reference is not None else result.reference
@@ -74,13 +75,14 @@ def report(result: View, reference: View | None = None) -> dict[str, Any]:
         "part": result.measures.part,
         "ranges": {name: _range(one) for name, one in result.measures.items()} if record.companions or record.estimate or several(turns) else {},
         "not_unique": [name for name, one in result.measures.items() if not one.unique],
+        "not_estimated": [name for name, one in result.measures.items() if not one.estimated],
         "trust": trusted(result),
     }
 
 
-def _range(one: Measured) -> dict[str, float]:
+def _range(one: Measured) -> dict[str, float | bool]:
     """What is not known of a measure, and what varies."""
-    return {"low": one.low, "high": one.high, "lowest": one.lowest, "highest": one.highest}
+    return {"low": one.low, "high": one.high, "lowest": one.lowest, "highest": one.highest, "estimated": one.estimated}
 
 
 def _model(result: View, measures: dict[str, float], reference: View | None) -> dict[str, Any]:

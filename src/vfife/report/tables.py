@@ -11,7 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from ..analysis.forces import MODES
-from .digits import amount, percent, prefixed, spread_of
+from ..analysis.measured import NOT_ESTIMATED
+from .digits import amount, estimated, percent, prefixed, spread_of
 from .trust import lines, verdict
 from .turns import lines as turn_lines
 from .turns import several
@@ -192,14 +193,14 @@ def _with_range(told: dict[str, Any], name: str, value: float, unit: str, mark: 
     shown = amount(value, unit, to) + mark
     cells = [shown]
     if told["trust"]:
-        if one is None:
-            cells = [shown, ""]
+        if one is None or not estimated(told, name):
+            cells = [NOT_ESTIMATED, shown] if told["trust"]["sensitive"] else [shown, NOT_ESTIMATED]
         elif told["trust"]["sensitive"]:
             cells = [f"{amount(one['low'], '', to).rstrip()} to {amount(one['high'], unit, to)}", shown]
         else:
             own = told["measures"][name]
             low, high = ((100.0 * (one[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
-            cells = [shown, f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "± 0.00 %"]
+            cells = [shown, f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "within 0.01 %"]
     if _varies(told):
         cells.append("" if one is None else f"{amount(one['lowest'], '', to).rstrip()} to {amount(one['highest'], unit, to)}")
     return cells

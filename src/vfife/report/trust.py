@@ -6,15 +6,23 @@ import dataclasses
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from ..analysis.measured import NOT_ESTIMATED
 from ..analysis.trust import HALVINGS, trust
 from ..solvers.companions import SENSITIVE
+from ..solvers.status import Status
 from .digits import amount, prefixed
 from .turns import stray
 
 if TYPE_CHECKING:
     from ..results.view import View
 
-UNITS = {"force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m", "angular_acceleration.max": "rad/s²"}
+UNITS = {
+    "force.max": "N",
+    "moment.max": "N m",
+    "torque.max": "N m",
+    "penetration.max": "m",
+    "angular_acceleration.max": "rad/s²",
+}  # of what steps are judged by
 
 
 def trusted(result: View) -> dict[str, Any]:
@@ -39,6 +47,16 @@ def verdict(told: dict[str, Any]) -> str:
     found = told["trust"]
     if not found or not found["sensitive"]:
         return stray(told)
+    if not found["companions"] and told.get("static"):
+        return (
+            f"The mesh is coarse: {found['measure']} errs by some {100.0 * found['apart']:.2g} %, as twice the elements tell. "
+            "Give elastic bodies more elements."
+        )
+    if not found.get("converges", True):
+        return (
+            "This run is sensitive: with half and with a quarter of its step the motion does not come closer, so the steps decide it. Quote no "
+            "single number: make the run shorter, take a smaller step, or tell means over many turns."
+        )
     if not found["companions"]:
         return (
             f"The step is coarse: {found['measure']} errs by some {100.0 * found['apart']:.2g} %, as a run with half of it tells. "
@@ -66,14 +84,30 @@ def verdict(told: dict[str, Any]) -> str:
     )
 
 
+def unestimated(told: dict[str, Any]) -> str:
+    """Why a run has no ranges, and how to get them."""
+    if told["status"] != Status.COMPLETE:
+        why = "the run did not come to its end"
+    elif told["contacts"]:
+        why = "it has no companions; take companions"
+    elif told["run"]["loop"] != "generated":
+        why = f"that takes the generated loop, and this was the {told['run']['loop']} one"
+    else:
+        why = "it was not repeated with smaller steps, being long, or told not to be; companions = 1 has it repeated"
+    return f"{NOT_ESTIMATED}: {why}"
+
+
 def lines(told: dict[str, Any]) -> Iterable[str]:
     """Short lines for the facts of a summary: what the companions say, and what was tried of an automatic step."""
     found = told["trust"]
     if not found:
+        yield unestimated(told)
         return
     if found["measure"] and not found["companions"]:
         order = f", order {found['order']:.2f}" if found["order"] is not None else ""
-        yield f"largest values err by some {100.0 * found['apart']:.1g} % at the most ({found['measure']}), by a run at half the step{order}"
+        yield f"largest values err by some {100.0 * found['apart']:.1g} % at the most ({found['measure']}), by runs at smaller steps{order}"
+        if any(body["elements"] > 0 for body in told["model"]["bodies"].values()):
+            yield "ranges are those of the step; the error of the mesh of elastic bodies is not estimated"
     elif found["measure"]:
         within = f"{100.0 * found['apart']:.2g} % at {found['measure']}"
         yield f"{found['companions']} companions with displaced steps agree within {within}" + (

@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from .digits import decimals, fixed, measured, prefixed, spread_of
+from .digits import decimals, fixed, mark, measured, prefixed, spread_of
 
 MANY = 10.0  # times the mean: a torque that swings by more is told by its swing
 CONFORMAL = "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
@@ -23,10 +23,11 @@ def wear_table(told: dict[str, Any]) -> Table:
         table.add_column(heading, justify="right" if k else "left")
     for name in worn(told):
         powers = (measured(told, f"{name}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
-        slid, pressed = prefixed(*_most(told, name, "sliding_velocity.max", "m/s")), mega(*_most(told, name, "contact_pressure.max", "Pa"))
-        wide = prefixed(*_most(told, name, "contact_half_width.max", "m")) + (" *" if name in told["conformal"] else "")
-        product = mega(*_most(told, name, "pressure_velocity.mean", "Pa m/s"))
-        table.add_row(Text(name), *powers, slid, pressed, wide, product)
+        cells = [
+            shown(*_most(told, name, kind, unit)) + mark(told, *_names(told, name, kind)) + (" *" if wide and name in told["conformal"] else "")
+            for kind, unit, shown, wide in COLUMNS
+        ]
+        table.add_row(Text(name), *powers, *cells)
     return table
 
 
@@ -39,7 +40,8 @@ def archard_table(told: dict[str, Any]) -> Table:
         cells = []
         for side in ("bearing", "journal"):
             depth = told["measures"].get(f"{name}.{side}_wear_depth.max")
-            cells += [f"{1e9 * told['measures'][f'{name}.{side}_wear.total']:.3g} mm³", "" if depth is None else f"{1e9 * depth:.3g} nm"]
+            cells += [f"{1e9 * told['measures'][f'{name}.{side}_wear.total']:.3g} mm³{mark(told, f'{name}.{side}_wear.total')}"]
+            cells += ["" if depth is None else f"{1e9 * depth:.3g} nm{mark(told, f'{name}.{side}_wear_depth.max')}"]
         table.add_row(Text(name), *cells)
     return table
 
@@ -58,9 +60,13 @@ def worn(told: dict[str, Any]) -> list[str]:
 
 def _most(told: dict[str, Any], joint: str, kind: str, unit: str) -> tuple[float, str, float]:
     """The largest of a measure over the contacts of a joint, its unit and what is not known of it; a block in a guide has four contacts."""
-    names = [f"{joint}.{kind}", *(f"{joint}.{number}.{kind}" for number in range(1, 5))]
-    known = [(told["measures"][name], unit, spread_of(told, name)) for name in names if name in told["measures"]]
+    known = [(told["measures"][name], unit, spread_of(told, name)) for name in _names(told, joint, kind)]
     return max(known, default=(0.0, unit, 0.0))
+
+
+def _names(told: dict[str, Any], joint: str, kind: str) -> list[str]:
+    """A measure of the contacts of a joint."""
+    return [name for name in (f"{joint}.{kind}", *(f"{joint}.{number}.{kind}" for number in range(1, 5))) if name in told["measures"]]
 
 
 def machine_lines(told: dict[str, Any]) -> Iterable[tuple[str, str]]:
@@ -70,11 +76,12 @@ def machine_lines(told: dict[str, Any]) -> Iterable[tuple[str, str]]:
         if f"{name}.torque.mean" in found:
             mean, ripple = found[f"{name}.torque.mean"], found.get(f"{name}.torque.ripple", 0.0)
             width = prefixed(ripple * abs(mean), "N m", spread_of(told, f"{name}.torque.max"))
-            swing = f", ripple {100.0 * ripple:,.4g} %" if ripple < MANY else f", swinging by {width}"
+            swing = f", ripple {100.0 * ripple:,.4g} %{mark(told, f'{name}.torque.ripple')}" if ripple < MANY else f", swinging by {width}"
             torque, power = measured(told, f"{name}.torque.mean", "N m"), measured(told, f"{name}.power.mean", "W")
             yield "", f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power} ({told['part']})"
     if "mechanism.efficiency" in found:
-        yield "", f"efficiency {100.0 * found['mechanism.efficiency']:.4g} % (given off over given off and lost)"
+        doubt = mark(told, "mechanism.efficiency")
+        yield "", f"efficiency {100.0 * found['mechanism.efficiency']:.4g} %{doubt} (given off over given off and lost)"
     if found.get("ground.shaking_force.max"):
         force, moment = measured(told, "ground.shaking_force.max", "N"), measured(told, "ground.shaking_moment.max", "N m")
         yield "Ground", f"shaken by up to {force} and {moment} about its origin ({told['part']})"
@@ -85,3 +92,11 @@ def mega(value: float, unit: str, spread: float = 0.0) -> str:
     factor, prefix = (1e9, "G") if value >= 1e9 else (1e6, "M")
     shown = fixed(value / factor, decimals(value / factor, spread / factor)) if spread > 0.0 else f"{value / factor:.4g}"
     return f"{shown} {prefix}{unit}"
+
+
+COLUMNS = (  # of the table of losses: measure, unit, how it is shown, whether its contact may be too wide
+    ("sliding_velocity.max", "m/s", prefixed, False),
+    ("contact_pressure.max", "Pa", mega, False),
+    ("contact_half_width.max", "m", prefixed, True),
+    ("pressure_velocity.mean", "Pa m/s", mega, False),
+)

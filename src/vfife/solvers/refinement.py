@@ -75,9 +75,7 @@ def refine(record: Record, first: int = 0) -> Refined:
             for window, rows in zip(windows, both, strict=True):
                 window.append(rows[wanted])
             compared.take(done, *both)
-    half, quarter = (
-        _record(record, one, parts, kept, np.concatenate(window)) for one, parts, window in zip(finer, FINER, windows, strict=True)
-    )
+    half, quarter = (_record(record, one, parts, kept, np.concatenate(window)) for one, parts, window in zip(finer, FINER, windows, strict=True))
     since = (len(record.steps) - len(half.steps)) * PARTS // len(record.steps)
     return Refined(half, quarter, compared.order(), compared.converges(since))
 
