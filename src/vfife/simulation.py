@@ -34,7 +34,7 @@ from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
 from .solvers.companions import displacements, number
-from .solvers.meshes import finer_equilibria, refinable
+from .solvers.meshes import equilibria_again, refinable
 from .solvers.meshes import worth as worth_a_finer_mesh
 from .solvers.progress import Progress
 from .solvers.record import Checkpoint, Record, recorded_rows
@@ -369,8 +369,8 @@ def looked_at(prepared: Prepared, record: Record) -> Record:
 def meshed(prepared: Prepared, record: Record, progress: Callable[[Progress], None] | None) -> Record:
     """The record of a static analysis with an estimate of what its mesh leaves out, where one is made: Ctrl-C leaves it out."""
     with suppress(KeyboardInterrupt):
-        if prepared.refined and (finer := finer_equilibria(record, progress)) is not None:
-            record.estimate = mesh_estimate(record, finer)
+        if prepared.refined and (finer := equilibria_again(record, True, progress)) is not None:
+            record.estimate = mesh_estimate(record, finer, equilibria_again(record, False, progress))
     return record
 
 

@@ -1,4 +1,4 @@
-"""Errors of a static analysis by its mesh and its residual, from the same with twice the elements."""
+"""Errors of a static analysis by its mesh and its residual, from the same with twice and with half the elements."""
 
 from __future__ import annotations
 
@@ -9,22 +9,25 @@ from ..solvers.record import Estimate, Record
 from .equilibria import static_measures
 from .measured import Measured
 
-FIRST_ORDER = 2.0  # times the difference to twice the elements: an error of first order; one of second order is 4/3 of it
+TWO_MESHES = 4.0  # times the difference to twice the elements, which is three times an error of second order (Roache's grid convergence index)
+THREE_MESHES = 1.25  # times the error that three meshes tell, by the same author
+FASTEST, SLOWEST = 0.25, 0.75  # ratio of the difference to the finer mesh to that from the coarser one: second order, and hardly any
 FLOOR = 0.1  # of the error of the value that is known worst, relative to its size: two meshes may agree by chance
 LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that
 IDLE = 100.0  # times the unbalanced force: what carries less carries nothing
 EXACT = ("load_factor", "iterations", "unbalanced.max")  # what says how the analysis went has no error
-KINDS = ("displacement.max", "force.max", "moment.max", "torque.max", "penetration.max")
+MOVED = "displacement.max"
+KINDS = (MOVED, "force.max", "moment.max", "torque.max", "penetration.max")
 
 
-def mesh_estimate(record: Record, finer: Record) -> Estimate:
-    """Errors of the measures of a static analysis, from those with twice the elements.
+def mesh_estimate(record: Record, finer: Record, coarser: Record | None) -> Estimate:
+    """Errors of the measures of a static analysis, from those with twice the elements and, where there is such a mesh, with half of them.
 
-    One refinement shows no order. So the first is taken, though elements converge with the second. No error is taken to be smaller than what the
-    unbalanced forces leave open.
+    No error is taken to be smaller than what the unbalanced forces leave open, nor than FLOOR times that of the value that is known worst.
     """
-    own, other = static_measures(record), static_measures(finer)
-    errors = {name: FIRST_ORDER * abs(value - other[name]) for name, value in own.items() if name in other}
+    own, fine, coarse = static_measures(record), static_measures(finer), {} if coarser is None else static_measures(coarser)
+    errors = {name: error_of(coarse.get(name), value, fine[name]) for name, value in own.items() if name in fine}
+    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - fine[MOVED]))  # it may lie between nodes, which two meshes may miss alike
     size = sizes(record, own)
     floor = FLOOR * max((errors[name] / one for name, one in size.items() if name in errors), default=0.0)
     residual, lever = record.assembly.mechanism.settings.residual, extent(record.assembly, record.assembly.state)
@@ -33,6 +36,20 @@ def mesh_estimate(record: Record, finer: Record) -> Estimate:
         left = residual * load * (lever if name.endswith((".moment.max", ".torque.max")) else name.endswith(".force.max"))
         errors[name] = 0.0 if name in EXACT else max(error, floor * size.get(name, abs(own[name])), left)
     return Estimate(None, errors)
+
+
+def error_of(coarse: float | None, own: float, fine: float) -> float:
+    """Error of a value from those with half (None without) and with twice the elements.
+
+    Differences continue as a geometric series, whose ratio is that of the two, between FASTEST and SLOWEST. A second difference that is small by
+    chance counts as what the first lets expect.
+    """
+    second = abs(own - fine)
+    if coarse is None:
+        return TWO_MESHES * second
+    first = abs(coarse - own)
+    ratio = min(max(second / first if first > 0.0 else SLOWEST, FASTEST), SLOWEST)
+    return THREE_MESHES * max(second / (1.0 - ratio), first * FASTEST / (1.0 - FASTEST))
 
 
 def largest_load(found: Mapping[str, float], lever: float) -> float:

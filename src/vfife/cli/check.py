@@ -43,8 +43,8 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from ..assembly.possible import outlook
     from ..assembly.timestep import CONTACT_STEPS
     from ..report import described
-    from ..simulation import expected_forces, first_contact_steps, ideal_of, referred
-    from .cost import estimate, too_much
+    from ..simulation import expected_forces, first_contact_steps, ideal_of, referred, repeated
+    from .cost import estimate, repetition, too_much
     from .filled import filled_in
 
     seen = outlook(mechanism)
@@ -53,7 +53,8 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
-    choice, cost = assembly.choice, estimate(assembly, ideal)
+    choice, cost, again = assembly.choice, estimate(assembly, ideal), repeated(assembly, mechanism.settings.companions)
+    cost["seconds"] *= repetition(assembly, again)
     return {
         "model": mechanism.name,
         "file": str(model),
@@ -71,6 +72,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
         "settle": mechanism.settings.settle,
+        "repeated": again,
         "estimate": cost | {"asks_for_yes": too_much(cost, Path())},
         "defaults": filled_in(model, overrides(texts)),
         "notes": [*assembly.notes, *seen.notes],
@@ -236,7 +238,10 @@ def steps(found: Mapping[str, Any], long: bool = False) -> list[str]:
 def statics(found: Mapping[str, Any]) -> list[str]:
     """What a static analysis goes through, in words."""
     factors = found["load_factors"]
-    lasting = f"Time, a rough estimate: {span(found['estimate']['seconds'])}; each equilibrium ends after {found['iterations']:,} iterations."
+    again = ", twice and half the elements with it" if found["repeated"] else "; errors of the mesh are not estimated"
+    lasting = (
+        f"Time, a rough estimate: {span(found['estimate']['seconds'])}{again}; each equilibrium ends after {found['iterations']:,} iterations."
+    )
     if len(factors) == 1:
         return [f"Static analysis: equilibrium under load factor {factors[0]:g}, by dynamic relaxation.", lasting]
     return [
@@ -250,6 +255,7 @@ def cost(found: Mapping[str, Any]) -> list[str]:
     cost = found["estimate"]
     pace, compiling = f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop", span(cost["compile_seconds"])
     again = f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved three times" if found["step"]["searched"] else ""
+    again += "; half and a quarter of the step with it, for the errors" if found["repeated"] else ""
     lines = [
         f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){again},",
         f"  and some {compiling} to compile that loop if it was never used here.",

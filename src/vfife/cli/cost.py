@@ -68,6 +68,13 @@ def estimate(assembly: Assembly, reference: Assembly | None = None) -> dict[str,
     return found | {"memory": MEMORY * every + LIBRARIES, "disk": PACKED * every}
 
 
+def repetition(assembly: Assembly, refined: bool) -> float:
+    """By how much an estimate of its errors makes a run longer (1): see :func:`vfife.simulation.repeated`."""
+    if not refined:
+        return 1.0
+    return MESHED if assembly.mechanism.settings.analysis == "static" else REFINED
+
+
 def _alone(assembly: Assembly) -> dict[str, Any]:
     from ..codegen.straight_line import about
     from ..solvers.meshes import iterations

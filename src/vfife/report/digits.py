@@ -64,7 +64,7 @@ def measured(told: dict[str, Any], name: str, unit: str) -> str:
 
 def mark(told: dict[str, Any], *names: str) -> str:
     """What stands behind a measure, or the largest of several, where others were estimated and it was not. A run without any says so once."""
-    return "" if not told["trust"] or all(estimated(told, name) for name in names) else f" ({NOT_ESTIMATED})"
+    return "" if not told.get("trust") or all(estimated(told, name) for name in names) else f" ({NOT_ESTIMATED})"
 
 
 def decimals(value: float, spread: float, significant: int = 4, most: int = 1) -> int:

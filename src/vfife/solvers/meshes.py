@@ -1,4 +1,4 @@
-"""A static analysis repeated with twice the elements: the difference tells the error of its mesh."""
+"""A static analysis repeated with twice and with half the elements: the differences tell the error of its mesh."""
 
 from __future__ import annotations
 
@@ -23,27 +23,34 @@ MOST_WORK = 5e7  # iterations times elements of an analysis that is repeated by 
 
 def refinable(mechanism: Mechanism) -> bool:
     """Whether there are elements, all of which can be halved. A link of two particles is one element by definition."""
-    elastic = [body for body in mechanism.bodies.values() if isinstance(body, Frame) or (isinstance(body, Link) and body.element_count)]
-    return bool(elastic) and all(
-        FINER * sum(member.elements for member in body.members) <= MOST_ELEMENTS
-        if isinstance(body, Frame)
-        else body.model == "elastic" and FINER * body.elements <= MOST_ELEMENTS
-        for body in elastic
-    )
+    elastic = [body for body in mechanism.bodies.values() if counts(body)]
+    return bool(elastic) and all(body.model != "two-particle" and FINER * sum(counts(body)) <= MOST_ELEMENTS for body in elastic)
 
 
-def refined(mechanism: Mechanism) -> Mechanism:
-    """The mechanism with twice the elements in each elastic body."""
-    return dataclasses.replace(mechanism, bodies={name: _divided(body) for name, body in mechanism.bodies.items()})
+def meshed(mechanism: Mechanism, finer: bool) -> Mechanism | None:
+    """The mechanism with twice the elements in each elastic body, or with half of them; None where a number of them is odd."""
+
+    def number(elements: int) -> int:
+        return FINER * elements if finer else elements // FINER
+
+    bodies: dict[str, Body] = {}
+    for name, body in mechanism.bodies.items():
+        bodies[name] = body
+        if isinstance(body, Frame):
+            bodies[name] = dataclasses.replace(
+                body, members=tuple(dataclasses.replace(member, elements=number(member.elements)) for member in body.members)
+            )
+        elif isinstance(body, Link) and body.element_count:
+            bodies[name] = dataclasses.replace(body, elements=number(body.elements))
+    odd = any(count % FINER for body in mechanism.bodies.values() for count in counts(body))
+    return None if odd and not finer else dataclasses.replace(mechanism, bodies=bodies)
 
 
-def _divided(body: Body) -> Body:
+def counts(body: Body) -> list[int]:
+    """Elements of each member of a frame, or of an elastic link."""
     if isinstance(body, Frame):
-        members = tuple(dataclasses.replace(member, elements=FINER * member.elements) for member in body.members)
-        return dataclasses.replace(body, members=members)
-    if isinstance(body, Link) and body.model == "elastic":
-        return dataclasses.replace(body, elements=FINER * body.elements)
-    return body
+        return [member.elements for member in body.members]
+    return [body.elements] if isinstance(body, Link) and body.element_count else []
 
 
 def iterations(assembly: Assembly) -> float:
@@ -59,18 +66,19 @@ def worth(assembly: Assembly) -> bool:
     return assembly.choice.outputs * iterations(assembly) * (len(assembly.topology.frame_nodes) + OVERHEAD) <= MOST_WORK
 
 
-def finer_equilibria(record: Record, progress: Callable[[Progress], None] | None = None) -> Record | None:
-    """The equilibria of a static analysis with twice the elements; None where they were not all found, or the finer mesh cannot be assembled."""
-    if record.status != Status.COMPLETE:
+def equilibria_again(record: Record, finer: bool, progress: Callable[[Progress], None] | None = None) -> Record | None:
+    """The equilibria of a static analysis with twice or half the elements; None where they were not all found, or there is no such mesh."""
+    mechanism = meshed(record.assembly.mechanism, finer) if record.status == Status.COMPLETE else None
+    if mechanism is None:
         return None
     try:
-        assembly = assemble(refined(record.assembly.mechanism))
+        assembly = assemble(mechanism)
     except (VfifeError, ValueError):
         return None
 
     def tell(now: Progress) -> None:
         if progress is not None:
-            progress(dataclasses.replace(now, text=f"twice the elements, {now.text}"))
+            progress(dataclasses.replace(now, text=f"{'twice' if finer else 'half'} the elements, {now.text}"))
 
     found = equilibrium(assembly, loop=record.loop, progress=tell)
     return found if found.status == Status.COMPLETE else None
