@@ -99,7 +99,7 @@ class Result(View):
     def _meta(self) -> dict[str, Any]:
         record, left = self.record, self.record.companions
         meta = provenance(record.assembly, record.kept, record.loop)
-        return meta if left is None else meta | kept_companions(record.assembly, left.shifts, left.earlier)
+        return meta if left is None else meta | kept_companions(record.assembly, left.counts, left.earlier)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:

@@ -24,7 +24,7 @@ from .model.mechanism import Mechanism
 from .model.validate import validate
 from .modelfile import dump
 from .result import Result
-from .results.companions import kept_companions
+from .results.companions import kept_companions, refuse_displaced
 from .results.lock import Lock
 from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
@@ -33,7 +33,7 @@ from .results.runfile import RunFile
 from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
-from .solvers.companions import displacements, number
+from .solvers.companions import number, step_counts
 from .solvers.meshes import equilibria_again, refinable
 from .solvers.meshes import worth as worth_a_finer_mesh
 from .solvers.progress import Progress
@@ -85,7 +85,7 @@ class Prepared:
         """The same of a run with another step; ``model`` is the text of the mechanism where it is written already."""
         found = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
         asked = {**self.asked, "refined": self.refined}
-        return found | kept_companions(assembly, displacements(self.companions), earlier or {}) | {"asked": asked}
+        return found | kept_companions(assembly, step_counts(assembly.choice, self.companions), earlier or {}) | {"asked": asked}
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
@@ -152,9 +152,9 @@ def simulate(
 
     ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; both as numbers or as texts with a unit, "1 us". ``outputs`` per turn
     (per run without a crank); ``loop`` "auto", "data-driven", "generated" or "interpreted", which give the same bits; ``reference``: also run
-    the ideal mechanism to compare with, or its result. ``companions``: runs with displaced steps beside one with contact, 0 to 7, which give
-    measures their ranges; "auto" as many as fill the lanes. ``settle`` (1): the run ends as soon as its turns repeat within that share of their
-    largest values, and after ``turns`` at the latest. An automatic step is halved, three times at the most, until run and companions agree
+    the ideal mechanism to compare with, or its result. ``companions``: how often a run with contact is repeated with other step sizes, 0 to 7,
+    from which ranges of measures estimate their errors; "auto" is three. ``settle`` (1): the run ends as soon as its turns repeat within that share
+    of their largest values, and after ``turns`` at the latest. An automatic step is halved, twice at the most, until run and companions agree
     within the tolerance of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask for a static
     analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
     ``step``. ``file``: a run file that takes the outputs while they come, which are not kept in memory then. ``start``: a former run (or its
@@ -293,6 +293,7 @@ def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Check
     """
     where, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
     refuse_ended(former.record, until, where)
+    refuse_displaced(meta, where)
     record, asked = former.record, dict(meta.get("asked", {}))
     changed: dict[str, Any] = {"status": Status.RUNNING}
     if until is not None:
@@ -328,7 +329,7 @@ def _prepared_again(former: Result, asked: dict[str, Any], beside: Mapping[str, 
 
     return Prepared(
         record.assembly, former.reference, record.loop, again,  # type: ignore[arg-type]
-        companions=len(beside.get("shifts", ())), refined=bool(asked.get("refined")), asked=asked,
+        companions=len(beside.get("counts", ())), refined=bool(asked.get("refined")), asked=asked,
         earlier={name: (float(low), float(high)) for name, (low, high) in beside.get("earlier", {}).items()},
         searches=bool(asked.get("searches", True)),
     )  # fmt: skip

@@ -18,6 +18,7 @@ from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
 from vfife.solvers import pace
 from vfife.solvers.arguments import Asked
+from vfife.solvers.synchronised import SynchronisedLanes
 
 
 class Killed(BaseException):
@@ -34,16 +35,24 @@ def write(path: Path, mechanism: vfife.Mechanism, asked: Asked, reference: bool 
 
 def kill_at(monkeypatch: pytest.MonkeyPatch, call: int) -> Callable[[], None]:
     """The process ends at a call of the loop; what it gives back takes the fault away."""
-    advance, calls = Runner.advance, []
+    loops, calls = {kind: kind.advance for kind in (Runner, SynchronisedLanes)}, []
 
-    def killed(self: Runner, *args: Any, **how: Any) -> Any:
-        calls.append(1)
-        if len(calls) == call:
-            raise Killed
-        return advance(self, *args, **how)
+    def killing(advance: Callable[..., Any]) -> Callable[..., Any]:
+        def killed(self: Any, *args: Any, **how: Any) -> Any:
+            calls.append(1)
+            if len(calls) == call:
+                raise Killed
+            return advance(self, *args, **how)
 
-    monkeypatch.setattr(Runner, "advance", killed)
-    return lambda: monkeypatch.setattr(Runner, "advance", advance)
+        return killed
+
+    def restore() -> None:
+        for kind, advance in loops.items():
+            monkeypatch.setattr(kind, "advance", advance)
+
+    for kind, advance in loops.items():
+        monkeypatch.setattr(kind, "advance", killing(advance))
+    return restore
 
 
 def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:

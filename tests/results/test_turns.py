@@ -15,6 +15,7 @@ import vfife
 from support import TURN, four_bar, journal_in_bearing
 from vfife.analysis.measured import Measured
 from vfife.analysis.measures import measures
+from vfife.analysis.convergence import SCATTER, error_range
 from vfife.analysis.ranges import over_turns
 from vfife.errors import ModelError, VfifeError
 from vfife.report.digits import amount, decimals, measured, percent, plain, prefixed
@@ -71,7 +72,9 @@ def test_what_is_not_known_is_the_range_of_means() -> None:
     row = int(np.flatnonzero(left.kept == result.record.assembly.layout["contact_force_squared_max"][1])[0])
     means = np.sqrt(left.turns[said.first - 1 :, row]).mean(axis=0)
     one = result.measures["C.force.max"]
-    assert one.low == pytest.approx(min(one.value, *means), rel=1e-14) and one.high == pytest.approx(max(one.value, *means), rel=1e-14)
+    ratios = [1.0, *(result.record.assembly.choice.outputs_every / left.counts)]
+    assert (one.low, one.high) == pytest.approx(error_range("C.force.max", ratios, [one.value, *means]), rel=1e-14)
+    assert one.low < min(one.value, *means) and one.high > max(one.value, *means)
     last = left.rows[1:, row].max(axis=0)
     assert np.array_equal(left.turns[-1, row], last)
 
@@ -105,9 +108,10 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
     every = np.column_stack([own, np.sqrt(left.turns[6:, row])])
     one = result.measures["pin.force.max"]
     assert one.value == pytest.approx(every.mean(), rel=1e-13)
-    assert (one.low, one.high) == pytest.approx((every.mean(axis=0).min(), every.mean(axis=0).max()), rel=1e-13)
+    least, most = every.mean(axis=0).min(), every.mean(axis=0).max()
+    assert (one.low, one.high) == pytest.approx((max(least - SCATTER * (most - least), 0.0), most + SCATTER * (most - least)), rel=1e-13)
     assert (one.lowest, one.highest) == pytest.approx((every.min(), every.max()), rel=1e-13)
-    assert one.variation > 2.0 * one.width  # single turns do not hold, means do
+    assert one.variation > 2.0 * (most - least)  # single turns do not hold, means do
     told = result.summary
     assert told["turns"]["motion"] == "not periodic" and verdict(told).startswith("This motion is not periodic: single turns of ")
     assert told["warnings"][0] == verdict(told)
@@ -134,7 +138,7 @@ def test_means_of_a_chaotic_motion_hold_where_single_turns_do_not() -> None:
     other = vfife.simulate(vfife.gallery.slider_crank_loose_pin(), turns=12, outputs=OUTPUTS, companions=3, step=math.pi / 50.0 / (190 * OUTPUTS))
     names = ("pin.force.max", "rod.angular_acceleration.max", "guide.force.max")
     turnly = [np.sqrt(peaks(result, "contact_force_squared_max", 0))[6:] for result in (one, other)]
-    assert np.abs(turnly[1] / turnly[0] - 1.0).max() > 1.0  # a single turn is anything
+    assert np.abs(turnly[1] / turnly[0] - 1.0).max() > 0.5  # a single turn is anything
     for name in names:
         a, b = one.measures[name], other.measures[name]
         assert abs(b / a - 1.0) < 0.45 and a.low < b.high and b.low < a.high, name
@@ -180,7 +184,7 @@ def test_an_oscillator_settles_when_its_transient_has_gone(decay: float) -> None
 
 def test_statistics_over_turns_of_made_up_lanes() -> None:
     lanes = [[{"a": 1.0}, {"a": 2.0}], [{"a": 4.0}, {"a": 5.0}]]
-    one, both = over_turns(lanes, together=False)["a"], over_turns(lanes, together=True)["a"]
+    one, both = over_turns(lanes, (1.0, 2.0), together=False)["a"], over_turns(lanes, (1.0, 2.0), together=True)["a"]
     assert (one.value, one.low, one.high, one.lowest, one.highest) == (1.5, 1.5, 4.5, 1.0, 2.0)
     assert (both.value, both.low, both.high, both.lowest, both.highest) == (3.0, 1.5, 4.5, 1.0, 5.0)
     assert Measured(2.0, lowest=1.0, highest=2.5).variation == 1.5

@@ -1,7 +1,8 @@
-"""Companions: the same motion with displaced steps, beside a run that does not feel them; the step that they find, and what they call sensitive."""
+"""Companions: the same motion with other step sizes, beside a run that does not feel them; the step they find, what they call sensitive."""
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import pickle
@@ -17,15 +18,17 @@ from vfife.analysis.measured import Measured
 from vfife.analysis.ranges import band, companion_records, ranged
 from vfife.analysis.trust import trust
 from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import StepChoice
 from vfife.errors import ModelError
 from vfife.kernels.arrays import Layout
-from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
+from vfife.laws import Ambrosio
 from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism
 from vfife.report.trust import verdict
 from vfife.result import Result
-from vfife.solvers.companions import SENSITIVE, Gathering, Watch, displacements, lanes
-from vfife.solvers.record import recorded_rows
+from vfife.solvers.companions import DEFAULT, SENSITIVE, Gathering, Watch, step_counts
+from vfife.solvers.record import lasting_rows, recorded_rows
+from vfife.solvers.synchronised import SeparateLanes, SynchronisedLanes
 from vfife.solvers.transient import run
 
 ACCELERATION, FORCE = "follower.angular_acceleration.max", "C.force.max"
@@ -63,27 +66,77 @@ def test_companions_of_both_loops_are_the_same() -> None:
     assert np.array_equal(one.rows, other.rows)
 
 
-def test_first_steps_divide_a_step() -> None:
-    assert displacements(3).tolist() == [0.25, 0.5, 0.75]
-    assert lanes(2, "generated").tolist() == [0.0, 1.0 / 3.0, 2.0 / 3.0, 0.0]  # a vector holds four
-    assert lanes(2, "data-driven").tolist() == [0.0, 1.0 / 3.0, 2.0 / 3.0]
-    assert len(lanes(7, "generated")) == 8
+def choice(every: int, step: float = 1.0, stable: float = math.inf) -> StepChoice:
+    return StepChoice(step, stable, "", False, (), None, every, 1)
 
 
-def test_a_displaced_journal_lands_elsewhere() -> None:
-    """In free flight at 1 m/s step n of companion k is at (n + k/7) dt: where its first contact lands follows."""
-    step, clearance = 3.1e-6, 5e-4
-    m = journal_in_bearing(contact=LankaraniNikravesh(restitution=0.9), friction=Frictionless())
-    record = run(assemble(m, step, duration=6e-4, force_step=True), companions=6)
-    left = record.companions
+@pytest.mark.parametrize(("every", "companions", "expected"), [
+    (20, 3, [14, 12, 10]), (20, 1, [10]), (20, 2, [14, 10]), (20, 7, [16, 15, 14, 13, 12, 11, 10]), (44, 3, [31, 26, 22]), (20, 0, []),
+    (4, 3, [6, 3, 2]), (2, 3, [4, 3, 1]), (1, 3, [4, 3, 2]),
+])  # fmt: skip
+def test_companions_make_whole_numbers_of_steps_between_outputs(every: int, companions: int, expected: list[int]) -> None:
+    """A half to five sevenths of the run's; more where an interval has too few steps for that."""
+    assert step_counts(choice(every), companions).tolist() == expected
+
+
+def test_no_companion_has_an_unstable_step() -> None:
+    """At 0.9 of the stable step all are finer than the run, at half of that one has the most that is taken."""
+    assert step_counts(choice(20, 0.9, 1.0), 3).tolist() == [40, 34, 28]
+    assert step_counts(choice(20, 0.45, 1.0), 3).tolist() == [14, 12, 10]
+    assert step_counts(choice(20, 0.6, 1.0), 3).tolist() == [16, 15, 14]
+
+
+@pytest.mark.parametrize("loop", ["generated", "data-driven"])
+@pytest.mark.parametrize("step", [2.5e-6, 1.25e-5])
+def test_a_companion_is_a_run_with_its_step(loop: str, step: float) -> None:
+    """Each has the bits of a run by itself with the same step and outputs; at 12.5 us they are finer than the run."""
+    assembly = assemble(four_bar("BCD"), step, duration=0.2 * TURN, outputs=200, force_step=True)
+    left = run(assembly, companions=3, loop=loop).companions  # type: ignore[arg-type]
     assert left is not None
-    deepest = left.rows[-1, np.flatnonzero(left.kept == record.assembly.layout["contact_deepest"][0])[0]]
-    every = np.array([record.block("contact_deepest")[-1, 0], *deepest])
-    shares = np.arange(7) / 7.0
-    steps = np.ceil(clearance / step - shares)
-    coarse = (steps + shares) * step - clearance  # of a step; in eight parts the first of them beyond the wall
-    parts = coarse - np.floor(coarse / (step / 8.0)) * step / 8.0
-    assert every == pytest.approx(parts, abs=1e-12)
+    for k, count in enumerate(left.counts.tolist()):
+        state = assembly.state.copy()
+        size = step * assembly.choice.outputs_every / count
+        state[assembly.layout["step"]] = size
+        own = dataclasses.replace(assembly.choice, step=size, outputs_every=count)
+        alone = run(dataclasses.replace(assembly, choice=own, state=state), loop=loop)  # type: ignore[arg-type]
+        columns = [int(np.flatnonzero(alone.kept == row)[0]) for row in left.kept]
+        assert np.array_equal(left.rows[:, :, k], alone.rows[:, columns])
+
+
+def test_calls_of_any_length_give_the_same_bits() -> None:
+    """Cut inside and at the ends of output intervals; lanes wait for each other at each cut."""
+    assembly = assemble(four_bar("BCD"), 2.5e-6, duration=0.1 * TURN)
+    kept, counts = recorded_rows(assembly), np.array([20, *step_counts(assembly.choice, 3)])
+    assert assembly.choice.outputs_every == 20
+    whole, cut = (SynchronisedLanes(assembly, counts, kept, 16) for _ in range(2))
+    separate = SeparateLanes(assembly, counts, kept, "data-driven")
+    for one in (whole, cut, separate):
+        one.advance(1, 1)
+    every = whole.advance(20, 12)
+    pieces = []
+    for lengths in ((20,), (7, 13), (1, 1, 18), (19, 1), (20,), (3, 3, 3, 3, 8)):
+        inside = 0
+        for length in lengths:
+            ends = inside + length == 20
+            rows = cut.advance(length, 1, anew=inside == 0, record=ends)
+            assert separate.advance(length, 1, anew=inside == 0, record=ends).shape == rows.shape
+            inside += length
+        pieces.append(rows)
+    pieces.append(cut.advance(20, 6))
+    separate.advance(20, 6)
+    assert np.array_equal(np.concatenate(pieces), every)
+    lasting = lasting_rows(assembly.layout)
+    assert np.array_equal(cut.states[lasting], whole.states[lasting]) and np.array_equal(separate.states[lasting], whole.states[lasting])
+
+
+def test_a_run_has_three_companions_whatever_the_registers_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for width in (2, 4, 8):
+        monkeypatch.setattr("vfife.codegen.native.widest", lambda width=width: width)
+        left = vfife.simulate(four_bar("C"), turns=0.1, step=1e-5, reference=False).record.companions
+        assert left is not None and len(left.counts) == DEFAULT == 3
+        found.append(left.rows)
+    assert np.array_equal(found[0], found[1]) and np.array_equal(found[0], found[2])
 
 
 @pytest.mark.parametrize("loop", ["generated", "data-driven"])
@@ -126,7 +179,7 @@ def test_more_friction_is_called_sensitive() -> None:
     assert one.low < 48401.0 < one.high
     assert said.parting is not None and said.parting.joint in "BCD" and 0.0 < said.parting.time < 2.0 * TURN
     sentence = verdict(result.summary)
-    assert sentence.startswith("This run is sensitive") and f"in joint {said.parting.joint}" in sentence
+    assert sentence.startswith("This run is sensitive") and f"(joint {said.parting.joint})" in sentence
     assert result.summary["warnings"][0] == sentence
 
 
@@ -142,13 +195,14 @@ def test_runs_do_part_where_they_are_said_to() -> None:
 
 
 def test_a_companion_is_measured_as_a_run_is() -> None:
-    """Where nothing displaces them, companions are the run: each measure of theirs is the run's own, to the bit."""
+    """Where they have the run's rows and step, companions are the run: each measure of theirs is the run's own, to the bit."""
     result = simulated(companions=3, step=STEP)
     record = result.record
     assert record.companions is not None
     own = np.flatnonzero(np.isin(record.steps, record.companions.steps))
     columns = [int(np.flatnonzero(record.kept == row)[0]) for row in record.companions.kept]
     record.companions.rows[:] = record.rows[np.ix_(own, columns)][:, :, None]
+    record.companions.counts[:] = record.assembly.choice.outputs_every
     for name, one in ranged(record).items():
         assert one.low == one.high == one.value, name
     simulated.cache_clear()
@@ -178,7 +232,7 @@ def test_what_is_kept_does_not_grow_with_the_run() -> None:
     long = vfife.simulate(four_bar("C"), turns=6, step="10 us", outputs=100, reference=False, companions=3).record.companions
     assert long is not None and len(long.steps) == 101
     assembly = assemble(four_bar("C"), 1e-5, turns=50, outputs=10)
-    gathering = Gathering(assembly, recorded_rows(assembly), displacements(3))
+    gathering = Gathering(assembly, recorded_rows(assembly), step_counts(assembly.choice, 3))
     for first in range(0, 500, 10):
         gathering.take((first + np.arange(10)) * assembly.choice.outputs_every, np.zeros((10, len(gathering.recorded), 4)))
         assert len(gathering.parts) <= 3
@@ -224,24 +278,24 @@ def test_a_peak_that_only_one_has_is_one() -> None:
 # ------------------------------------------------------------------------------------------------------ automatic steps
 
 
-def test_case_c_stays_near_three_microseconds() -> None:
+def test_case_c_stays_near_one_and_a_half_microseconds() -> None:
     choice = vfife.simulate(four_bar("BCD"), turns=2).record.assembly.choice
-    assert choice.automatic and choice.tried == () and 2e-6 < choice.step < 4e-6
+    assert choice.automatic and choice.tried == () and 1e-6 < choice.step < 2e-6
 
 
-def test_a_step_is_halved_three_times_and_no_more() -> None:
+def test_a_step_is_halved_twice_and_no_more() -> None:
     choice = rough().record.assembly.choice
     first = choice.tried[0][0]
-    assert [step for step, _ in choice.tried] == pytest.approx([first, first / 2.0, first / 4.0]) and choice.step == pytest.approx(first / 8.0)
+    assert [step for step, _ in choice.tried] == pytest.approx([first, first / 2.0]) and choice.step == pytest.approx(first / 4.0)
     assert all(apart is not None and apart > 0.005 for _, apart in choice.tried)
-    assert "halved 3 times" in choice.culprit
+    assert "halved 2 times" in choice.culprit
 
 
 def test_without_companions_a_step_is_as_fine_as_before() -> None:
-    """Eighty steps in half a period of the contact, where with companions twenty are where a search begins."""
+    """Eighty steps in half a period of the contact; a search with companions begins with forty, and twenty of the coarsest companion."""
     alone, accompanied = simulated(companions=0), simulated()
     assert alone.record.companions is None and alone.measures[FORCE].width == 0.0
-    assert alone.record.assembly.choice.step == pytest.approx(accompanied.record.assembly.choice.step / 4.0, rel=0.1)
+    assert alone.record.assembly.choice.step == pytest.approx(accompanied.record.assembly.choice.step / 2.0, rel=0.1)
     assert alone.summary["trust"] == {} and alone.summary["ranges"] == {}
 
 

@@ -1,10 +1,15 @@
-"""How far a run's numbers can be trusted: every measure with its range over the run and its companions."""
+"""How far a run's numbers can be trusted: every measure with a range that estimates the error of its step.
+
+Companions repeat a run with about 1.4, 1.7 and 2 times its step. How a measure changes with the step gives the range that holds its limit
+(:mod:`~vfife.analysis.convergence`); how far its values lie apart says whether the step is fine enough (:mod:`~vfife.analysis.trust`).
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -14,10 +19,11 @@ from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
+from .convergence import SCATTER, bounded, error_range
 from .measured import Measured, Measures
-from .measures import Measure, compared, last_turn, measures, over_run, over_turn
+from .measures import PEAKS, Measure, compared, last_turn, measures, over_run, over_turn
 from .meshes import EXACT
-from .turns import Turns, each_turn, each_turn_beside, part_of, turns
+from .turns import Turns, each_turn, each_turn_beside, part_of, record_of_companion, turns
 
 Array = NDArray[np.float64]
 Some: TypeAlias = tuple[Measure, ...] | None  # of the measures of a turn; all of them
@@ -38,65 +44,131 @@ def companion_records(record: Record) -> Iterator[Record]:
     found = record.companions
     if found is None:
         return
-    for k in range(len(found.shifts)):
+    for k in range(len(found.counts)):
         if k not in found.lost:
-            yield dataclasses.replace(record, steps=found.steps, source=found.rows[:, :, k], kept=found.kept, companions=None)
+            yield record_of_companion(record, k)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A measure at the step sizes of a run and its companions: ``value`` is what is reported, ``values`` those of all lanes, the run's first.
+
+    ``ratios`` are the steps of the lanes over that of the run. ``lowest`` and ``highest`` are those of the turns that it is of.
+    ``scatters``: the value is a mean over all lanes, which differ by chance.
+    """
+
+    value: float
+    values: tuple[float, ...]
+    ratios: tuple[float, ...]
+    lowest: float
+    highest: float
+    scatters: bool = False
+
+    @property
+    def low(self) -> float:
+        """The least of all lanes."""
+        return min(self.values)
+
+    @property
+    def high(self) -> float:
+        """The largest of all lanes."""
+        return max(self.values)
+
+    @property
+    def hull(self) -> Measured:
+        """The measure with the range of its values."""
+        return Measured(self.value, self.low, self.high, lowest=self.lowest, highest=self.highest)
+
+    def error_range(self, name: str) -> tuple[float, float]:
+        """The range that estimates its error; that of its values where all lanes have one step size."""
+        if len(set(self.ratios)) < 2:
+            return self.low, self.high
+        if self.scatters:
+            return bounded(name, self.low, self.high, SCATTER * (self.high - self.low))
+        return error_range(name, self.ratios, self.values)
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> Measures:
     """The measures of a run (:func:`~vfife.analysis.measures.measures`): means of its turns after the transient, with what varies and what is
-    not known; see :func:`own_ranges`.
+    not known; see :func:`sampled`.
 
-    Companions share the size of the step. Where a try with twice the step was given up, and its range does not hold what has come out now, it was
-    that size which decided: then the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
+    Ranges estimate the error of the step, from the values at all step sizes. Where a try with twice the step was given up, and its range does not
+    hold what has come out now, the estimate of that try has failed: then the ranges reach over both. Ranges of a smooth run are its estimated
+    errors to both sides.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
-    found = {name: (one, *_reach(record, name, one)) for name, one in own_ranges(record, reference, every).items()}
-    earlier = {} if record.companions is None else record.companions.earlier
-    if earlier and not followed(record, {name: one for name, (one, _, _) in found.items()}, earlier):
-        found = {
-            name: (one, min(low, earlier[name][0]), max(high, earlier[name][1])) if name in earlier else (one, low, high)
-            for name, (one, low, high) in found.items()
-        }
-    made = Measures({
-        name: Measured(one, low, high, name not in open_ones, one.lowest, one.highest, _estimated(record, name, one))
-        for name, (one, low, high) in found.items()
-    })  # fmt: skip
+    found, joins = sampled(record, reference, every), contradicted(record)
+    made = Measures()
+    for name, one in found.items():
+        low, high = _reach(record, name, one)
+        if name in joins:
+            least, most = min(one.low, joins[name][0]), max(one.high, joins[name][1])
+            wide = bounded(name, least, most, SCATTER * (most - least))
+            low, high = min(low, wide[0]), max(high, wide[1])
+        made[name] = Measured(one.value, low, high, name not in open_ones, one.lowest, one.highest, _estimated(record, name, one))
     made.part = part_of(record, counted(record))
     return made
 
 
-def _reach(record: Record, name: str, one: Measured) -> tuple[float, float]:
-    """Low and high over the companions, or by the estimated error of a smooth run."""
+def contradicted(record: Record) -> Mapping[str, tuple[float, float]]:
+    """The ranges of the try with twice the step, where its estimate does not hold what has come out now; none where it does, or there was none."""
+    earlier = {} if record.companions is None else record.companions.earlier
+    return {} if not earlier or followed(record, own_ranges(record, every=PEAKS), earlier) else earlier
+
+
+def over_tries(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Measured]:
+    """The measures with the ranges of their values at all step sizes: those of the run and its companions, and of the try before it where its
+    estimate does not hold what has come out now.
+    """
+    found, joins = own_ranges(record, reference, every), contradicted(record)
+    for name in joins.keys() & found.keys():
+        one, (low, high) = found[name], joins[name]
+        found[name] = Measured(one, min(one.low, low), max(one.high, high), True, one.lowest, one.highest)
+    return found
+
+
+def _reach(record: Record, name: str, one: Sampled) -> tuple[float, float]:
+    """Low and high by the values at several step sizes, or by the estimated error of a smooth run."""
     if record.estimate is None:
-        return one.low, one.high
+        return one.error_range(name)
     error = record.estimate.errors.get(name, 0.0)
     return one.value - error, one.value + error
 
 
-def _estimated(record: Record, name: str, one: Measured) -> bool:
+def _estimated(record: Record, name: str, one: Sampled) -> bool:
     """Whether the error of a measure is known, from companions, or from a run at finer steps or on a finer mesh."""
     if record.static and name in EXACT:
         return True
-    return one.estimated if record.estimate is None else name in record.estimate.errors
+    return len(one.values) > 1 if record.estimate is None else name in record.estimate.errors
+
+
+def step_ratios(record: Record) -> tuple[float, ...]:
+    """Step sizes of a run and those of its companions that have finite numbers, over that of the run; version 0.2 gave all the step of the run."""
+    left, every = record.companions, record.assembly.choice.outputs_every
+    return (1.0, *(every / int(count) for k, count in enumerate(() if left is None else left.counts) if left is None or k not in left.lost))
 
 
 def own_ranges(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Measured]:
-    """The measures with their ranges, whatever was tried before.
+    """The measures with the ranges of their values over the run and its companions, whatever was tried before."""
+    return {name: one.hull for name, one in sampled(record, reference, every).items()}
+
+
+def sampled(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Sampled]:
+    """The measures at all step sizes.
 
     Of a run whose turns repeat: means over its turns since then, from the lowest to the highest of them, and how these means differ over run and
     companions. Of one that is not periodic: means over turns of run and companions together. Of a run of few turns, or one that has not settled:
     its last turn. Counts are those of the whole run. ``every``: some of the measures of a turn only.
     """
-    said = counted(record)
+    said, ratios = counted(record), step_ratios(record)
     if said is None or not said.several:
-        return joined(measures(record, reference, every), [measures(one, reference, every) for one in companion_records(record)])
+        return joined(measures(record, reference, every), [measures(one, reference, every) for one in companion_records(record)], ratios)
     left = record.companions
-    sound = [] if left is None else [k for k in range(len(left.shifts)) if k not in left.lost]
+    sound = [] if left is None else [k for k in range(len(left.counts)) if k not in left.lost]
     lanes = [each_turn(record, said.first, said.last), *(each_turn_beside(record, k, said.first, said.last) for k in sound)]
     taken = [[_of_a_turn(one, reference, every) for one in lane] for lane in lanes]
-    whole = joined(over_run(record), [over_run(one) for one in companion_records(record)])
-    return over_turns(taken, together=said.motion == "not periodic") | whole
+    whole = joined(over_run(record), [over_run(one) for one in companion_records(record)], ratios)
+    return over_turns(taken, ratios, together=said.motion == "not periodic") | whole
 
 
 def counted(record: Record) -> Turns | None:
@@ -112,24 +184,25 @@ def _of_a_turn(record: Record, reference: Mapping[str, float] | None, every: Som
     return found | compared(record, found, reference)
 
 
-def joined(own: Mapping[str, float], others: Sequence[Mapping[str, float]]) -> dict[str, Measured]:
-    """Measures of a run with their ranges over it and its companions."""
+def joined(own: Mapping[str, float], others: Sequence[Mapping[str, float]], ratios: Sequence[float]) -> dict[str, Sampled]:
+    """Measures of a run and its companions, whose steps have these ``ratios``, the run's first."""
     found = {}
     for name, value in own.items():
-        every = [value, *(one[name] for one in others if name in one)]
-        found[name] = Measured(value, min(every), max(every), estimated=len(every) > 1)
+        pairs = [(ratio, one[name]) for ratio, one in zip(ratios, (own, *others), strict=True) if name in one]
+        found[name] = Sampled(value, tuple(one for _, one in pairs), tuple(ratio for ratio, _ in pairs), value, value)
     return found
 
 
-def over_turns(lanes: Sequence[Sequence[Mapping[str, float]]], *, together: bool) -> dict[str, Measured]:
+def over_turns(lanes: Sequence[Sequence[Mapping[str, float]]], ratios: Sequence[float], *, together: bool) -> dict[str, Sampled]:
     """Measures from those of the turns of each lane, the run itself first: means over its turns, or over the turns of all lanes ``together``."""
     found = {}
     for name in lanes[0][-1]:
         turnly = [[turn[name] for turn in lane if name in turn] for lane in lanes]
-        means = [math.fsum(lane) / len(lane) for lane in turnly if lane]
+        pairs = [(ratio, math.fsum(lane) / len(lane)) for ratio, lane in zip(ratios, turnly, strict=True) if lane]
+        means = tuple(mean for _, mean in pairs)
         every = [value for lane in (turnly if together else turnly[:1]) for value in lane]
         value = math.fsum(means) / len(means) if together else means[0]
-        found[name] = Measured(value, min(means), max(means), lowest=min(every), highest=max(every), estimated=len(means) > 1)
+        found[name] = Sampled(value, means, tuple(ratio for ratio, _ in pairs), min(every), max(every), together)
     return found
 
 
@@ -177,14 +250,18 @@ def _values(part: Record, run: Record) -> dict[str, float]:
     rows = slice(len(part.steps) - count * outputs - 1, None)
     part = dataclasses.replace(part, steps=part.steps[rows], source=part.rows[rows], companions=None)
     lanes = [[_of_a_turn(one, None, None) for one in each_turn(part, 1, count)]]
-    return {name: one.value for name, one in over_turns(lanes, together=False).items()}
+    return {name: one.value for name, one in over_turns(lanes, (1.0,), together=False).items()}
 
 
 def followed(record: Record, found: Mapping[str, Measured], earlier: Mapping[str, tuple[float, float]]) -> bool:
-    """Whether every largest value lies within its earlier range, widened by the tolerance of its size."""
+    """Whether every largest value lies within its earlier range, widened by its own width and by the tolerance of its size."""
     sizes_now, tolerance = sizes(found, record.assembly.choice.step), record.assembly.mechanism.settings.tolerance
-    return all(low - tolerance * sizes_now[name] <= found[name] <= high + tolerance * sizes_now[name]
-               for name, (low, high) in earlier.items() if name in sizes_now)  # fmt: skip
+    several = len(set(step_ratios(record))) > 1
+    for name, (low, high) in earlier.items():
+        room = tolerance * sizes_now.get(name, math.inf) + (high - low if several else 0.0)
+        if name in sizes_now and not low - room <= found[name] <= high + room:
+            return False
+    return True
 
 
 def sizes(found: Mapping[str, Measured], step: float) -> dict[str, float]:

@@ -13,14 +13,15 @@ from .energy import ledger, own_floor
 from .measured import Measured
 from .measures import PEAKS
 from .meshes import spreads as static_spreads
-from .ranges import ranged, spreads
+from .ranges import over_tries, ranged, spreads
 from .turns import turns
 
-HALVINGS = 3  # of an automatic step for companions that lie apart, or errors that are too large, at the most
-DEEP_HALVINGS = 3, 5  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
-
-
-OPEN_HALVINGS = 2  # of one for an energy ledger that stays open, or a motion that is not periodic: down to the step of a run without companions
+HALVINGS = 2  # of an automatic step for companions that lie apart, at the most
+SMOOTH_HALVINGS = 3  # of one of a smooth run for errors that are too large
+DEEP_HALVINGS = 3, 4  # of one for first contacts that land too deep: from the step of a run without companions, and from that of one with them
+# Of one for an energy ledger that stays open, or a motion that is not periodic: of a run without companions, and of one with
+# them, which begins with twice the step.
+OPEN_HALVINGS = 2, 1
 OPEN = 1e-3  # of the largest energy: a ledger that is open by more is not to be trusted
 
 
@@ -28,9 +29,10 @@ OPEN = 1e-3  # of the largest energy: a ledger that is open by more is not to be
 class Trust:
     """What companions, or a run at half the step, say of a run.
 
-    ``measure`` is known worst: within ``apart`` of its size (1), from ``low`` to ``high``. ``parting`` is where they part, ``lost`` how many of
-    the ``companions`` have infinite numbers. Of a smooth or static run, which has none, ``apart`` is the estimated error;
-    ``order`` is that of the step, and ``converges`` is False where runs at smaller steps do not come together.
+    ``measure`` is known worst: its values at all step sizes lie ``apart`` by that share of its size (1), and the range that estimates its error is
+    from ``low`` to ``high``. ``parting`` is where they part, ``lost`` how many of the ``companions`` have infinite numbers. Of a smooth or static
+    run, which has none, ``apart`` is the estimated error; ``order`` is that of the step, and ``converges`` is False where runs at smaller steps do
+    not come together.
     """
 
     companions: int
@@ -55,12 +57,13 @@ def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | N
     if left is None and said is None:
         return None
     found = ranged(record, every=PEAKS) if found is None else found
-    widths = static_spreads(record, found) if record.static else spreads(found, record.assembly.choice.step)
+    seen = found if left is None else over_tries(record, every=PEAKS)
+    widths = static_spreads(record, found) if record.static else spreads(seen, record.assembly.choice.step)
     name, apart = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
     low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
     if left is None:
         return Trust(0, name, 0.5 * apart, low, high, None, 0, None if said is None else said.order, said is None or said.converges)
-    return Trust(len(left.shifts), name, 1.0 if left.lost else apart, low, high, left.parting, len(left.lost))
+    return Trust(len(left.counts), name, 1.0 if left.lost else apart, low, high, left.parting, len(left.lost))
 
 
 def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
@@ -71,13 +74,15 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     said = trust(record)
     diverged = record.status == Status.DIVERGED
     apart = 0.0 if said is None else 1.0 if diverged or not said.converges else said.apart
-    most = OPEN_HALVINGS if not_periodic(record) else HALVINGS
+    accompanied = record.companions is not None
+    open_halvings = OPEN_HALVINGS[accompanied]
+    most = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
     if apart > record.assembly.mechanism.settings.tolerance and sum(one is not None for _, one in choice.tried) < most:
         return (*choice.tried, (choice.step, apart))
     if diverged:
         return None
     stopped = record.status == Status.ENERGY
-    closes = len(choice.tried) < OPEN_HALVINGS and not own_floor(record)
+    closes = len(choice.tried) < open_halvings and not own_floor(record)
     unlike = (record.companions is not None or stopped) and closes and ledger(record).error > OPEN
     if unlike or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[said is not None]):
         return (*choice.tried, (choice.step, None))

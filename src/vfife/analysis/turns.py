@@ -69,7 +69,7 @@ def part_of(record: Record, said: Turns | None) -> str:
         return "all load factors"
     if said is not None and said.several:
         many = said.motion == "not periodic" and left is not None
-        beside = f", of the run and {len(left.shifts)} companions" if many and left is not None else ""
+        beside = f", of the run and {len(left.counts)} companions" if many and left is not None else ""
         return f"mean of turns {said.first} to {said.last}{beside}"
     if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
         return "whole run"
@@ -155,9 +155,27 @@ def each_turn_beside(record: Record, companion: int, first: int, last: int) -> I
     left, outputs = record.companions, outputs_of_a_turn(record.assembly) or 0
     if left is None:
         return
-    size = outputs * record.assembly.choice.outputs_every
+    alone = record_of_companion(record, companion)
+    size = outputs * alone.assembly.choice.outputs_every
     for turn in range(first, last + 1):
         own = left.turns[turn - 1, :, companion]
         before = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(own)  # sums begin at 0
         steps = np.array([turn - 1, turn], dtype=np.int64) * size
-        yield dataclasses.replace(record, steps=steps, source=np.stack([before, own]), kept=left.kept, companions=None, final=None)
+        yield dataclasses.replace(alone, steps=steps, source=np.stack([before, own]), final=None)
+
+
+def record_of_companion(record: Record, companion: int) -> Record:
+    """What a companion leaves, as a record of its own step, of the last turn. Raises ValueError for a run that has none."""
+    left = record.companions
+    if left is None:
+        raise ValueError("a run without companions has no record of one")
+    choice, count = record.assembly.choice, int(left.counts[companion])
+    if count == choice.outputs_every:
+        return dataclasses.replace(record, steps=left.steps, source=left.rows[:, :, companion], kept=left.kept, companions=None)
+    size = choice.step * choice.outputs_every / count
+    state = record.assembly.state.copy()
+    state[record.assembly.layout["step"]] = size
+    own = dataclasses.replace(choice, step=size, outputs_every=count)
+    assembly = dataclasses.replace(record.assembly, choice=own, state=state)
+    steps = left.steps // choice.outputs_every * count
+    return dataclasses.replace(record, assembly=assembly, steps=steps, source=left.rows[:, :, companion], kept=left.kept, companions=None)

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 SAFETY = 0.9
 CONTACT_STEPS = 80  # steps in half a period of the stiffest contact, where nobody looks whether they are enough
-FIRST_CONTACT_STEPS = 20  # where companions do: with them a search for the step begins
+FIRST_CONTACT_STEPS = 20  # where companions do: a search for the step begins with half of what they allow, and with a companion of twice that
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
 LONGEST_STEP = 2.0  # of the length of a run
 COARSE_STEPS = (1500, 500, 250)  # steps a turn below which ideal joints are corrected once more
@@ -130,7 +130,7 @@ def chosen(
         for name, allowed in prescribed_limits(told(), RESOLVED, TURN_STEPS):
             largest, culprit = min((largest, culprit), (allowed, name))
         chunk = turn or length / max(1, round(length / (turn or length)))
-        every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12)))
+        every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12))) * (2 if contact_steps == FIRST_CONTACT_STEPS else 1)
         size = chunk / (per * every)
     else:
         size = float(wanted)

@@ -213,7 +213,7 @@ def steps(found: Mapping[str, Any], long: bool = False) -> list[str]:
     step = found["step"]
     endless = step["stable"] == float("inf")
     how = (
-        f"chosen; set by {step['set_by']}" + ("; a run halves it while its companions disagree" if step["searched"] else "")
+        f"chosen; set by {step['set_by']}" + ("; a run halves it while runs with other step sizes disagree" if step["searched"] else "")
         if step["automatic"]
         else "as given"
         if endless
@@ -254,7 +254,7 @@ def cost(found: Mapping[str, Any]) -> list[str]:
     """What it costs, in words."""
     cost = found["estimate"]
     pace, compiling = f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop", span(cost["compile_seconds"])
-    again = f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved three times" if found["step"]["searched"] else ""
+    again = f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved twice" if found["step"]["searched"] else ""
     again += "; half and a quarter of the step with it, for the errors" if found["repeated"] else ""
     lines = [
         f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){again},",

@@ -19,7 +19,7 @@ PACKED = 0.5  # of the outputs' bytes, in the run file
 STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4  # s, and for each line of the step, once for all models of the same topology
 STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
 BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
-MOST_TRIES = 15.0  # times the steps of the first try, where an automatic step is halved three times
+MOST_TRIES = 7.0  # times the steps of the first try, where an automatic step is halved twice
 REFINED = 7.0  # times the steps of a smooth run that is repeated with half and with a quarter of its step
 MESHED = 4.5  # times the time of a static analysis that is repeated with twice the elements; 3 to 4.5 in the examples
 

@@ -48,7 +48,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and
 StartFrom = Annotated[
     Path | None, typer.Option("--start-from", metavar="RUN", help="A new run from where a former one ended (its folder or file), by its clock.")
 ]
-BESIDE = "Runs with displaced steps beside it, 0 to 7, or auto: their range tells how far it can be trusted."
+BESIDE = "Repeat a run with contact with N other step sizes, 0 to 7, to estimate its error; auto: 3."
 Companions = Annotated[str | None, typer.Option(metavar="N", help=BESIDE, show_default=MODELS)]
 Force = Annotated[bool, typer.Option("--force", help="Replace the run that is in the folder.")]
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the memory or the disk.")]

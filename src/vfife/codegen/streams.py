@@ -53,7 +53,7 @@ class Stream:
 
     def __init__(
         self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers, limited: Integers, tables: int,
-        parts: int = PARTS,
+        parts: int = PARTS, look: int = LOOK,
     ) -> None:  # fmt: skip
         self.layout, self.lanes, self.handed, self.room = Layout(topology), lanes, handed, room
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
@@ -68,7 +68,7 @@ class Stream:
         memory = Memory(self.S, self.spare, self.T, parts, self.shares, handed, self.extremes, limited, self.limits, self.broken)
         self.memory = memory, sound  # what machine code has the addresses of
         self.code = straight_line(topology, lanes) if loop == "generated" else None
-        self.take = None if self.code is None else self.code.streaming(memory, sound, self.due, self.every, self.at, self.stop, self.out, LOOK)
+        self.take = None if self.code is None else self.code.streaming(memory, sound, self.due, self.every, self.at, self.stop, self.out, look)
         self.alone = (
             None if loop == "generated" else Runner(topology, np.zeros((self.layout.rows, 1)), np.zeros((1, tables)), loop, handed, parts=parts)
         )

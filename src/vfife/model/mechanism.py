@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 StartMode = Literal["consistent", "rough"]
 STATIC = ("static",)
-MOST_COMPANIONS = 7  # with the run itself they fill the widest vector register
+MOST_COMPANIONS = 7  # with the run itself they fill the widest vectors that steps are compiled for
 Journals = Literal["centred", "seated"]
 
 
@@ -62,7 +62,7 @@ class Settings:
     """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
 
     ``settle``: the run ends as soon as turns repeat within that share of their largest values, after ``turns`` at the latest.
-    ``companions`` are runs beside it whose steps are displaced: their range tells how far a run with contact can be trusted, and an automatic
+    ``companions`` repeat a run with contact with other step sizes: ranges estimate the error of the step from their results, and an automatic
     step is halved until the largest values of a turn agree within ``tolerance``.
 
     A static ``analysis`` finds equilibrium under each of the ``load_factors``, which take the place of time in loads and drivers: unbalanced force
@@ -85,9 +85,13 @@ class Settings:
         Whole(1, 64), "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it is, as in the paper", 8
     )
     companions: int | Literal["auto"] = described(
-        Whole(0, MOST_COMPANIONS, words=("auto",)), 'runs with displaced steps beside it, or "auto" for as many as cost nothing; 0 for none', "auto"
+        Whole(0, MOST_COMPANIONS, words=("auto",)),
+        'runs with other step sizes, which estimate the error of a run with contact; "auto" for three, 0 for none',
+        "auto",
     )
-    tolerance: float = quantity("1", "range over the companions at which an automatic step is fine enough", 0.005, above=0.0, high=1.0)
+    tolerance: float = quantity(
+        "1", "range of the largest values over run and companions at which an automatic step is fine enough", 0.005, above=0.0, high=1.0
+    )
     energy_limit: float = quantity(
         "1", "share of the largest energy by which the ledger may be open; a run in which it is more is stopped", 0.1, above=0.0
     )

@@ -1,4 +1,4 @@
-"""How far a run can be trusted, in numbers and in sentences: the range over its companions, and how its step was found."""
+"""How far a run can be trusted, in numbers and in sentences: the error that runs with other step sizes estimate, and how its step was found."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ UNITS = {
 def trusted(result: View) -> dict[str, Any]:
     """What stands under ``trust`` in a summary.
 
-    ``companions``; ``sensitive``; the ``measure`` that is known worst, ``apart`` (1) and its ``low`` and ``high``; where they part, ``time`` (s)
+    ``companions``; ``sensitive``; the ``measure`` that is known worst, how far its values at all step sizes lie ``apart`` (1),
+    ``low`` and ``high`` of the range that estimates its error; where the runs diverge, ``time`` (s)
     and ``joint``; how many are ``lost``; ``tolerance`` (1) and the steps that were ``tried``. A smooth run has no
     companions, and ``order`` beside the error ``apart``. Empty for a run that nobody looked at.
     """
@@ -64,7 +65,7 @@ def verdict(told: dict[str, Any]) -> str:
         )
     if found["lost"]:
         return (
-            f"This run is sensitive: of its {found['companions']} companions, whose steps are displaced, {found['lost']} left all bounds. "
+            f"This run is sensitive: of {found['companions']} runs with other step sizes {found['lost']} left all bounds. "
             "Take a smaller step, and trust no single number."
         )
     if sentence := stray(told):
@@ -72,15 +73,15 @@ def verdict(told: dict[str, Any]) -> str:
     name, value = found["measure"], told["measures"][found["measure"]]
     low, high = (100.0 * (found[key] / value - 1.0) for key in ("low", "high"))
     unit = next(unit for kind, unit in UNITS.items() if name.endswith(kind))
-    where = f" They part at {found['time']:.6g} s in joint {found['joint']}." if found["time"] is not None else ""
+    where = f" The runs diverge at {found['time']:.6g} s (joint {found['joint']})." if found["time"] is not None else ""
     width = found["high"] - found["low"]
     bounds = f"{amount(found['low'], '', width).rstrip()} and {amount(found['high'], unit, width)}"
     searched = ""
     if sum(one["apart"] is not None for one in found["tried"]) == HALVINGS:
-        searched = f" Halving the step {HALVINGS} times did not bring them together: tell the range, not the number."
+        searched = f" Halving the step {HALVINGS} times did not bring them together. Quote the range, not the number."
     return (
         f"This run is sensitive: {name} lies between {bounds} ({low:+.2g} to {high:+.2g} % of this run) "
-        f"with the steps of {found['companions']} companions.{where}{searched}"
+        f"by runs with {found['companions'] + 1} step sizes.{where}{searched}"
     )
 
 
@@ -110,7 +111,7 @@ def lines(told: dict[str, Any]) -> Iterable[str]:
             yield "ranges are those of the step; the error of the mesh of elastic bodies is not estimated"
     elif found["measure"]:
         within = f"{100.0 * found['apart']:.2g} % at {found['measure']}"
-        yield f"{found['companions']} companions with displaced steps agree within {within}" + (
+        yield f"{found['companions'] + 1} runs with other step sizes agree within {within}" + (
             f": sensitive (beyond {100.0 * SENSITIVE:g} %)" if found["sensitive"] else ""
         )
     if found["tried"]:

@@ -1,4 +1,7 @@
-"""What a run file keeps of the companions of a run: their displacements and names of rows in its meta, the rows of the last turn beside it."""
+"""What a run file keeps of the companions of a run: their step counts and names of rows in its meta, the rows of the last turn beside it.
+
+Version 0.2 kept ``shifts`` in place of ``counts``: its companions had the step of the run, and first steps of other sizes.
+"""
 
 from __future__ import annotations
 
@@ -9,20 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..errors import RunFileError
-from ..solvers.companions import Beside, Companions, Parting, measured_rows, oldest_needed
+from ..errors import ResumeError, RunFileError
+from ..solvers.companions import Beside, Companions, Parting, companion_rows, oldest_needed
 from ..solvers.record import Record
 from ..solvers.repeating import outputs_of_a_turn
 from .provenance import named_rows, rows_named
 from .runfile import RunFile
 
 
-def kept_companions(assembly: Assembly, shifts: NDArray[np.float64], earlier: Mapping[str, tuple[float, float]]) -> dict[str, Any]:
+def kept_companions(assembly: Assembly, counts: NDArray[np.int64], earlier: Mapping[str, tuple[float, float]]) -> dict[str, Any]:
     """The entry of a run file's meta; nothing without companions."""
-    if not len(shifts):
+    if not len(counts):
         return {}
-    kept = named_rows(assembly, measured_rows(assembly))
-    return {"companions": {"shifts": [float(one) for one in shifts], "kept": kept, "earlier": dict(earlier)}}
+    kept = named_rows(assembly, companion_rows(assembly))
+    return {"companions": {"counts": [int(one) for one in counts], "kept": kept, "earlier": dict(earlier)}}
 
 
 def beside(record: Record) -> Beside | None:
@@ -41,14 +44,30 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     if kept is None or meta is None:
         return None
     (told, steps, rows), where = kept, str(file.path)
-    shifts, names = np.array(meta["shifts"], dtype=float), rows_named(record.assembly, meta["kept"], where)
-    if rows.shape[1] != len(names) * len(shifts):
-        raise RunFileError(f"{where}: {rows.shape[1]} numbers are kept of {len(shifts)} companions with {len(names)} each; run the model again")
+    counts, names = counts_of(meta, record.assembly), rows_named(record.assembly, meta["kept"], where)
+    if rows.shape[1] != len(names) * len(counts):
+        raise RunFileError(f"{where}: {rows.shape[1]} numbers are kept of {len(counts)} companions with {len(names)} each; run the model again")
     parting = None if told["parting"] is None else Parting(float(told["parting"][0]), str(told["parting"][1]))
     window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
-    rows = rows.reshape(len(rows), len(names), len(shifts))[window]
+    rows = rows.reshape(len(rows), len(names), len(counts))[window]
     earlier = {name: (float(low), float(high)) for name, (low, high) in meta["earlier"].items()}
     turns, outputs = file.turns(), outputs_of_a_turn(record.assembly)
     some = 0 if outputs is None else (len(record.steps) - 1) // outputs
     whole = turns[:some] if turns.shape[1:] == rows.shape[1:] and len(turns) >= some else turns[:0]
-    return Companions(shifts, names, steps[window], rows, parting, tuple(told["lost"]), earlier, whole)
+    return Companions(counts, names, steps[window], rows, parting, tuple(told["lost"]), earlier, whole)
+
+
+def refuse_displaced(meta: Mapping[str, Any], where: str) -> None:
+    """Raise ResumeError for a run of version 0.2 whose companions had the step of the run and displaced first steps: they are no longer stepped."""
+    if "shifts" in meta.get("companions", {}):
+        raise ResumeError(
+            f"{where}: version 0.2 wrote this run, with companions of the same step, which are no longer made; its results stay readable; "
+            "start a new run from its end (--start-from), or run the model again"
+        )
+
+
+def counts_of(meta: Mapping[str, Any], assembly: Assembly) -> NDArray[np.int64]:
+    """Steps of each companion between two outputs, from the entry of a file's meta."""
+    if "counts" in meta:
+        return np.array(meta["counts"], dtype=np.int64)
+    return np.full(len(meta.get("shifts", ())), assembly.choice.outputs_every, dtype=np.int64)

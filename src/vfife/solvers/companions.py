@@ -1,13 +1,14 @@
-"""Companions of a run: the same motion with displaced steps, in the lanes beside it.
+"""Companions of a run: the same motion with other step sizes, in the lanes beside it.
 
-The first step of companion k is k/(n + 1) of a step, with n companions; all else is the same, so onsets of contact and reversals of friction fall
-elsewhere in their steps. Where a result is decided by the motion, all agree; where it is decided by the steps, they part. Of a companion only what
-measures and figures need is kept: extremes, counts, losses, moments and angular accelerations at the outputs of the last turn, and
-one row for each turn before.
+A run with contact is repeated with steps of about 1.4, 1.7 and 2 times its own; all else is the same. Each companion makes a whole number of steps
+between two outputs, so that all have the same outputs. How the results change with the step shows how far the step decides them: runs that share
+one step agree on its error. Of a companion only what measures and figures need is kept: extremes, counts, losses, moments and angular
+accelerations at the outputs of the last turn, and one row for each turn before.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,20 +17,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly
-from ..codegen.native import widest
-from ..model.mechanism import MOST_COMPANIONS
+from ..assembly.assembled import Assembly, StepChoice
+from ..assembly.timestep import SAFETY
 from .record import places
 from .repeating import outputs_of_a_turn
 from .turnrows import TurnRows
 
 Array = NDArray[np.float64]
+Counts = NDArray[np.int64]
 
+DEFAULT = 3  # companions of a run with contact on every machine: with the run itself they fill a vector of four numbers
+SMALLEST_RATIO, LARGEST_RATIO = 1.4, 2.0  # between the steps of companions and that of the run; others are spread evenly between them
 SENSITIVE = 0.01  # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
 SAMPLED = (
     "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_fastest",
     "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work", "contact_friction_power", "wear_work",
 )  # fmt: skip
+
+
+DRIVING = ("driven_work", "driven_power", "particle_theta")  # what means of powers and torques take beside it
 
 
 @dataclass(frozen=True)
@@ -45,11 +51,12 @@ class Companions:
     """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last turn and the output before it.
 
     ``turns`` has one row for each whole turn, shape (turns, kept, companions): the largest of extremes, the last of all else; without any where
-    turns cannot be told. ``shifts`` (1) are their first steps as parts of a step: step n of companion k is at time (n + shifts[k]) dt. ``lost``
-    are those whose numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice the step that was given up.
+    turns cannot be told. ``counts`` are the steps that each makes between two outputs; those of a version that displaced its companions have the
+    step of the run. ``lost`` are those whose numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice
+    the step that was given up.
     """
 
-    shifts: Array
+    counts: Counts
     kept: NDArray[np.uint32]
     steps: NDArray[np.int64]
     rows: Array
@@ -65,24 +72,36 @@ class Companions:
 
 
 def number(assembly: Assembly, loop: str, wanted: int | str) -> int:
-    """Companions of a run: as many as are wanted; "auto" fills the lanes of a straight line wherever there is contact."""
+    """Companions of a run: as many as are wanted; "auto" is three in straight-line code wherever there is contact, on every machine."""
     if assembly.mechanism.settings.analysis == "static" or not assembly.contacts:
         return 0
     if wanted == "auto":
-        return min(widest() - 1, MOST_COMPANIONS) if loop == "generated" else 0
+        return DEFAULT if loop == "generated" else 0
     return int(wanted)
 
 
-def displacements(count: int) -> Array:
-    """First steps of so many companions as parts of a step."""
-    return np.arange(1, count + 1) / (count + 1)
+def step_counts(choice: StepChoice, companions: int) -> Counts:
+    """Steps between two outputs of companions, the smallest step first.
 
-
-def lanes(count: int, loop: str) -> Array:
-    """First steps of all lanes, 0 that of the run itself; vectors hold 1, 2, 4 or 8 numbers, and what is left of them repeats the run."""
-    shifts = np.zeros(count + 1 if loop != "generated" else 1 << count.bit_length())
-    shifts[1 : count + 1] = displacements(count)
-    return shifts
+    They are spread from 1.4 to 2 times the step of the run; a single one has twice the step. None has a step larger than the stable one allows, and
+    no two have the same. Where an interval has too few steps for that, or the run's step is near the stable one, companions take smaller steps
+    than the run instead, by the same ratios.
+    """
+    every = choice.outputs_every
+    largest = SAFETY * choice.stable
+    least = max(-(-every // 2), math.ceil(every * choice.step / largest * (1.0 - 1e-12)) if math.isfinite(largest) else 1)
+    found: list[int] = []
+    for ratio in np.linspace(LARGEST_RATIO, SMALLEST_RATIO, companions).tolist():
+        near = min(max(round(every / ratio), least), every - 1)
+        coarser = [n for n in range(max(least, near - companions), min(every, near + companions + 1)) if n not in found]
+        if coarser:
+            found.append(min(coarser, key=lambda n: abs(n - every / ratio)))
+            continue
+        finer = max(every + 1, round(every * ratio))
+        while finer in found:
+            finer += 1
+        found.append(finer)
+    return np.array(sorted(found, reverse=True), dtype=np.int64)
 
 
 def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
@@ -90,6 +109,12 @@ def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
     layout = assembly.layout
     sampled = [row for name in SAMPLED for row in layout.rows_of(name).tolist()]
     return np.array([*layout.of("extreme"), *sampled], dtype=np.uint32)
+
+
+def companion_rows(assembly: Assembly) -> NDArray[np.uint32]:
+    """Rows of S that are kept of companions."""
+    driving = [row for name in DRIVING for row in assembly.layout.rows_of(name).tolist()]
+    return np.unique(np.concatenate([measured_rows(assembly), np.array(driving, dtype=np.uint32)])).astype(np.uint32)
 
 
 @dataclass(frozen=True)
@@ -112,12 +137,12 @@ class Gathering:
 
     assembly: Assembly
     recorded: NDArray[np.uint32]
-    shifts: Array  # of the companions, without the run itself
+    counts: Counts  # steps between two outputs of the companions, without the run itself
     parting: Parting | None = None
     lost: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        self.kept = measured_rows(self.assembly)
+        self.kept = companion_rows(self.assembly)
         self.columns = places(self.recorded, self.kept)
         self.watch = Watch(self.assembly, self.recorded)
         self.parts: deque[tuple[NDArray[np.int64], Array]] = deque()
@@ -125,7 +150,7 @@ class Gathering:
 
     def take(self, steps: NDArray[np.int64], rows: Array) -> Beside:
         """Outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
-        count = len(self.shifts)
+        count = len(self.counts)
         part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
         self.lost |= set(np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist())  # what is not finite stays so
         if self.parting is None:
@@ -134,7 +159,7 @@ class Gathering:
         oldest = self.oldest(int(steps[-1])) if len(steps) else 0
         while len(self.parts) > 1 and len(self.parts[0][0]) and self.parts[0][0][-1] < oldest:
             self.parts.popleft()
-        told = Companions(self.shifts, self.kept, steps, part, self.parting, tuple(sorted(self.lost))).told
+        told = Companions(self.counts, self.kept, steps, part, self.parting, tuple(sorted(self.lost))).told
         if self.turnly is None:
             return Beside(part, told, oldest)
         ended = self.turnly.take(part[1:] if len(steps) and steps[0] == 0 else part)
@@ -146,7 +171,7 @@ class Gathering:
     def remembered(self) -> dict[str, Any]:
         """What a checkpoint keeps of this, beside the rows that a file has."""
         watch = self.watch
-        told = Companions(self.shifts, self.kept, watch.steps, self.shifts, self.parting, tuple(sorted(self.lost))).told
+        told = Companions(self.counts, self.kept, watch.steps, np.zeros(0), self.parting, tuple(sorted(self.lost))).told
         told |= {"turn": None if self.turnly is None else self.turnly.remembered}
         if watch.forces is None or watch.largest is None:
             return {**told, "watch": None}
@@ -158,18 +183,18 @@ class Gathering:
         self.parting, self.lost = None if parting is None else Parting(float(parting[0]), str(parting[1])), set(remembered["lost"])
         if remembered["watch"] is not None and remembered["watch"][0]:
             steps, forces, largest = remembered["watch"]
-            count = len(self.shifts) + 1
+            count = len(self.counts) + 1
             self.watch.steps = np.array(steps, dtype=np.int64)
             self.watch.forces = np.array(forces, dtype=float).reshape(count, len(steps), -1)
             self.watch.largest = np.array(largest, dtype=float)
         if kept is not None:
             _, steps, rows = kept
-            self.parts = deque([(steps, rows.reshape(len(rows), len(self.kept), len(self.shifts)))])
+            self.parts = deque([(steps, rows.reshape(len(rows), len(self.kept), len(self.counts)))])
         if self.turnly is not None:
             if remembered.get("turn") is None:  # of a version that kept none
                 self.turnly = None
             else:
-                self.turnly.restore(remembered["turn"], list(turns.reshape(len(turns), len(self.kept), len(self.shifts))))
+                self.turnly.restore(remembered["turn"], list(turns.reshape(len(turns), len(self.kept), len(self.counts))))
 
     def oldest(self, last: int) -> int:
         """The output before the turn that ends with a step."""
@@ -180,9 +205,9 @@ class Gathering:
         steps = np.concatenate([steps for steps, _ in self.parts])
         rows = np.concatenate([rows for _, rows in self.parts])
         window = (steps >= self.oldest(last)) & (steps <= last)
-        found = Companions(self.shifts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost)))
+        found = Companions(self.counts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost)))
         if self.turnly is not None:
-            found.turns = self.turnly.array(len(self.shifts), last // self.assembly.choice.outputs_every)
+            found.turns = self.turnly.array(len(self.counts), last // self.assembly.choice.outputs_every)
         return found
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..codegen.runner import Runner
+from .synchronised import Stepper
 
 SECONDS = 0.25  # of one call, between two looks at signals, the clock and the progress line
 FIRST = 16  # steps of the first call, when nobody knows how long one lasts
@@ -22,7 +22,7 @@ class Pace:
     def __init__(self, look: Callable[[], None] | None = None, first: int = FIRST) -> None:
         self.look, self.room, self.seconds = look, first, 0.0
 
-    def call(self, runner: Runner, count: int, outputs: int = 1, *, anew: bool = True, record: bool = True) -> NDArray[np.float64]:
+    def call(self, runner: Stepper, count: int, outputs: int = 1, *, anew: bool = True, record: bool = True) -> NDArray[np.float64]:
         """One call of the loop, timed; see :meth:`~vfife.codegen.runner.Runner.advance`."""
         began = time.perf_counter()
         rows = runner.advance(count, outputs, anew=anew, record=record)
@@ -34,7 +34,7 @@ class Pace:
             self.look()
         return rows
 
-    def advance(self, runner: Runner, count: int, outputs: int) -> NDArray[np.float64]:
+    def advance(self, runner: Stepper, count: int, outputs: int) -> NDArray[np.float64]:
         """``outputs`` times ``count`` steps, in as many calls as it takes; the same rows as in one."""
         parts = []
         done = 0

@@ -15,13 +15,14 @@ from ..codegen.runner import Runner
 from ..codegen.straight_line import about
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
-from .companions import Gathering, lanes
+from .companions import Gathering, step_counts
 from .halt import Halt
 from .pace import FIRST, QUICK, Pace
 from .progress import Progress
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
 from .repeating import Settling
 from .status import Status
+from .synchronised import SeparateLanes, Stepper, SynchronisedLanes
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are
@@ -80,17 +81,14 @@ class Stepping:
     def __init__(self, assembly: Assembly, loop: str, companions: int, file: Writer | None, halt: Halt, judge: Judge | None) -> None:
         self.assembly, self.loop, self.file, self.halt, self.judge = assembly, loop, file, halt, judge
         self.kept, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
-        first = lanes(companions, loop)
-        states, tables = np.repeat(assembly.state[:, None], len(first), axis=1), np.repeat(assembly.tables[None, :], len(first), axis=0)
-        self.bounds, alone = Bounds(assembly, self.kept), np.arange(len(first)) == 0  # companions may leave them
-        self.runner = Runner(
-            assembly.topology, states, tables, loop, self.kept, parts=assembly.mechanism.settings.parts, shares=first,
-            watched=watched([assembly] * len(first), alone),
-        )  # fmt: skip
-        self.before = self.runner.S.copy()
-        self.own = companions + 1  # lanes that are not mere repetitions
-        self.gathering = Gathering(assembly, self.kept, first[1 : self.own]) if companions else None
-        self.most = max(1, CHUNK_BYTES // (8 * len(self.kept) * len(first)))
+        self.own = companions + 1
+        self.most = max(1, CHUNK_BYTES // (8 * len(self.kept) * self.own))
+        self.bounds = Bounds(assembly, self.kept)
+        counts = step_counts(assembly.choice, companions)
+        self.runner = self._stepper(np.array([assembly.choice.outputs_every, *counts]))
+        self.before = self.runner.states[:, 0].copy()
+        self.gathering = Gathering(assembly, self.kept, counts) if companions else None
+        states = self.runner.states
         self.pace = Pace(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
         self.parts: list[Rows] = []
         self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
@@ -100,6 +98,21 @@ class Stepping:
         self.judged, self.open = time.monotonic(), False
         settle = assembly.mechanism.settings.settle
         self.settling = None if settle is None else Settling(assembly, self.kept, settle)
+
+    def _stepper(self, counts: NDArray[np.int64]) -> Stepper:
+        """What steps the run, alone or with companions that make so many steps between two outputs."""
+        if len(counts) == 1:
+            return self._alone()
+        if self.loop == "generated":
+            return SynchronisedLanes(self.assembly, counts, self.kept, self.most)
+        return SeparateLanes(self.assembly, counts, self.kept, self.loop)
+
+    def _alone(self) -> Runner:
+        """The run by itself."""
+        return Runner(
+            self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop, self.kept,
+            parts=self.assembly.mechanism.settings.parts, watched=watched([self.assembly], np.ones(1, dtype=bool)),
+        )  # fmt: skip
 
     # ---------------------------------------------------------------------------------------------------------- begin
 
@@ -116,8 +129,7 @@ class Stepping:
         values = resume.values.reshape(len(self.lasting), -1)
         if values.shape[1] != self.own:
             raise ValueError(f"the checkpoint has {values.shape[1]} lanes and the run {self.own}; start a new run --start-from it")
-        states = self.runner.states
-        states[self.lasting] = values[:, [lane if lane < self.own else 0 for lane in range(states.shape[1])]]
+        self.runner.states[self.lasting] = values
         self.runner.done, self.done, self.kept_at = resume.step + 1, resume.step, resume.step
         self.earlier = float(resume.more.get("wall", 0.0))
         if self.file is not None and self.judge is not None:
@@ -133,7 +145,7 @@ class Stepping:
         """Chunk by chunk; each is whole before a signal is heard."""
         choice = self.assembly.choice
         while not self.ended:
-            before, self.before[:] = self.runner.done, self.runner.S
+            before, self.before[:] = self.runner.done, self.runner.states[:, 0]
             self.whole = False
             sound = self._chunk()
             self.whole = True
@@ -180,7 +192,7 @@ class Stepping:
 
     def _keep(self, first: int, every: Rows) -> bool:
         """Keeps the sound ones of some outputs, from that of step ``first`` on, with a checkpoint where all are."""
-        rows = np.ascontiguousarray(every[:, :, 0])
+        rows = np.array(every[:, :, 0], order="C")  # a copy: what companions leave is not kept with it
         broken = self.bounds.unsound(rows).any(axis=1)
         if self.runner.broken[0] > 0.0:
             broken |= first + np.arange(len(rows)) * self.assembly.choice.outputs_every >= self.runner.broken[0] - 1
@@ -216,7 +228,7 @@ class Stepping:
 
     def _checkpoint(self) -> Checkpoint:
         more = {"wall": self.wall} | ({} if self.gathering is None else {"companions": self.gathering.remembered})
-        return Checkpoint(self.done, self.runner.states[self.lasting, : self.own], more)
+        return Checkpoint(self.done, self.runner.states[self.lasting], more)
 
     def checkpoint(self) -> None:
         """Keeps the present state."""
@@ -238,8 +250,8 @@ class Stepping:
 
     def _replayed(self, done: int) -> Burst | None:
         """Where the first number left all bounds: the last call again from the state before it, looked at after every step."""
-        runner, count = self.runner, self.runner.done - done
-        runner.S[:], runner.done, runner.look, runner.broken[0] = self.before, done, 1, 0.0
+        runner, count = self._alone(), self.runner.done - done
+        runner.states[:, 0], runner.done, runner.look = self.before, done, 1
         runner.advance(count, 1, anew=False, record=False)
         if runner.broken[0] == 0.0:
             return None
