@@ -11,6 +11,7 @@ import pytest
 import vfife
 from support import four_bar
 from vfife.analysis.trust import trust
+from vfife.errors import ResumeError
 from vfife.result import Result
 from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
@@ -63,6 +64,25 @@ def test_an_interrupted_run_has_ranges(tmp_path: Path, monkeypatch: pytest.Monke
     assert killed.record.status == "unfinished"
     same(written, killed)
     assert any(one.width > 0.0 for one in killed.measures.values())
+
+
+def test_a_run_of_version_0_2_is_read_and_not_resumed(result: Result, tmp_path: Path) -> None:
+    """Its companions had the step of the run and displaced first steps: ranges are those of their values, as they were then."""
+    path = tmp_path / "run.sqlite"
+    result.save(path)
+    with RunFile.write(path) as file:
+        told = dict(file.meta["companions"])
+        del told["counts"]
+        file.put({"companions": {**told, "shifts": [0.25, 0.5, 0.75]}})
+    again = Result.load(path)
+    left = again.record.companions
+    assert left is not None and left.counts.tolist() == 3 * [again.record.assembly.choice.outputs_every]
+    now, then = result.measures["C.force.max"], again.measures["C.force.max"]
+    assert then.value == now.value and now.low < then.low <= then.value <= then.high < now.high
+    before = path.read_bytes()
+    with pytest.raises(ResumeError, match=r"version 0\.2 wrote this run, with companions of the same step"):
+        vfife.resume(path, until=0.1)
+    assert path.read_bytes() == before
 
 
 def test_chunks_that_nobody_needs_are_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

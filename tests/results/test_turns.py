@@ -13,9 +13,9 @@ from rich.console import Console
 
 import vfife
 from support import TURN, four_bar, journal_in_bearing
+from vfife.analysis.convergence import SCATTER, error_range
 from vfife.analysis.measured import Measured
 from vfife.analysis.measures import measures
-from vfife.analysis.convergence import SCATTER, error_range
 from vfife.analysis.ranges import over_turns
 from vfife.errors import ModelError, VfifeError
 from vfife.report.digits import amount, decimals, measured, percent, plain, prefixed

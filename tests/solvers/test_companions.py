@@ -16,8 +16,10 @@ import vfife
 from support import TURN, four_bar, journal_in_bearing
 from support import lanes as beside
 from vfife.analysis.measured import Measured
+from vfife.analysis.measures import measures
 from vfife.analysis.ranges import band, companion_records, own_ranges, ranged
 from vfife.analysis.trust import trust
+from vfife.analysis.turns import record_of_companion
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import StepChoice
 from vfife.errors import ModelError
@@ -92,7 +94,8 @@ def test_no_companion_has_an_unstable_step() -> None:
 def test_a_companion_is_a_run_with_its_step(loop: str, step: float) -> None:
     """Each has the bits of a run by itself with the same step and outputs; at 12.5 us they are finer than the run."""
     assembly = assemble(four_bar("BCD"), step, duration=0.2 * TURN, outputs=200, force_step=True)
-    left = run(assembly, companions=3, loop=loop).companions  # type: ignore[arg-type]
+    record = run(assembly, companions=3, loop=loop)  # type: ignore[arg-type]
+    left = record.companions
     assert left is not None
     for k, count in enumerate(left.counts.tolist()):
         state = assembly.state.copy()
@@ -102,6 +105,8 @@ def test_a_companion_is_a_run_with_its_step(loop: str, step: float) -> None:
         alone = run(dataclasses.replace(assembly, choice=own, state=state), loop=loop)  # type: ignore[arg-type]
         columns = [int(np.flatnonzero(alone.kept == row)[0]) for row in left.kept]
         assert np.array_equal(left.rows[:, :, k], alone.rows[:, columns])
+        own, found = measures(alone), measures(record_of_companion(record, k))
+        assert len(found) > 40 and {name: own[name] for name in found} == found
 
 
 def test_calls_of_any_length_give_the_same_bits() -> None:
