@@ -8,7 +8,7 @@ from statistics import fmean
 from types import MappingProxyType
 
 from ..analysis.measures import OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
-from ..analysis.ranges import ranged
+from ..analysis.ranges import over_tries, ranged
 from ..analysis.wanted import BY_TURN, INFLUENCE
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
@@ -208,7 +208,8 @@ def _measured(record: Record, every: tuple[Measure, ...], reference: Reference) 
 
 def doubtful(result: Result, names: Mapping[str, float], every: tuple[Measure, ...]) -> frozenset[str]:
     """Measures whose companions lie apart by more than a run may that is not sensitive: their derivatives mean nothing."""
-    found = ranged(result.record, None if result.reference is None else result.reference.measures, every)
+    ideal = None if result.reference is None else result.reference.measures
+    found = (ranged if result.record.companions is None else over_tries)(result.record, ideal, every)
     return frozenset(
         name for name in names if name in found and found[name].high - found[name].low > SENSITIVE * max(abs(found[name].value), 1e-300)
     )
