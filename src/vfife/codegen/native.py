@@ -114,11 +114,12 @@ def _apart(code: bytes) -> list[bytes]:
     return found
 
 
-def optimised_code(text: str) -> bytes:
+def optimised_code(text: str, wide: bool = False) -> bytes:
     """Object code of a text with loops and calls: these are written out, what does not change is kept in registers. Nothing of it changes a bit.
 
-    Its loops have a few turns each, over joints or rows of a profile. They stay loops: unrolled, they take twice as long to compile, and ideal
-    joints take a twelfth longer to step.
+    Loops of a step have a few turns each, over joints or rows of a profile. They stay loops: unrolled, they take twice as long to compile, and
+    ideal joints take a twelfth longer to step. In ``wide`` texts, loops over rows of matrices, turns that do not wait for each other are taken
+    several at a time; sums keep their order, because nothing allows LLVM to change it.
     """
     with WRITING:
         llvm = _target()
@@ -126,7 +127,8 @@ def optimised_code(text: str) -> bytes:
         module.verify()
         code = machine(OPTIMISED)
         options = llvm.create_pipeline_tuning_options(speed_level=3)
-        options.loop_unrolling = options.loop_vectorization = options.loop_interleaving = False
+        options.loop_unrolling = options.loop_interleaving = False
+        options.loop_vectorization = wide
         passes = llvm.create_pass_builder(code, options)
         passes.getModulePassManager().run(module, passes)
         emitted: bytes = code.emit_object(module)

@@ -49,12 +49,18 @@ class Module:
 
 def compiled_text(text: str, name: str, kinds: list[Kind]) -> str:
     """LLVM's text of a function, called ``entry``, which returns nothing, and of all that it calls."""
-    module = Module(text)
-    symbol, _ = module.function(name, tuple(kinds))
-    places = [f"{one} {'noalias ' if one == 'ptr' else ''}%a{k}" for k, one in enumerate(one for kind in kinds for one in types_of(kind))]
-    names = ", ".join(place.replace(" noalias", "") for place in places)
-    entry = f"define void @entry({', '.join(places)}) {{\n  call void @{symbol}({names})\n  ret void\n}}\n"
-    return "\n".join([DECLARED, *module.texts, entry])
+    return library_text(text, {"entry": (name, kinds)})
+
+
+def library_text(text: str, entries: dict[str, tuple[str, list[Kind]]]) -> str:
+    """LLVM's text of several functions that return nothing, and of all that they call; by the names that they are called by from outside."""
+    module, calls = Module(text), []
+    for entry, (name, kinds) in entries.items():
+        symbol, _ = module.function(name, tuple(kinds))
+        places = [f"{one} {'noalias ' if one == 'ptr' else ''}%a{k}" for k, one in enumerate(one for kind in kinds for one in types_of(kind))]
+        names = ", ".join(place.replace(" noalias", "") for place in places)
+        calls.append(f"define void @{entry}({', '.join(places)}) {{\n  call void @{symbol}({names})\n  ret void\n}}\n")
+    return "\n".join([DECLARED, *module.texts, *calls])
 
 
 class Function(Expressions):

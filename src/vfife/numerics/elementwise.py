@@ -1,0 +1,172 @@
+"""Elementary functions of a number, of each number of an array, or of each member's, with the same bits whatever stands beside a number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import scalar
+from .library import call
+
+Array = NDArray[np.float64]
+
+
+def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...], type]:
+    """Values as flat arrays of one length, their common shape, and the class that a result has."""
+    kind = next(
+        (type(one) for one in values if isinstance(one, np.ndarray) and type(one) is not np.ndarray),
+        np.ndarray,
+    )
+    arrays = [np.asarray(one, dtype=np.float64) for one in values]
+    shape = np.broadcast_shapes(*(one.shape for one in arrays))
+    return (
+        [np.ascontiguousarray(np.broadcast_to(one, shape)).reshape(-1).view(np.ndarray) for one in arrays],
+        shape,
+        kind,
+    )
+
+
+def _plain(values: tuple[Any, ...]) -> bool:
+    """Whether all are single numbers."""
+    return not any(isinstance(one, np.ndarray | list | tuple) and np.ndim(one) for one in values)
+
+
+def _each(
+    function: Callable[..., float], name: str, values: tuple[Any, ...], easy: Callable[..., NDArray[np.bool_]]
+) -> Any:
+    """A function of numbers, or of arrays: by the compiled routine where that is ``easy``, elsewhere number by number."""
+    if _plain(values):
+        return function(*(float(one) for one in values))
+    parts, shape, kind = _parts(values)
+    sound = easy(*parts)
+    found = np.empty(parts[0].shape)
+    if sound.all():
+        call(name, *parts, found)
+    else:
+        some = [np.where(sound, one, 1.0) for one in parts]
+        call(name, *some, found)
+        for k in np.flatnonzero(~sound).tolist():
+            found[k] = function(*(float(one[k]) for one in parts))
+    return found.reshape(shape).view(kind)
+
+
+def sincos(angle: Any) -> tuple[Any, Any]:
+    """Sine and cosine of angles (rad)."""
+    if _plain((angle,)):
+        return scalar.sincos(float(angle))
+    (own,), shape, kind = _parts((angle,))
+    sine, cosine = np.empty(own.shape), np.empty(own.shape)
+    sound = np.abs(own) < scalar.LARGE_ANGLE
+    if sound.all():
+        call("turn_all", own, sine, cosine)
+    else:
+        call("turn_all", np.where(sound, own, 0.0), sine, cosine)
+        for k in np.flatnonzero(~sound).tolist():
+            sine[k], cosine[k] = scalar.sincos(float(own[k]))
+    return sine.reshape(shape).view(kind), cosine.reshape(shape).view(kind)
+
+
+def sin(angle: Any) -> Any:
+    """Sine of angles (rad)."""
+    return sincos(angle)[0]
+
+
+def cos(angle: Any) -> Any:
+    """Cosine of angles (rad)."""
+    return sincos(angle)[1]
+
+
+def tan(angle: Any) -> Any:
+    """Tangent of angles (rad)."""
+    s, c = sincos(angle)
+    return s / c
+
+
+def exp(x: Any) -> Any:
+    """e**x; beyond the largest double infinite in an array, OverflowError for one number."""
+    return _each(scalar.exp, "exponentials", (x,), np.isfinite)
+
+
+def log(x: Any) -> Any:
+    """Natural logarithm; ValueError where there is none."""
+    return _each(scalar.log, "logarithms", (x,), lambda x: (x > 0.0) & (x < np.inf))
+
+
+def log10(x: Any) -> Any:
+    """Logarithm to base 10; ValueError where there is none."""
+    return scalar.log10(float(x)) if _plain((x,)) else log(x) * 0.4342944819032518
+
+
+def power(x: Any, exponent: Any) -> Any:
+    """x**exponent, as :func:`~vfife.numerics.scalar.power` has it."""
+
+    def easy(x: Array, exponent: Array) -> NDArray[np.bool_]:
+        return np.asarray(
+            (x > 0.0)
+            & (x < np.inf)
+            & ~((exponent == np.floor(exponent)) & (np.abs(exponent) <= 16.0))
+            & (exponent != 0.5)
+        )
+
+    if not _plain((x, exponent)) and _plain((exponent,)):
+        whole = float(exponent)
+        if whole == int(whole) and abs(whole) <= 16.0:
+            return whole_power(np.asanyarray(x, dtype=np.float64), int(whole))
+        if whole == 0.5:
+            return np.sqrt(x)
+    return _each(scalar.power, "raise_all", (x, exponent), easy)
+
+
+def whole_power(x: Any, exponent: int) -> Any:
+    """x**exponent for a small whole exponent, by squaring."""
+    return scalar.whole_power(x, exponent)
+
+
+def atan2(y: Any, x: Any) -> Any:
+    """Angles (rad) of directions (x, y), from -pi to pi."""
+    return _each(
+        scalar.atan2, "directions_of", (y, x), lambda y, x: np.isfinite(y) & np.isfinite(x) & (y != 0.0)
+    )
+
+
+def hypot(*sides: Any) -> Any:
+    """Length of vectors, their coordinates one by one."""
+    if _plain(sides):
+        return scalar.hypot(*sides)
+    parts, shape, kind = _parts(sides)
+    with np.errstate(over="ignore", under="ignore"):
+        squares = parts[0] * parts[0]
+        for side in parts[1:]:
+            squares = squares + side * side
+    found = np.sqrt(squares)
+    unusual = ~((squares > 1e-290) & (squares < 1e300))
+    for k in np.flatnonzero(unusual).tolist() if unusual.any() else ():
+        found[k] = scalar.hypot(*(float(one[k]) for one in parts))
+    return found.reshape(shape).view(kind)
+
+
+def interpolate(x: Any, places: Any, values: Any) -> Any:
+    """Values between those at rising places, along straight lines, and beyond the ends those of the ends, as np.interp has them."""
+    at, xs, ys = (
+        np.asarray(x, dtype=np.float64),
+        np.asarray(places, dtype=np.float64),
+        np.asarray(values, dtype=np.float64),
+    )
+    if len(xs) == 1:
+        return np.full(at.shape, ys[0]) if at.ndim else float(ys[0])
+    left = np.clip(np.searchsorted(xs, at, side="right") - 1, 0, len(xs) - 2)
+    run = np.clip(at, xs[0], xs[-1]) - xs[left]
+    with np.errstate(all="ignore"):
+        found = (ys[left + 1] - ys[left]) / (xs[left + 1] - xs[left]) * run + ys[left]
+    found = np.where(
+        at >= xs[-1], ys[-1], np.where(at <= xs[0], ys[0], np.where(run == 0.0, ys[left], found))
+    )
+    return found if at.ndim else float(found)
+
+
+def square(x: Any) -> Any:
+    """x times x: a power of one number would be the C library's."""
+    return x * x

@@ -1,0 +1,55 @@
+"""The compiled routines: one text of all of them, one file of object code, loaded with the first call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+from ..codegen.compile import interpreted, library
+from ..codegen.lock import WRITING
+from ..codegen.source import Gathered
+from .routines import elimination, general, products, reflections, rotations, series, symmetric
+
+# Routines and the kinds of their arguments: f1 a flat array of numbers, i an integer (codegen.compile).
+ROUTINES: dict[Callable[..., None], str] = {
+    products.multiply: "f1 f1 f1 i i i i i i i",
+    products.multiply_vectors: "f1 f1 f1 i i i i i",
+    elimination.eliminate: "f1 f1 f1 i i i",
+    reflections.factors: "f1 f1 f1 f1 i i i i",
+    rotations.decompose: "f1 f1 f1 f1 f1 i i i i",
+    symmetric.diagonalise: "f1 f1 f1 f1 i i",
+    general.eigenvalues: "f1 f1 f1 f1 i i",
+    series.turn_all: "f1 f1 f1",
+    series.raise_all: "f1 f1 f1",
+    series.exponentials: "f1 f1",
+    series.logarithms: "f1 f1",
+    series.directions_of: "f1 f1 f1",
+}
+
+
+def text() -> str:
+    """Text of all routines and what they call."""
+    with WRITING:
+        gathered = Gathered()
+        for routine in ROUTINES:
+            gathered.add(routine)
+        return gathered.text()
+
+
+@lru_cache(maxsize=1)
+def compiled() -> dict[str, Callable[..., None]]:
+    """Each routine by its name, compiled."""
+    return library(text(), {routine.__name__: kinds for routine, kinds in ROUTINES.items()}, wide=True)
+
+
+@lru_cache(maxsize=1)
+def plain() -> dict[str, Callable[..., Any]]:
+    """The same text run as plain Python, which is slow and has the same bits."""
+    body = text()
+    return {routine.__name__: interpreted(body, routine.__name__) for routine in ROUTINES}
+
+
+def call(name: str, *arguments: Any) -> None:
+    """Runs a routine on flat arrays and integers."""
+    compiled()[name](*arguments)

@@ -1,0 +1,87 @@
+"""Products of dense matrices and vectors over leading dimensions; every sum runs in the order of its terms."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .library import call
+
+Array = NDArray[np.float64]
+
+
+def flat(values: Any) -> Array:
+    """Numbers one after the other in memory, without a copy where they lie so."""
+    return np.ascontiguousarray(values, dtype=np.float64).reshape(-1).view(np.ndarray)
+
+
+def alike(first: Any, second: Any) -> type:
+    """The class of arrays that a result of both has."""
+    return (
+        type(first)
+        if type(first) is not np.ndarray and isinstance(first, np.ndarray)
+        else (type(second) if isinstance(second, np.ndarray) else np.ndarray)
+    )
+
+
+def product(first: Any, second: Any) -> Any:
+    """Matrix times matrix, (..., r, k) and (..., k, c); leading dimensions are broadcast."""
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    (rows, inner), (deep, columns) = a.shape[-2:], b.shape[-2:]
+    if inner != deep:
+        raise ValueError(f"matrices of shapes {a.shape} and {b.shape} have no product")
+    lead = a.shape[:-2] if a.shape[:-2] == b.shape[:-2] else np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    apart = []
+    parts = []
+    for one, size in ((a, rows * inner), (b, inner * columns)):
+        if one.ndim > 2 and one.shape[:-2] != lead:
+            one = np.broadcast_to(one, (*lead, *one.shape[-2:]))
+        parts.append(flat(one))
+        apart.append(size if one.ndim > 2 else 0)
+    found = np.empty((*lead, rows, columns))
+    call("multiply", *parts, found.reshape(-1), math.prod(lead), *apart, rows * columns, rows, inner, columns)
+    return found.view(alike(first, second))
+
+
+def times(matrix: Any, vector: Any) -> Any:
+    """Matrix times vector, (..., r, c) and (..., c); leading dimensions are broadcast."""
+    a, x = np.asarray(matrix, dtype=np.float64), np.asarray(vector, dtype=np.float64)
+    rows, columns = a.shape[-2:]
+    if x.shape[-1] != columns:
+        raise ValueError(f"a matrix of shape {a.shape} and a vector of shape {x.shape} have no product")
+    lead = a.shape[:-2] if a.shape[:-2] == x.shape[:-1] else np.broadcast_shapes(a.shape[:-2], x.shape[:-1])
+    apart = []
+    if a.ndim > 2 and a.shape[:-2] != lead:
+        a = np.broadcast_to(a, (*lead, rows, columns))
+    if x.ndim > 1 and x.shape[:-1] != lead:
+        x = np.broadcast_to(x, (*lead, columns))
+    apart = [rows * columns if a.ndim > 2 else 0, columns if x.ndim > 1 else 0]
+    found = np.empty((*lead, rows))
+    call("multiply_vectors", flat(a), flat(x), found.reshape(-1), math.prod(lead), *apart, rows, columns)
+    return found.view(alike(matrix, vector))
+
+
+def dot(first: Any, second: Any) -> Any:
+    """Sum of products along the last axis, (..., n) each; a number of two vectors."""
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    if a.ndim == 1 and b.ndim == 1:
+        found = np.empty(1)
+        if a.shape != b.shape:
+            raise ValueError(f"vectors of shapes {a.shape} and {b.shape} have no product")
+        call("multiply_vectors", flat(a), flat(b), found, 1, 0, 0, 1, len(a))
+        return float(found[0])
+    a, b = np.broadcast_arrays(a, b)
+    return times(a[..., None, :], b)[..., 0].view(alike(first, second))
+
+
+def norm(vector: Any, axis: int | None = None) -> Any:
+    """Length of a vector, or along an axis; of all entries of an array where no axis is named. Squares must not overflow."""
+    if axis is None:
+        own = flat(vector)
+        return math.sqrt(dot(own, own))
+    own = np.moveaxis(np.asanyarray(vector), axis, -1)
+    found = np.sqrt(dot(own, own))
+    return found if np.ndim(found) else float(found)

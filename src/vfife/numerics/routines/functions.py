@@ -1,0 +1,181 @@
+"""Elementary functions from + - * / sqrt alone, over the whole range of a double.
+
+Polynomials are those of FreeBSD's msun, where not said otherwise.
+"""
+
+import math
+
+from ...kernels.elementary import nearest, small_exp, two_to
+
+
+def exponential(x):
+    """e**x over the whole range: 2**k times the series of the rest, whose multiple of ln 2 is taken off in two parts."""
+    if x > 709.782712893384:
+        return 1e308 * 1e308
+    if x < -745.1332191019412:
+        return 0.0
+    k = nearest(x * 1.4426950408889634)
+    high = x - k * 6.93147180369123816490e-01
+    low = k * 1.90821492927058770002e-10
+    y = high - low
+    found = small_exp(y) - y_error(high, y, low)
+    while k > 120.0:
+        found = found * 1.329227995784916e36
+        k = k - 120.0
+    while k < -120.0:
+        found = found * 7.52316384526264e-37
+        k = k + 120.0
+    return found * two_to(k)
+
+
+def y_error(high, y, low):
+    """What the difference y = high - low of an exponent left out, as a change of e**y, which is near 1: y - (high - low)."""
+    return (y - high) + low
+
+
+def parts(x):
+    """m in [sqrt(1/2), sqrt(2)) and integer-valued e with x = m 2**e, for every positive finite x."""
+    e = 0.0
+    m = x
+    while m >= 4294967296.0:
+        m = m * 2.3283064365386963e-10
+        e = e + 32.0
+    while m < 2.3283064365386963e-10:
+        m = m * 4294967296.0
+        e = e - 32.0
+    while m >= 16.0:
+        m = m * 0.0625
+        e = e + 4.0
+    while m < 0.0625:
+        m = m * 16.0
+        e = e - 4.0
+    while m >= 1.4142135623730951:
+        m = m * 0.5
+        e = e + 1.0
+    while m < 0.7071067811865476:
+        m = m * 2.0
+        e = e - 1.0
+    return m, e
+
+
+def logarithm(x):
+    """Natural logarithm of a positive finite number (e_log.c)."""
+    m, e = parts(x)
+    f = m - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    w = z * z
+    odd = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01))
+    even = z * (
+        6.666666666666735130e-01
+        + w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01))
+    )
+    half = 0.5 * f * f
+    return e * 6.93147180369123816490e-01 - (
+        (half - (s * (half + (odd + even)) + e * 1.90821492927058770002e-10)) - f
+    )
+
+
+def product_error(a, b, ab):
+    """a b - ab to the last bit (Dekker 1971), for numbers below 1e290."""
+    c = 134217729.0 * a
+    a_high = c - (c - a)
+    a_low = a - a_high
+    c = 134217729.0 * b
+    b_high = c - (c - b)
+    b_low = b - b_high
+    return ((a_high * b_high - ab) + a_high * b_low + a_low * b_high) + a_low * b_low
+
+
+def logarithm_in_two(x):
+    """ln x as a sum of two numbers, for a positive finite number; relative error about 2**-60.
+
+    2 artanh s with s = (m - 1)/(m + 1) in two parts, and ln 2 in two: the first one, of 32 bits, times the exponent is exact.
+    """
+    m, e = parts(x)
+    f = m - 1.0
+    g = m + 1.0
+    g_rest = (m - g) + 1.0
+    s = f / g
+    sg = s * g
+    s_rest = (((f - sg) - product_error(s, g, sg)) - s * g_rest) / g
+    z = s * s
+    w = z * z
+    low = (0.6666666666666666 + z * 0.4) + w * (0.2857142857142857 + z * 0.2222222222222222)
+    high = (0.18181818181818182 + z * 0.15384615384615385) + w * (
+        0.13333333333333333 + z * 0.11764705882352941
+    )
+    last = (0.10526315789473684 + z * 0.09523809523809523) + w * 0.08695652173913043
+    third = s * z * (low + w * w * (high + w * w * last))
+    top = 2.0 * s
+    exact = e * 6.93147180369123816490e-01
+    total = exact + top
+    back = total - exact
+    rest = (exact - (total - back)) + (top - back)
+    rest = rest + (third + (2.0 * s_rest + e * 1.90821492927058770002e-10))
+    first = total + rest
+    return first, (total - first) + rest
+
+
+def raised(x, exponent):
+    """x**exponent for a positive finite x and any finite exponent, by logarithm and product in two parts each."""
+    first, rest = logarithm_in_two(x)
+    if abs(exponent) > 1e200:
+        return exponential(exponent * first if exponent * first < 1e4 else 1e4)
+    p = exponent * first
+    if p > 1e4:
+        return 1e308 * 1e308
+    if p < -1e4:
+        return 0.0
+    low = product_error(exponent, first, p) + exponent * rest
+    whole = exponential(p)
+    return whole if whole > 1e308 or whole == 0.0 else whole + whole * low
+
+
+def arctangent(x):
+    """atan x (s_atan.c): the argument is brought below 7/16 by atan(1/2), pi/4, atan(3/2) and pi/2, each in two parts."""
+    a = abs(x)
+    if a < 0.4375:
+        high, low, t = 0.0, 0.0, a
+    elif a < 0.6875:
+        high, low, t = 4.63647609000806093515e-01, 2.26987774529616870924e-17, (2.0 * a - 1.0) / (2.0 + a)
+    elif a < 1.1875:
+        high, low, t = 7.85398163397448278999e-01, 3.06161699786838301793e-17, (a - 1.0) / (a + 1.0)
+    elif a < 2.4375:
+        high, low, t = 9.82793723247329054082e-01, 1.39033110312309984516e-17, (a - 1.5) / (1.0 + 1.5 * a)
+    else:
+        high, low, t = 1.57079632679489655800e00, 6.12323399573676603587e-17, -1.0 / a
+    z = t * t
+    w = z * z
+    odd = 1.42857142725034663711e-01 + w * (
+        9.09088713343650656196e-02
+        + w * (6.66107313738753120669e-02 + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02))
+    )
+    odd = z * (3.33333333333329318027e-01 + w * odd)
+    even = -7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02)
+    even = w * (-1.99999999998764832476e-01 + w * (-1.11111104054623557880e-01 + w * even))
+    found = t - t * (odd + even) if a < 0.4375 else high - ((t * (odd + even) - low) - t)
+    return -found if x < 0.0 else (x if x == 0.0 else found)
+
+
+def half_turn(y, x):
+    """Angle from 0 to pi of the direction (x, y), for y > 0."""
+    b = abs(x)
+    if y > 1e17 * b:
+        return 1.5707963267948966
+    angle = arctangent(y / b)
+    return 3.141592653589793 - (angle - 1.2246467991473532e-16) if x < 0.0 else angle
+
+
+def length(x, y):
+    """sqrt(x^2 + y^2), scaled by a power of two where a square would overflow or vanish."""
+    a = max(abs(x), abs(y))
+    if a > 1e150:
+        p = x * 7.458340731200207e-155
+        q = y * 7.458340731200207e-155
+        return math.sqrt(p * p + q * q) * 1.3407807929942597e154
+    if a < 1e-145:
+        p = x * 1.3407807929942597e154
+        q = y * 1.3407807929942597e154
+        return math.sqrt(p * p + q * q) * 7.458340731200207e-155
+    return math.sqrt(x * x + y * y)

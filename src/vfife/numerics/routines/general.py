@@ -1,0 +1,203 @@
+"""Eigenvalues of general real matrices: elimination to Hessenberg's form, then Francis' double steps.
+
+Martin, Peters and Wilkinson, Numerische Mathematik 14 (1970) 219-231 (elmhes and hqr of EISPACK).
+"""
+
+import math
+
+STEPS = 60  # per eigenvalue; every tenth has a shift of its own
+ROUNDING = 2.220446049250313e-16
+
+
+def eigenvalues(A, real, imaginary, W, count, size):
+    """Real and imaginary parts of the eigenvalues of ``count`` matrices (size, size); of a matrix not finite, or not solved, NaN."""
+    for m in range(count):
+        check = 0.0
+        for i in range(size * size):
+            W[i] = A[m * size * size + i]
+            check += W[i] * 0.0
+        if check == 0.0:
+            hessenberg(W, size)
+            check = francis(W, real, imaginary, m * size, size)
+        if check != 0.0:
+            for i in range(size):
+                real[m * size + i] = (1e308 * 1e308) * 0.0
+                imaginary[m * size + i] = (1e308 * 1e308) * 0.0
+
+
+def hessenberg(a, n):
+    """Zeros below the first diagonal under the main one, by elimination with pivots."""
+    for m in range(1, n - 1):
+        x = 0.0
+        i = m
+        for j in range(m, n):
+            if abs(a[j * n + m - 1]) > abs(x):
+                x = a[j * n + m - 1]
+                i = j
+        if i != m:
+            for j in range(m - 1, n):
+                held = a[i * n + j]
+                a[i * n + j] = a[m * n + j]
+                a[m * n + j] = held
+            for j in range(n):
+                held = a[j * n + i]
+                a[j * n + i] = a[j * n + m]
+                a[j * n + m] = held
+        if x != 0.0:
+            for i in range(m + 1, n):
+                y = a[i * n + m - 1]
+                if y != 0.0:
+                    y = y / x
+                    a[i * n + m - 1] = 0.0
+                    for j in range(m, n):
+                        a[i * n + j] -= y * a[m * n + j]
+                    for j in range(n):
+                        a[j * n + m] += y * a[j * n + i]
+
+
+def francis(a, real, imaginary, at, n):
+    """Double steps with implicit shifts; returned: 1 where an eigenvalue does not converge."""
+    norm = 0.0
+    for i in range(n):
+        for j in range(max(i - 1, 0), n):
+            norm += abs(a[i * n + j])
+    last = n - 1
+    lost = 0.0  # what shifts have taken off the diagonal
+    while last >= 0:
+        step = 0
+        found = 0
+        while found == 0:
+            l = cut(a, last, n, norm)
+            x = a[last * n + last]
+            if l == last:
+                real[at + last] = x + lost
+                imaginary[at + last] = 0.0
+                found = 1
+            elif l == last - 1:
+                pair(a, real, imaginary, at, last, n, lost)
+                found = 2
+            elif step == STEPS:
+                return 1.0
+            else:
+                y = a[(last - 1) * n + last - 1]
+                w = a[last * n + last - 1] * a[(last - 1) * n + last]
+                if step % 10 == 9:
+                    lost = lost + x
+                    for i in range(last + 1):
+                        a[i * n + i] -= x
+                    s = abs(a[last * n + last - 1]) + abs(a[(last - 1) * n + last - 2])
+                    x = 0.75 * s
+                    y = x
+                    w = -0.4375 * s * s
+                step = step + 1
+                double_step(a, l, last, n, x, y, w)
+        last = last - found
+    return 0.0
+
+
+def cut(a, last, n, norm):
+    """Where the part that ends with ``last`` begins."""
+    for l in range(last, 0, -1):
+        s = abs(a[(l - 1) * n + l - 1]) + abs(a[l * n + l])
+        s = norm if s == 0.0 else s
+        if abs(a[l * n + l - 1]) <= ROUNDING * s:
+            a[l * n + l - 1] = 0.0
+            return l
+    return 0
+
+
+def pair(a, real, imaginary, at, last, n, lost):
+    """The two eigenvalues of the last two rows."""
+    x = a[last * n + last]
+    y = a[(last - 1) * n + last - 1]
+    w = a[last * n + last - 1] * a[(last - 1) * n + last]
+    p = 0.5 * (y - x)
+    q = p * p + w
+    z = math.sqrt(abs(q))
+    x = x + lost
+    if q >= 0.0:
+        z = p + (z if p >= 0.0 else -z)
+        real[at + last - 1] = x + z
+        real[at + last] = x - w / z if z != 0.0 else x + z
+        imaginary[at + last - 1] = 0.0
+        imaginary[at + last] = 0.0
+    else:
+        real[at + last - 1] = x + p
+        real[at + last] = x + p
+        imaginary[at + last - 1] = z
+        imaginary[at + last] = -z
+
+
+def beginning(a, l, last, n, x, y, w):
+    """Row from which a double step may begin, and the first column of its shifted product there."""
+    p = 0.0
+    q = 0.0
+    r = 0.0
+    m = last - 2
+    while m >= l:
+        z = a[m * n + m]
+        r = x - z
+        s = y - z
+        p = (r * s - w) / a[(m + 1) * n + m] + a[m * n + m + 1]
+        q = a[(m + 1) * n + m + 1] - z - r - s
+        r = a[(m + 2) * n + m + 1]
+        s = abs(p) + abs(q) + abs(r)
+        p = p / s
+        q = q / s
+        r = r / s
+        if m == l:
+            break
+        u = abs(a[m * n + m - 1]) * (abs(q) + abs(r))
+        v = abs(p) * (abs(a[(m - 1) * n + m - 1]) + abs(z) + abs(a[(m + 1) * n + m + 1]))
+        if u <= ROUNDING * v:
+            break
+        m = m - 1
+    return m, p, q, r
+
+
+def double_step(a, l, last, n, x, y, w):
+    """One double QR step on the rows from l to ``last``."""
+    m, p, q, r = beginning(a, l, last, n, x, y, w)
+    for i in range(m + 2, last + 1):
+        a[i * n + i - 2] = 0.0
+        if i != m + 2:
+            a[i * n + i - 3] = 0.0
+    for k in range(m, last):
+        if k != m:
+            p = a[k * n + k - 1]
+            q = a[(k + 1) * n + k - 1]
+            r = a[(k + 2) * n + k - 1] if k != last - 1 else 0.0
+            x = abs(p) + abs(q) + abs(r)
+            if x != 0.0:
+                p = p / x
+                q = q / x
+                r = r / x
+        s = math.sqrt(p * p + q * q + r * r)
+        s = -s if p < 0.0 else s
+        if s != 0.0:
+            if k == m:
+                if l != m:
+                    a[k * n + k - 1] = -a[k * n + k - 1]
+            else:
+                a[k * n + k - 1] = -s * x
+            p = p + s
+            x = p / s
+            y = q / s
+            z = r / s
+            q = q / p
+            r = r / p
+            for j in range(k, last + 1):
+                p = a[k * n + j] + q * a[(k + 1) * n + j]
+                if k != last - 1:
+                    p = p + r * a[(k + 2) * n + j]
+                    a[(k + 2) * n + j] -= p * z
+                a[(k + 1) * n + j] -= p * y
+                a[k * n + j] -= p * x
+            end = last if last < k + 3 else k + 3
+            for i in range(l, end + 1):
+                p = x * a[i * n + k] + y * a[i * n + k + 1]
+                if k != last - 1:
+                    p = p + z * a[i * n + k + 2]
+                    a[i * n + k + 2] -= p * r
+                a[i * n + k + 1] -= p * q
+                a[i * n + k] -= p

@@ -1,0 +1,185 @@
+"""Singular values and vectors: QR factors, then Jacobi's rotations of the rows of R until they are orthogonal.
+
+One-sided rotations in a fixed order of pairs (Hestenes, Journal of the SIAM 6 (1958) 51-90), on the triangle of a QR factorisation with column
+pivoting, which leaves them little to do and gives small singular values with high relative accuracy (Drmac and Veselic, SIAM Journal on Matrix
+Analysis and Applications 29 (2008) 1322-1362).
+"""
+
+import math
+
+from .reflections import deduct, dot, reflect, turn_back
+
+# Largest cosine between two rows that count as orthogonal, over the root of their length: some roundings of their product.
+ORTHOGONAL = 2.2e-16
+# Rows shorter than this part of the longest are rounding; their directions are chosen orthogonal to the others.
+NOTHING = 1e-17
+# One sweep over all pairs after another: five to eight do.
+SWEEPS = 60
+
+
+def decompose(A, left, size, right, W, count, rows, columns, vectors):
+    """Singular values of ``count`` matrices (rows, columns) in falling order, with ``vectors`` 1 the vectors that belong to them, with 2 all.
+
+    ``left`` (rows, k) has the vectors as columns, ``right`` (k, columns) as rows. Returns nothing; ``size`` of a matrix that is not finite is NaN.
+    """
+    n = min(rows, columns)
+    length = max(rows, columns)
+    k = length if vectors == 2 else n
+    o = 0
+    t = n * length
+    order = t + 2 * n
+    M = order + n
+    J = M + n * n
+    squares = J + n * n
+    rank = squares + n
+    X = rank + n
+    for m in range(count):
+        scale = gather(A, W, m * rows * columns, o, rows, columns)
+        if not scale < 1e300:
+            for i in range(n):
+                size[m * n + i] = scale - scale
+        else:
+            reflect(W, o, t, order, n, length, 1)
+            for i in range(n):
+                for j in range(n):
+                    above = W[o + j * length + i] if i < j else 0.0
+                    W[M + i * n + j] = W[t + n + i] if i == j else above
+                    W[J + i * n + j] = 1.0 if i == j else 0.0
+            orthogonalise(W, M, J, squares, n, NOTHING * abs(W[t + n]) if n > 0 else 0.0)
+            sort(W, squares, rank, n)
+            for i in range(n):
+                size[m * n + i] = math.sqrt(W[squares + int(W[rank + i])]) * scale
+            if vectors != 0:
+                directions(W, M, squares, n, NOTHING * abs(W[t + n]) if n > 0 else 0.0, X)
+                hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X)
+
+
+def gather(A, W, a, o, rows, columns):
+    """A matrix by the columns of its longer side, scaled to a largest entry near 1; returned: the power of two by which it was."""
+    largest = 0.0
+    check = 0.0
+    for i in range(rows * columns):
+        check += A[a + i] * 0.0
+        largest = abs(A[a + i]) if abs(A[a + i]) > largest else largest
+    if check != 0.0 or largest >= 1e300:
+        return 1e308 * 1e308
+    scale = 1.0
+    if largest > 0.0:
+        while largest * scale > 65536.0:
+            scale = scale * 1.52587890625e-05
+        while largest * scale < 1.52587890625e-05 and scale < 1e300:
+            scale = scale * 65536.0
+    for i in range(rows):
+        for j in range(columns):
+            place = o + j * rows + i if rows >= columns else o + i * columns + j
+            W[place] = A[a + i * columns + j] * scale
+    return 1.0 / scale
+
+
+def orthogonalise(W, M, J, squares, n, least):
+    """Rotates the rows at ``M`` in pairs until they are orthogonal, those at ``J`` along; ``squares`` are those of their lengths."""
+    limit = ORTHOGONAL * math.sqrt(float(n))
+    below = least * least
+    for _ in range(SWEEPS):
+        turned = 0
+        for p in range(n):
+            W[squares + p] = dot(W, M + p * n, M + p * n, n)
+        for p in range(n - 1):
+            for q in range(p + 1, n):
+                a = W[squares + p]
+                b = W[squares + q]
+                if a > below and b > below:
+                    c = dot(W, M + p * n, M + q * n, n)
+                    if abs(c) > limit * math.sqrt(a * b):
+                        turned = turned + 1
+                        rotate(W, M, J, squares, n, p, q, c)
+        if turned == 0:
+            return  # with squares as they were found at its beginning
+
+
+def rotate(W, M, J, squares, n, p, q, c):
+    """Makes rows p and q orthogonal, whose product is c."""
+    slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
+    root = math.sqrt(1.0 + slope * slope)
+    tangent = 1.0 / (slope + root) if slope >= 0.0 else 1.0 / (slope - root)
+    cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    sine = cosine * tangent
+    for k in range(n):
+        x = W[M + p * n + k]
+        y = W[M + q * n + k]
+        W[M + p * n + k] = cosine * x - sine * y
+        W[M + q * n + k] = sine * x + cosine * y
+    for k in range(n):
+        x = W[J + p * n + k]
+        y = W[J + q * n + k]
+        W[J + p * n + k] = cosine * x - sine * y
+        W[J + q * n + k] = sine * x + cosine * y
+    W[squares + p] -= tangent * c
+    W[squares + q] += tangent * c
+
+
+def sort(W, squares, rank, n):
+    """Places of the squares in falling order, those of one size as they come."""
+    for i in range(n):
+        place = i
+        while place > 0 and W[squares + int(W[rank + place - 1])] < W[squares + i]:
+            W[rank + place] = W[rank + place - 1]
+            place = place - 1
+        W[rank + place] = i
+
+
+def directions(W, M, squares, n, least, X):
+    """Scales the rows to unit length; those that are nothing become unit vectors across all others."""
+    for i in range(n):
+        if W[squares + i] > least * least:
+            scale = 1.0 / math.sqrt(W[squares + i])
+            for k in range(n):
+                W[M + i * n + k] = W[M + i * n + k] * scale
+    for i in range(n):
+        if not W[squares + i] > least * least:
+            for k in range(n):  # what is left of each axis
+                W[X + k] = 1.0
+            for j in range(n):
+                if j < i or W[squares + j] > least * least:
+                    for k in range(n):
+                        W[X + k] -= W[M + j * n + k] * W[M + j * n + k]
+            best = 0
+            for k in range(n):
+                best = k if W[X + k] > W[X + best] else best
+            for k in range(n):
+                W[M + i * n + k] = 1.0 if k == best else 0.0
+            for _ in range(3):
+                for j in range(n):
+                    if j < i or (j > i and W[squares + j] > least * least):
+                        deduct(W, M + i * n, M + j * n, n, dot(W, M + i * n, M + j * n, n))
+                scale = 1.0 / math.sqrt(dot(W, M + i * n, M + i * n, n))
+                for k in range(n):
+                    W[M + i * n + k] = W[M + i * n + k] * scale
+
+
+def hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X):
+    """Writes the vectors in falling order of their singular values: those of the longer side are Q J^T, the others lie at ``M``."""
+    n = min(rows, columns)
+    length = max(rows, columns)
+    tall = rows >= columns
+    lefts = k if tall else n  # columns of ``left``
+    rights = n if tall else k  # rows of ``right``
+    for i in range(k):
+        for j in range(length):
+            W[X + j] = 1.0 if i == j else 0.0
+        if i < n:
+            row = int(W[rank + i])
+            for j in range(n):
+                W[X + j] = W[J + row * n + j]
+            for j in range(n):
+                to = int(W[order + j])
+                if tall:
+                    right[m * rights * columns + i * columns + to] = W[M + row * n + j]
+                else:
+                    left[m * rows * lefts + to * lefts + i] = W[M + row * n + j]
+        turn_back(W, o, t, n, length, X)
+        for j in range(length):
+            if tall:
+                left[m * rows * lefts + j * lefts + i] = W[X + j]
+            else:
+                right[m * rights * columns + i * columns + j] = W[X + j]

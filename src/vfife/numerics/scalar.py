@@ -1,0 +1,196 @@
+"""Elementary functions of one number, as :mod:`math` has them, with the same bits on every machine."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from ..kernels import elementary
+from .routines.functions import arctangent, exponential, half_turn, length, logarithm, raised
+
+# The reduction of kernels.elementary.sincos is exact up to here; beyond, the angle is reduced in whole numbers.
+LARGE_ANGLE = 1e6
+# pi, to 1,270 bits: a double is at most 2^1024, so that 190 bits remain behind the point.
+PI_BITS = 1270
+
+
+def sincos(angle: float) -> tuple[float, float]:
+    """Sine and cosine of an angle (rad)."""
+    if abs(angle) < LARGE_ANGLE:
+        found: tuple[float, float] = elementary.sincos(float(angle))
+        return found
+    if not math.isfinite(angle):
+        return math.nan, math.nan
+    return _far(float(angle))
+
+
+def _far(angle: float) -> tuple[float, float]:
+    """Sine and cosine of a large angle, whose quarter turns are taken off in whole numbers."""
+    numerator, denominator = angle.as_integer_ratio()
+    pi = _pi()
+    turns, rest = divmod(numerator << PI_BITS + 1, pi * denominator)
+    if 2 * rest > pi * denominator:
+        turns, rest = turns + 1, rest - pi * denominator
+    s, c = elementary.sincos(_rounded(rest, denominator << PI_BITS + 1))
+    return ((s, c), (c, -s), (-s, -c), (-c, s))[turns % 4]
+
+
+def _rounded(numerator: int, denominator: int) -> float:
+    """The nearest double of a fraction, which Python divides exactly."""
+    return float(Fraction(numerator, denominator))
+
+
+_KNOWN: dict[str, int] = {}
+
+
+def _pi() -> int:
+    """pi 2**PI_BITS, rounded, by Machin's formula in whole numbers."""
+    if "pi" not in _KNOWN:
+        one = 1 << PI_BITS + 32
+
+        def inverse_arctangent(n: int) -> int:
+            total = term = one // n
+            k = 1
+            while term:
+                term //= -n * n
+                k += 2
+                total += term // k
+            return total
+
+        _KNOWN["pi"] = (16 * inverse_arctangent(5) - 4 * inverse_arctangent(239)) >> 32
+    return _KNOWN["pi"]
+
+
+def sin(angle: float) -> float:
+    """Sine of an angle (rad)."""
+    return sincos(angle)[0]
+
+
+def cos(angle: float) -> float:
+    """Cosine of an angle (rad)."""
+    return sincos(angle)[1]
+
+
+def tan(angle: float) -> float:
+    """Tangent of an angle (rad)."""
+    s, c = sincos(angle)
+    return s / c
+
+
+def atan(x: float) -> float:
+    """Angle (rad) of a tangent, from -pi/2 to pi/2."""
+    return float(arctangent(float(x)))
+
+
+def atan2(y: float, x: float) -> float:
+    """Angle (rad) of the direction (x, y), from -pi to pi, as :func:`math.atan2` of finite numbers."""
+    y, x = float(y), float(x)
+    if math.isnan(x) or math.isnan(y):
+        return math.nan
+    if y == 0.0:
+        return y if math.copysign(1.0, x) > 0.0 else math.copysign(math.pi, y)
+    if math.isinf(x) or math.isinf(y):
+        x, y = (math.copysign(1.0 if math.isinf(one) else 0.0, one) for one in (x, y))
+        return atan2(y, x)
+    return math.copysign(float(half_turn(abs(y), x)), y)
+
+
+def asin(x: float) -> float:
+    """Angle (rad) of a sine; ValueError beyond 1."""
+    return atan2(x, math.sqrt((1.0 - x) * (1.0 + x)))
+
+
+def acos(x: float) -> float:
+    """Angle (rad) of a cosine; ValueError beyond 1."""
+    return atan2(math.sqrt((1.0 - x) * (1.0 + x)), x)
+
+
+def exp(x: float) -> float:
+    """e**x; OverflowError beyond the largest double."""
+    if math.isnan(x):
+        return math.nan
+    found = float(exponential(float(x)))
+    if math.isinf(found) and not math.isinf(x):
+        raise OverflowError("math range error")
+    return found
+
+
+def expm1(x: float) -> float:
+    """e**x - 1, exact for small x too (Kahan)."""
+    u = exp(x)
+    if u == 1.0:
+        return x
+    return u - 1.0 if abs(x) > 1.0 else (u - 1.0) * (x / log(u))
+
+
+def log(x: float) -> float:
+    """Natural logarithm; ValueError where there is none."""
+    if not x > 0.0:
+        if math.isnan(x):
+            return math.nan
+        raise ValueError("math domain error")
+    return math.inf if math.isinf(x) else float(logarithm(float(x)))
+
+
+def log1p(x: float) -> float:
+    """ln(1 + x), exact for small x too (Kahan)."""
+    u = 1.0 + x
+    return x if u == 1.0 else log(u) * (x / (u - 1.0))
+
+
+def log10(x: float) -> float:
+    """Logarithm to base 10; whole numbers for whole powers of ten up to 1e22."""
+    first = log(x)
+    found = first * 0.4342944819032518
+    whole = round(found)
+    return float(whole) if 0 <= whole <= 22 and x == whole_power(10.0, whole) else found
+
+
+def whole_power(x: float, exponent: int) -> float:
+    """x**exponent for a whole exponent, by squaring."""
+    found, square, left = 1.0, x, abs(exponent)
+    while left:
+        if left & 1:
+            found = found * square
+        left >>= 1
+        if left:
+            square = square * square
+    return 1.0 / found if exponent < 0 else found
+
+
+def power(x: float, exponent: float) -> float:
+    """x**exponent: squarings for small whole exponents, a root for 1/2, else by logarithms; ValueError for a root of a negative number."""
+    x, exponent = float(x), float(exponent)
+    if exponent == math.floor(exponent) and abs(exponent) <= 16.0:
+        return whole_power(x, int(exponent))
+    if math.isnan(x) or math.isnan(exponent):
+        return math.nan
+    if x > 0.0 and math.isfinite(x) and math.isfinite(exponent):
+        found = math.sqrt(x) if exponent == 0.5 else float(raised(x, exponent))
+        if math.isinf(found):
+            raise OverflowError("math range error")
+        return found
+    if x == 0.0 or math.isinf(x) or math.isinf(exponent):
+        return float(math.pow(x, exponent))  # a limit, exact: zero, one or infinity
+    if exponent != math.floor(exponent):
+        raise ValueError("math domain error")
+    return power(-x, exponent) * (1.0 if math.fmod(exponent, 2.0) == 0.0 else -1.0)
+
+
+def hypot(*sides: float) -> float:
+    """Length of a vector."""
+    if len(sides) == 2:
+        return float(length(float(sides[0]), float(sides[1])))
+    largest = max((abs(float(side)) for side in sides), default=0.0)
+    up, down = 1.0, 1.0
+    if largest > 1e150 or 0.0 < largest < 1e-145:  # powers of two, so that no square overflows or vanishes
+        up, down = (2.0**-512, 2.0**512) if largest > 1.0 else (2.0**512, 2.0**-512)
+    total = 0.0
+    for side in sides:
+        total += (side * up) * (side * up)
+    return math.sqrt(total) * down
+
+
+def distance(first: tuple[float, ...], second: tuple[float, ...]) -> float:
+    """Distance between two points of a plane."""
+    return hypot(*(a - b for a, b in zip(first, second, strict=True)))
