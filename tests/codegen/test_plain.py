@@ -141,7 +141,7 @@ def test_what_is_refused(body):
 def test_a_second_time_nothing_is_written(monkeypatch):
     text, out = "@jit\ndef ask(out, x):\n    out[0] = 2.0 * x\n", np.zeros(1)
     compiled(text, "ask", "f1 d")
-    monkeypatch.setattr(plain, "compiled_text", None)
+    monkeypatch.setattr(plain, "library_text", None)
     compiled(text, "ask", "f1 d")(out, math.pi)
     assert out[0] == 2.0 * math.pi
     monkeypatch.setattr(native, "processor", lambda: ("another", ""))  # the name that it is kept under tells processors apart

@@ -47,11 +47,6 @@ class Module:
         return found
 
 
-def compiled_text(text: str, name: str, kinds: list[Kind]) -> str:
-    """LLVM's text of a function, called ``entry``, which returns nothing, and of all that it calls."""
-    return library_text(text, {"entry": (name, kinds)})
-
-
 def library_text(text: str, entries: dict[str, tuple[str, list[Kind]]]) -> str:
     """LLVM's text of several functions that return nothing, and of all that they call; by the names that they are called by from outside."""
     module, calls = Module(text), []
