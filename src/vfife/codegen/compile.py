@@ -77,17 +77,18 @@ class _Called:
     """A compiled function of a code in memory, called with numbers and contiguous arrays, each an address and its shape."""
 
     def __init__(self, code: Code, name: str, kinds: list[str]) -> None:
-        self.kinds = kinds
+        self.kinds = [(kind[0] if kind[0] in DTYPES else "", int(kind[1:] or 0)) for kind in kinds]
         self.code = code  # kept as long as somebody may call it
         self.function = code.named(name, signature(kinds))
 
     def __call__(self, *arguments: Any) -> None:
         given: list[Any] = []
-        for kind, value in zip(self.kinds, arguments, strict=True):
-            if kind[0] not in DTYPES:
+        for (item, dimensions), value in zip(self.kinds, arguments, strict=True):
+            if not item:
                 given.append(value)
                 continue
-            if value.dtype != DTYPES[kind[0]] or value.ndim != int(kind[1:]) or not value.flags.c_contiguous:
-                raise TypeError(f"an array of {value.dtype} and shape {value.shape} was given where one of kind {kind} is expected")
-            given += [value.ctypes.data, *value.shape]
+            if value.dtype != DTYPES[item] or value.ndim != dimensions or not value.flags.c_contiguous:
+                wanted = f"{item}{dimensions}"
+                raise TypeError(f"an array of {value.dtype} and shape {value.shape} was given where one of kind {wanted} is expected")
+            given += (value.ctypes.data, *value.shape)
         self.function(*given)

@@ -26,9 +26,7 @@ def _shape(matrix: Any) -> tuple[Array, tuple[int, ...], int, int, int]:
 def _square(matrix: Any) -> tuple[Array, tuple[int, ...], int, int]:
     own, lead, count, rows, columns = _shape(matrix)
     if rows != columns:
-        raise np.linalg.LinAlgError(
-            f"a square matrix is needed, not one of {rows} rows and {columns} columns"
-        )
+        raise np.linalg.LinAlgError(f"a square matrix is needed, not one of {rows} rows and {columns} columns")
     return own, lead, count, rows
 
 
@@ -48,9 +46,7 @@ def solve(matrix: Any, right: Any) -> Any:
     b = b[..., None] if vector else b
     found = np.array(np.broadcast_to(b, (*lead, size, b.shape[-1])), order="C")
     signs = np.empty(count)
-    call(
-        "eliminate", np.array(own, order="C").reshape(-1), found.reshape(-1), signs, count, size, b.shape[-1]
-    )
+    call("eliminate", np.array(own, order="C").reshape(-1), found.reshape(-1), signs, count, size, b.shape[-1])
     if not (signs != 0.0).all():
         raise np.linalg.LinAlgError("Singular matrix")
     found = found[..., 0] if vector else found
@@ -129,9 +125,7 @@ def eigenvalue_sizes(matrix: Any) -> Any:
     """Absolute values (..., n) of the eigenvalues of general real matrices, in no order."""
     own, lead, count, size = _square(matrix)
     real, imaginary = np.empty((*lead, size)), np.empty((*lead, size))
-    call(
-        "eigenvalues", flat(own), real.reshape(-1), imaginary.reshape(-1), np.empty(size * size), count, size
-    )
+    call("eigenvalues", flat(own), real.reshape(-1), imaginary.reshape(-1), np.empty(size * size), count, size)
     _finite(real)
     return np.sqrt(real * real + imaginary * imaginary)
 
@@ -149,9 +143,7 @@ def qr(matrix: Any, full: bool = False) -> tuple[Any, Any]:
 def least_squares(matrix: Any, right: Any, tolerance: float | None = None) -> Any:
     """x (c,) of least norm with the least |A x - b|; singular values up to ``tolerance`` of the largest count as zero (as in np.linalg.lstsq)."""
     left, size, rows = svd(matrix, full=False)
-    least = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(
-        size.max(initial=0.0)
-    )
+    least = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(size.max(initial=0.0))
     rank = int((size > least).sum())
     return times(rows[:rank].T, times(left[:, :rank].T, right) / size[:rank])
 

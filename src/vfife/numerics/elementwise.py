@@ -1,7 +1,11 @@
-"""Elementary functions of a number, of each number of an array, or of each member's, with the same bits whatever stands beside a number."""
+"""Elementary functions of a number, of each number of an array, or of each member's, with the same bits whatever stands beside a number.
+
+Where a function has no value, one number raises the error of :mod:`math`; in an array stands an infinity or NaN.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +14,7 @@ from numpy.typing import NDArray
 
 from . import scalar
 from .library import call
+from .products import flat
 
 Array = NDArray[np.float64]
 
@@ -20,6 +25,8 @@ def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...], type]
         (type(one) for one in values if isinstance(one, np.ndarray) and type(one) is not np.ndarray),
         np.ndarray,
     )
+    if len(values) == 1 or all(isinstance(one, np.ndarray) and one.shape == np.shape(values[0]) for one in values):
+        return [flat(one) for one in values], np.shape(values[0]), kind
     arrays = [np.asarray(one, dtype=np.float64) for one in values]
     shape = np.broadcast_shapes(*(one.shape for one in arrays))
     return (
@@ -34,9 +41,7 @@ def _plain(values: tuple[Any, ...]) -> bool:
     return not any(isinstance(one, np.ndarray | list | tuple) and np.ndim(one) for one in values)
 
 
-def _each(
-    function: Callable[..., float], name: str, values: tuple[Any, ...], easy: Callable[..., NDArray[np.bool_]]
-) -> Any:
+def _each(function: Callable[..., float], name: str, values: tuple[Any, ...], easy: Callable[..., NDArray[np.bool_]]) -> Any:
     """A function of numbers, or of arrays: by the compiled routine where that is ``easy``, elsewhere number by number."""
     if _plain(values):
         return function(*(float(one) for one in values))
@@ -49,13 +54,23 @@ def _each(
         some = [np.where(sound, one, 1.0) for one in parts]
         call(name, *some, found)
         for k in np.flatnonzero(~sound).tolist():
-            found[k] = function(*(float(one[k]) for one in parts))
+            found[k] = _quiet(function, [float(one[k]) for one in parts])
     return found.reshape(shape).view(kind)
+
+
+def _quiet(function: Callable[..., float], values: list[float]) -> float:
+    """A value in an array: infinite or not a number where a single number is an error."""
+    try:
+        return function(*values)
+    except (OverflowError, ZeroDivisionError):
+        return np.inf
+    except ValueError:
+        return -np.inf if function is scalar.log and values[0] == 0.0 else np.nan
 
 
 def sincos(angle: Any) -> tuple[Any, Any]:
     """Sine and cosine of angles (rad)."""
-    if _plain((angle,)):
+    if isinstance(angle, float) or _plain((angle,)):
         return scalar.sincos(float(angle))
     (own,), shape, kind = _parts((angle,))
     sine, cosine = np.empty(own.shape), np.empty(own.shape)
@@ -86,17 +101,17 @@ def tan(angle: Any) -> Any:
 
 
 def exp(x: Any) -> Any:
-    """e**x; beyond the largest double infinite in an array, OverflowError for one number."""
+    """e**x."""
     return _each(scalar.exp, "exponentials", (x,), np.isfinite)
 
 
 def log(x: Any) -> Any:
-    """Natural logarithm; ValueError where there is none."""
+    """Natural logarithm."""
     return _each(scalar.log, "logarithms", (x,), lambda x: (x > 0.0) & (x < np.inf))
 
 
 def log10(x: Any) -> Any:
-    """Logarithm to base 10; ValueError where there is none."""
+    """Logarithm to base 10."""
     return scalar.log10(float(x)) if _plain((x,)) else log(x) * 0.4342944819032518
 
 
@@ -104,14 +119,9 @@ def power(x: Any, exponent: Any) -> Any:
     """x**exponent, as :func:`~vfife.numerics.scalar.power` has it."""
 
     def easy(x: Array, exponent: Array) -> NDArray[np.bool_]:
-        return np.asarray(
-            (x > 0.0)
-            & (x < np.inf)
-            & ~((exponent == np.floor(exponent)) & (np.abs(exponent) <= 16.0))
-            & (exponent != 0.5)
-        )
+        return np.asarray((x > 0.0) & (x < np.inf) & ~((exponent == np.floor(exponent)) & (np.abs(exponent) <= 16.0)) & (exponent != 0.5))
 
-    if not _plain((x, exponent)) and _plain((exponent,)):
+    if not _plain((x,)) and _plain((exponent,)):
         whole = float(exponent)
         if whole == int(whole) and abs(whole) <= 16.0:
             return whole_power(np.asanyarray(x, dtype=np.float64), int(whole))
@@ -127,14 +137,12 @@ def whole_power(x: Any, exponent: int) -> Any:
 
 def atan2(y: Any, x: Any) -> Any:
     """Angles (rad) of directions (x, y), from -pi to pi."""
-    return _each(
-        scalar.atan2, "directions_of", (y, x), lambda y, x: np.isfinite(y) & np.isfinite(x) & (y != 0.0)
-    )
+    return _each(scalar.atan2, "directions_of", (y, x), lambda y, x: np.isfinite(y) & np.isfinite(x) & (y != 0.0))
 
 
 def hypot(*sides: Any) -> Any:
     """Length of vectors, their coordinates one by one."""
-    if _plain(sides):
+    if all(isinstance(one, float) for one in sides) or _plain(sides):
         return scalar.hypot(*sides)
     parts, shape, kind = _parts(sides)
     with np.errstate(over="ignore", under="ignore"):
@@ -161,12 +169,10 @@ def interpolate(x: Any, places: Any, values: Any) -> Any:
     run = np.clip(at, xs[0], xs[-1]) - xs[left]
     with np.errstate(all="ignore"):
         found = (ys[left + 1] - ys[left]) / (xs[left + 1] - xs[left]) * run + ys[left]
-    found = np.where(
-        at >= xs[-1], ys[-1], np.where(at <= xs[0], ys[0], np.where(run == 0.0, ys[left], found))
-    )
+    found = np.where(at >= xs[-1], ys[-1], np.where(at <= xs[0], ys[0], np.where(run == 0.0, ys[left], found)))
     return found if at.ndim else float(found)
 
 
-def square(x: Any) -> Any:
-    """x times x: a power of one number would be the C library's."""
-    return x * x
+def sqrt(x: Any) -> Any:
+    """Square root of a number, or of each of an array."""
+    return np.sqrt(x) if isinstance(x, np.ndarray) else math.sqrt(x)

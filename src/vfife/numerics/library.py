@@ -9,9 +9,9 @@ from typing import Any
 from ..codegen.compile import interpreted, library
 from ..codegen.lock import WRITING
 from ..codegen.source import Gathered
-from .routines import elimination, general, products, reflections, rotations, series, symmetric
+from .routines import elimination, general, products, reflections, rotations, series, skyline, symmetric
 
-# Routines and the kinds of their arguments: f1 a flat array of numbers, i an integer (codegen.compile).
+# Routines and the kinds of their arguments: f1 a flat array of numbers, d a number, i an integer (codegen.compile).
 ROUTINES: dict[Callable[..., None], str] = {
     products.multiply: "f1 f1 f1 i i i i i i i",
     products.multiply_vectors: "f1 f1 f1 i i i i i",
@@ -20,6 +20,8 @@ ROUTINES: dict[Callable[..., None], str] = {
     rotations.decompose: "f1 f1 f1 f1 f1 i i i i",
     symmetric.diagonalise: "f1 f1 f1 f1 i i",
     general.eigenvalues: "f1 f1 f1 f1 i i",
+    skyline.factorise: "f1 f1 f1 i d",
+    skyline.substitute_back: "f1 f1 f1 f1 i",
     series.turn_all: "f1 f1 f1",
     series.raise_all: "f1 f1 f1",
     series.exponentials: "f1 f1",

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from .library import call
 
 Array = NDArray[np.float64]
+# Entries of a matrix up to which NumPy's running sum along rows is quicker than a call of compiled code; the order of the sum is the same.
+SMALL = 1500
 
 
 def flat(values: Any) -> Array:
@@ -52,8 +54,9 @@ def times(matrix: Any, vector: Any) -> Any:
     rows, columns = a.shape[-2:]
     if x.shape[-1] != columns:
         raise ValueError(f"a matrix of shape {a.shape} and a vector of shape {x.shape} have no product")
+    if a.size <= SMALL:
+        return _sums(a * x[..., None, :]).view(alike(matrix, vector))
     lead = a.shape[:-2] if a.shape[:-2] == x.shape[:-1] else np.broadcast_shapes(a.shape[:-2], x.shape[:-1])
-    apart = []
     if a.ndim > 2 and a.shape[:-2] != lead:
         a = np.broadcast_to(a, (*lead, rows, columns))
     if x.ndim > 1 and x.shape[:-1] != lead:
@@ -64,17 +67,18 @@ def times(matrix: Any, vector: Any) -> Any:
     return found.view(alike(matrix, vector))
 
 
+def _sums(terms: Array) -> Array:
+    """Sums along the last axis, each in the order of its terms, of which np.sum makes no promise."""
+    return np.cumsum(terms, axis=-1)[..., -1] + 0.0 if terms.shape[-1] else np.zeros(terms.shape[:-1])
+
+
 def dot(first: Any, second: Any) -> Any:
     """Sum of products along the last axis, (..., n) each; a number of two vectors."""
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
-    if a.ndim == 1 and b.ndim == 1:
-        found = np.empty(1)
-        if a.shape != b.shape:
-            raise ValueError(f"vectors of shapes {a.shape} and {b.shape} have no product")
-        call("multiply_vectors", flat(a), flat(b), found, 1, 0, 0, 1, len(a))
-        return float(found[0])
-    a, b = np.broadcast_arrays(a, b)
-    return times(a[..., None, :], b)[..., 0].view(alike(first, second))
+    if a.shape[-1] != b.shape[-1]:
+        raise ValueError(f"vectors of shapes {a.shape} and {b.shape} have no product")
+    found = _sums(a * b)
+    return found.view(alike(first, second)) if found.ndim else float(found)
 
 
 def norm(vector: Any, axis: int | None = None) -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 
 from ..kernels import elementary
 from .routines.functions import arctangent, exponential, half_turn, length, logarithm, raised
@@ -36,8 +35,8 @@ def _far(angle: float) -> tuple[float, float]:
 
 
 def _rounded(numerator: int, denominator: int) -> float:
-    """The nearest double of a fraction, which Python divides exactly."""
-    return float(Fraction(numerator, denominator))
+    """The nearest double of a fraction of whole numbers of any size."""
+    return numerator / denominator
 
 
 _KNOWN: dict[str, int] = {}

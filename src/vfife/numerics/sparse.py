@@ -1,0 +1,175 @@
+"""Sparse matrices and their products in a fixed order, and solutions of the symmetric ones that follow from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .library import call
+
+Array = NDArray[np.float64]
+Places = NDArray[np.intp]
+
+
+class Sparse:
+    """A matrix (r, c) by its entries, sorted by rows and in these by columns; entries of one place are summed in their order."""
+
+    def __init__(self, values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> None:
+        at = np.asarray(rows, dtype=np.intp) * shape[1] + np.asarray(columns, dtype=np.intp)
+        places, which = np.unique(at, return_inverse=True)
+        self.shape = shape
+        self.values: Array = np.zeros(len(places))
+        np.add.at(self.values, which.reshape(-1), np.asarray(values, dtype=np.float64))
+        self.rows, self.columns = np.divmod(places, shape[1])
+
+    @classmethod
+    def like(cls, other: Sparse, values: Array) -> Sparse:
+        """A matrix with its entries in the same places."""
+        found = cls.__new__(cls)
+        found.shape, found.rows, found.columns, found.values = other.shape, other.rows, other.columns, values
+        return found
+
+    def times(self, vector: Array) -> Array:
+        """Matrix times vector."""
+        return np.asarray(
+            np.bincount(self.rows, self.values * vector[self.columns], minlength=self.shape[0]),
+            dtype=np.float64,
+        )
+
+    def transposed_times(self, vector: Array) -> Array:
+        """Its transpose times a vector."""
+        return np.asarray(
+            np.bincount(self.columns, self.values * vector[self.rows], minlength=self.shape[1]),
+            dtype=np.float64,
+        )
+
+    def weighted(self, weight: Array) -> Sparse:
+        """diag(weight) A."""
+        return Sparse.like(self, weight[self.rows] * self.values)
+
+    def squared(self, weight: Array | None = None) -> Sparse:
+        """A diag(weight) A^T, the weights one unless given."""
+        order = np.lexsort((self.rows, self.columns))
+        column, row, value = self.columns[order], self.rows[order], self.values[order]
+        counts = np.bincount(column, minlength=self.shape[1])
+        begins = np.concatenate([[0], np.cumsum(counts)[:-1]])
+        own = counts[column]  # each entry meets all of its column
+        first = np.repeat(np.arange(len(row)), own)
+        second = np.arange(len(first)) - np.repeat(np.cumsum(own) - own, own) + begins[column[first]]
+        scaled = value if weight is None else value * weight[column]
+        return Sparse(scaled[first] * value[second], row[first], row[second], (self.shape[0], self.shape[0]))
+
+    def part(self, rows: Places) -> Sparse:
+        """Some rows, in rising order, and the columns in which these have entries."""
+        chosen = np.isin(self.rows, rows)
+        columns = np.unique(self.columns[chosen])
+        places = np.searchsorted(rows, self.rows[chosen]), np.searchsorted(columns, self.columns[chosen])
+        return Sparse(self.values[chosen], *places, (len(rows), len(columns)))
+
+    def toarray(self) -> Array:
+        """As a dense matrix."""
+        found = np.zeros(self.shape)
+        found[self.rows, self.columns] = self.values
+        return found
+
+    def diagonal(self) -> Array:
+        """The entries of the diagonal."""
+        found, own = np.zeros(min(self.shape)), self.rows == self.columns
+        found[self.rows[own]] = self.values[own]
+        return found
+
+    def solver(self, added: float) -> Callable[[Array], Array]:
+        """What solves (A + added I) x = b, for a symmetric A without negative eigenvalues and a positive addition."""
+        size = self.shape[0]
+        order, place, first, start = _skyline(size, self.rows.tobytes(), self.columns.tobytes())
+        factors = np.zeros(int(start[-1]) + 1 if size else 0)
+        i, j = place[self.rows], place[self.columns]
+        lower = j <= i
+        factors[start[i[lower]].astype(np.intp) - i[lower] + j[lower]] = self.values[lower]
+        factors[start.astype(np.intp)] += added
+        call("factorise", factors, start, first, size, 0.5 * added)
+
+        def solution(right: Array) -> Array:
+            if right.ndim > 1:
+                return np.stack([solution(one) for one in right.T], axis=1)
+            x = right[order]
+            call("substitute_back", factors, start, first, x, size)
+            found = np.empty(size)
+            found[order] = x
+            return found
+
+        return solution
+
+    def components(self) -> list[Places]:
+        """The rows of each part into which a symmetric matrix falls, in rising order."""
+        neighbours = _neighbours(self.shape[0], self.rows, self.columns)
+        met: set[int] = set()
+        found = []
+        for node in range(self.shape[0]):
+            if node not in met:
+                part = [one for level in _levels(neighbours, node) for one in level]
+                met |= set(part)
+                found.append(np.array(sorted(part), dtype=np.intp))
+        return found
+
+
+def _neighbours(size: int, rows: Places, columns: Places) -> list[list[int]]:
+    """Which nodes each node of a symmetric pattern is joined to, in rising order."""
+    found: list[list[int]] = [[] for _ in range(size)]
+    for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
+        if row != column:
+            found[row].append(column)
+    return found
+
+
+def _levels(neighbours: list[list[int]], node: int) -> list[list[int]]:
+    """Nodes by their distance from one; in a level those come first whose predecessor did, then those of few neighbours."""
+    met, levels = {node}, [[node]]
+    while True:
+        following = []
+        for here in levels[-1]:
+            fresh = sorted(
+                (one for one in neighbours[here] if one not in met),
+                key=lambda one: (len(neighbours[one]), one),
+            )
+            met.update(fresh)
+            following += fresh
+        if not following:
+            return levels
+        levels.append(following)
+
+
+@lru_cache(maxsize=8)
+def _skyline(size: int, rows: bytes, columns: bytes) -> tuple[Places, Places, Array, Array]:
+    """An order in which entries lie near the diagonal, the place of each row in it, the first column of each row, and where diagonals lie.
+
+    Reverse order of Cuthill and McKee (1969): by levels from a node at one end, which is the last of the levels from any other.
+    """
+    own_rows, own_columns = np.frombuffer(rows, dtype=np.intp), np.frombuffer(columns, dtype=np.intp)
+    neighbours = _neighbours(size, own_rows, own_columns)
+    met: set[int] = set()
+    order: list[int] = []
+    for node in sorted(range(size), key=lambda one: (len(neighbours[one]), one)):
+        if node in met:
+            continue
+        levels = _levels(neighbours, node)
+        while True:
+            end = min(levels[-1], key=lambda one: (len(neighbours[one]), one))
+            further = _levels(neighbours, end)
+            if len(further) <= len(levels):
+                break
+            levels = further
+        part = [one for level in further for one in level]
+        met.update(part)
+        order += part
+    turned = np.array(order[::-1], dtype=np.intp)
+    place = np.empty(size, dtype=np.intp)
+    place[turned] = np.arange(size)
+    first = np.arange(size)
+    np.minimum.at(first, place[own_rows], place[own_columns])
+    start = np.cumsum(np.arange(size) - first + 1) - 1
+    return turned, place, first.astype(np.float64), start.astype(np.float64)
