@@ -96,21 +96,6 @@ def each_of(function: Callable[..., Any], *values: Any) -> list[Any]:
     return [function(*one) for one in zip(*lists, strict=True)]
 
 
-def cos(angle: Any) -> Any:
-    """As :func:`math.cos`."""
-    return each(math.cos, angle)
-
-
-def sin(angle: Any) -> Any:
-    """As :func:`math.sin`."""
-    return each(math.sin, angle)
-
-
-def hypot(*sides: Any) -> Any:
-    """As :func:`math.hypot`."""
-    return each(math.hypot, *sides)
-
-
 def number(value: Any) -> Any:
     """A plain number as one of Python's; those of members as they are."""
     return value.view(Members) if isinstance(value, np.ndarray) and value.ndim else float(value)

@@ -12,6 +12,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics import dense
+from ..numerics.products import times
+
 Array = NDArray[np.float64]
 Slopes = Callable[[Array], tuple[float, Array]]  # a place -> what is to be least, and its derivatives
 
@@ -30,11 +33,11 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
     left = now
     for _ in range(NEWTON):
         curvature = np.column_stack([slopes(here + change)[1] - slope for change in APART * extent * np.eye(count)]) / (APART * extent)
-        size, along = np.linalg.eigh(0.5 * (curvature + curvature.T))
+        size, along = dense.eigh(0.5 * (curvature + curvature.T))
         if size[0] < -ROUND * size[-1]:
             return None
         curved = size > ROUND * size[-1]
-        step = -(along[:, curved] / size[curved]) @ (along[:, curved].T @ slope)
+        step = -times(along[:, curved] / size[curved], times(along[:, curved].T, slope))
         here = here + step
         left, slope = slopes(here)
         if left < MOST * now or np.abs(here).max() > FAR * extent:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import Members
+from ..numerics.elementwise import sincos
 from .initial import Motion
 from .system import RigidSystem, equations
 
@@ -57,7 +58,7 @@ def clear(motion: Motion, speed: Array) -> NDArray[np.bool_]:
 
 def _corrected(system: RigidSystem, position: Array, ahead: Array, rate: Array) -> tuple[Array, Array, Array]:
     """Newton's step to where the drive is ``ahead`` (its row times its length), velocity by its ``rate``, both (members, c); the determinant."""
-    c, s = np.cos(position[..., 2]), np.sin(position[..., 2])
+    s, c = sincos(position[..., 2])
     facing = [(1.0, 0.0), *((c[:, k].view(Members), s[:, k].view(Members)) for k in range(1, len(system.names)))]
     rows = equations(system, position.view(Members), facing=facing)
     size = system.starts[-1]

@@ -18,10 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..fields.members import Members, cos, number, sin
+from ..fields.members import Members, number
 from ..kernels import constraint, geometry, path
 from ..kernels.topology import ACROSS, ALONG, APART, ON_PATH
 from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Place, Row, Turn, place_row, turn_row
+from ..numerics.elementwise import sincos
 from .taylor import Taylor, lifted
 
 Array = NDArray[np.float64]
@@ -214,7 +215,8 @@ def _pins(x: Any, y: Any, sign: float) -> list[tuple[Any, Any, Any]]:
 
 def _facing(at: list[float]) -> tuple[float, float]:
     """Cosine and sine of a body's angle."""
-    return cos(at[2]), sin(at[2])
+    s, c = sincos(at[2])
+    return c, s
 
 
 def directions(p: Any, body: int) -> tuple[Any, Any]:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import Differing, Members, chosen, several
+from ..numerics.products import dot, times
 from .bottom import bottom
-from .linalg import RANK_TOLERANCE, DampedStep, Matrix, times, weighted
+from .linalg import RANK_TOLERANCE, DampedStep, Matrix, weighted
 from .system import RigidSystem, equations, metric
 
 Array = NDArray[np.float64]
@@ -102,11 +103,11 @@ class _Descent:
     def look_down(self) -> None:
         """Ends at the bottom, where that is near and open: steps would only go to and fro across it."""
         phi, before = self.phi[0], self.seen
-        self.seen = float(self.weight**2 @ phi**2)
+        self.seen = dot(self.weight * self.weight, phi * phi)
         hindered = (np.abs(phi) > self.limit[0]).any()
         if hindered or not isinstance(self.jacobian, np.ndarray) or np.abs(phi).max() <= OPEN * self.scale[0] or self.seen < SLOW * before:
             return
-        start, lengths, square = self.position[0], self.lengths[0], self.weight**2
+        start, lengths, square = self.position[0], self.lengths[0], self.weight * self.weight
 
         def moved(change: Array) -> Array:
             there: Array = start.copy()
@@ -115,7 +116,7 @@ class _Descent:
 
         def slopes(change: Array) -> tuple[float, Array]:
             phi, jacobian = opened(self.system, moved(change))
-            return float(square @ phi**2), 2.0 * (square * phi) @ jacobian
+            return dot(square, phi * phi), times(jacobian.T, 2.0 * (square * phi))
 
         found = bottom(slopes, float(self.scale[0]), len(lengths))
         if found is not None:
@@ -188,10 +189,10 @@ class _Descent:
             far = ~(excess < 10.0) & self.going
             if not far.any():
                 break
-            damping = np.where(far, np.maximum(4.0 * damping, RANK_TOLERANCE**2), damping)
+            damping = np.where(far, np.maximum(4.0 * damping, RANK_TOLERANCE * RANK_TOLERANCE), damping)
         return np.asarray(step / np.maximum(1.0, excess)[:, None])
 
 
 def _square(vectors: Array) -> Any:
     """Sum of squares of each."""
-    return times(vectors[:, None, :], vectors)[:, 0]
+    return dot(vectors, vectors)

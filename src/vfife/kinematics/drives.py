@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -19,6 +18,7 @@ from ..model.joints import Contact, Gear, Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import Across, Along, Guided, Turn, place_row, turn_row
+from ..numerics.scalar import hypot
 from .constraints import KERNEL, Constraint
 from .forces import Datum, driven_body
 from .pins import from_center
@@ -165,7 +165,7 @@ def travel_of(
     body, _, pin = driver.point.partition(".")
     if body not in mechanism.bodies:
         raise AssemblyError(f"driver {name!r} moves {driver.point!r}, which is no pin of a body; give it body.pin")
-    if math.hypot(*driver.direction) == 0.0:
+    if hypot(*driver.direction) == 0.0:
         raise ValueError(f"driver {name!r}: its direction (0, 0) has no length; give two numbers (x, y) that are not both zero")
     to = 0, names.index(body), (Along(driver.direction),), (0.0, 0.0), from_center(mechanism, (body, pin))
     return Constraint(name, *to, value, rate, second, driven=True)

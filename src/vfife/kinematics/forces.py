@@ -26,6 +26,7 @@ from ..model.mechanism import Mechanism
 from ..model.polynomials import Polynomials
 from ..model.rows import Guided, place_row
 from ..model.springs import AnySpring
+from ..numerics.elementwise import hypot
 from .pins import world
 
 Array = NDArray[np.float64]
@@ -233,7 +234,7 @@ def _effort(mechanism: Mechanism, driver: Driver, body: str) -> tuple[Polynomial
 
 def unit(direction: tuple[float, float]) -> tuple[float, float]:
     """The direction with length 1. ValueError where it has none."""
-    size = float(np.hypot(*direction))
+    size = float(hypot(*direction))
     if not size > 0.0:
         raise ValueError(f"a direction of {direction} has no length: give two numbers that are not both zero")
     return direction[0] / size, direction[1] / size

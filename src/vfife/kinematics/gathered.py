@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..kernels.topology import ACROSS, ALONG, APART
 from ..model.rows import Across, Along, Apart, OnPath
+from ..numerics.elementwise import sincos
 from .constraints import KERNEL, Constraint
 from .system import RigidSystem
 
@@ -73,7 +74,7 @@ class Gathered:
         """phi and G at a position [n, 3]."""
         phi, G = np.zeros(self.rows), self.pinned.copy()
         x, y, angle = position.T
-        c, s = np.cos(angle), np.sin(angle)
+        s, c = sincos(angle)
         for kind, group in self.places:
             a, b, row = group.a, group.b, group.row
             ax, ay = KERNEL.arm(c[a], s[a], *group.point_a)

@@ -8,6 +8,7 @@ from itertools import combinations
 
 from ..model.joints import Joint
 from ..model.mechanism import Mechanism
+from ..numerics.scalar import distance
 from .pins import from_center
 
 EVEN = 1e-9  # a change point: s + l = p + q to so many parts
@@ -70,4 +71,4 @@ def _from(joint: Joint, body: str) -> tuple[tuple[str, str], tuple[str, str]]:
 
 
 def _length(mechanism: Mechanism, body: str, one: str, two: str) -> float:
-    return math.dist(from_center(mechanism, (body, one)), from_center(mechanism, (body, two)))
+    return distance(from_center(mechanism, (body, one)), from_center(mechanism, (body, two)))

@@ -17,6 +17,8 @@ from ..laws.elasticity import tangent
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
+from ..numerics.elementwise import hypot, sincos
+from ..numerics.products import product
 from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_system, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .mobility import Mobility, mobility
@@ -95,14 +97,14 @@ def seated(mechanism: Mechanism) -> dict[str, Seat]:
     seats = {}
     for name, joint in mechanism.clearances.items():
         fx, fy, _ = motion.reaction.get(name, (0.0, 0.0, 0.0))
-        force = float(np.hypot(fx, fy))
+        force = float(hypot(fx, fy))
         if force <= 0.0:
             continue
         depth = tangent(joint.contact, joint.contact.parameters(surfaces(mechanism, joint)), force)[0]
         bearing = joint.sides[0][0]
         angle = 0.0 if bearing == "ground" else motion.of(bearing)[0][2]
         size = -(joint.clearance + depth) / force
-        c, s = np.cos(angle), np.sin(angle)
+        s, c = sincos(angle)
         seats[name] = Seat((float(size * (c * fx + s * fy)), float(size * (c * fy - s * fx))), depth, force)
     return seats
 
@@ -138,7 +140,7 @@ def _at_rest(now: Instant) -> dict[str, float]:
     for name, spring in now.mechanism.springs.items():
         first, second = now.ends(spring)
         if spring.axes == "linear":
-            found[name] = float(np.hypot(*np.subtract(second.at, first.at)))
+            found[name] = float(hypot(*np.subtract(second.at, first.at)))
         else:
             found[name] = second.angle - first.angle
     return found
@@ -259,8 +261,8 @@ def ideal_motion(
     force = constant_forces(now, pushed)
     for name, (mass, local, extra) in (inertial or {}).items():
         row = system.names.index(name)
-        c, s = np.cos(position[row, 2]), np.sin(position[row, 2])
-        arm, push = local @ np.array([[c, s], [-s, c]]), -mass[:, None] * extra[:, :2]
+        s, c = sincos(position[row, 2])
+        arm, push = product(local, np.array([[c, s], [-s, c]])), -mass[:, None] * extra[:, :2]
         force[row] += np.array([*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()])
     acceleration, reaction, driving = accelerations(moved, position * flip, velocity * flip, force * flip)
     reactions = {one.name: (float(x), float(y), float(m)) for one, (x, y, m) in zip(moving.joints, reaction * flip, strict=True)}

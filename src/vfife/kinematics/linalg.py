@@ -1,6 +1,7 @@
 """Linear algebra of constraints that may depend on one another: least steps, motions nearest a wish, and self-stresses.
 
 G [r, c] is dense (one singular value decomposition) up to 90 columns, and sparse beyond: factors of G G^T + epsilon, refined.
+All of it has the same bits on every machine (:mod:`vfife.numerics`).
 """
 
 from __future__ import annotations
@@ -13,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import Alone, Differing, Members, alike
+from ..numerics import dense, products
+from ..numerics.sparse import Sparse
 
 Array = NDArray[np.float64]
-Matrix = Any  # a dense array, or a sparse one of SciPy
+Matrix = Any  # a dense array, or a Sparse one
 
 RANK_TOLERANCE = 1e-7  # a dead centre is only met to the root of round-off, so it must be judged this loosely
 DENSE = 90  # columns: beyond some 30 bodies sparse factors are faster
@@ -35,9 +38,7 @@ def matrix(values: list[Any], rows: list[int], columns: list[int], shape: tuple[
         dense = np.zeros(shape)
         np.add.at(dense, (rows, columns), values)
         return dense
-    from scipy.sparse import csr_array
-
-    return csr_array((values, (rows, columns)), shape=shape)
+    return Sparse(values, rows, columns, (shape[0], shape[1]))
 
 
 def turned(matrix: Array) -> Array:
@@ -47,16 +48,14 @@ def turned(matrix: Array) -> Array:
 
 def times(matrix: Matrix, vector: Array) -> Any:
     """A matrix times a vector, or each member's times its own."""
-    return np.asanyarray(matrix @ vector) if vector.ndim == 1 else (matrix @ vector[..., None])[..., 0]
+    return matrix.times(vector) if isinstance(matrix, Sparse) else products.times(matrix, vector)
 
 
 def weighted(weight: Array, jacobian: Matrix) -> Matrix:
     """diag(weight) G."""
     if isinstance(jacobian, np.ndarray):
         return np.asanyarray(weight[:, None] * jacobian)
-    from scipy.sparse import diags_array
-
-    return (diags_array(weight) @ jacobian).tocsr()
+    return jacobian.weighted(weight)
 
 
 def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
@@ -65,14 +64,14 @@ def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
     Velocities, accelerations, reactions and mobility are asked for at one position, so the last few are kept.
     """
     if jacobian.ndim > 2 or jacobian.dtype != float:
-        left, size, right = np.linalg.svd(jacobian)
+        left, size, right = dense.svd(jacobian)
         return left, size, right
     return _decomposed(jacobian.shape, jacobian.tobytes())
 
 
 @lru_cache(maxsize=4)
 def _decomposed(shape: tuple[int, int], entries: bytes) -> tuple[Array, Array, Array]:
-    left, size, right = np.linalg.svd(np.frombuffer(entries).reshape(shape))
+    left, size, right = dense.svd(np.frombuffer(entries).reshape(shape))
     for one in (left, size, right):
         one.setflags(write=False)
     return left, size, right
@@ -91,10 +90,10 @@ class DampedStep:
     def take(self, which: NDArray[np.bool_], jacobian: Matrix, error: Array) -> None:
         """Other G and errors for some of them."""
         if not isinstance(jacobian, np.ndarray):
-            squared, own = jacobian @ jacobian.T, error[0]
-            self.sparse = lambda damping: np.asarray(jacobian.T @ _factors(squared, max(damping, EPSILON))(own))
+            squared, own = jacobian.squared(), error[0]
+            self.sparse = lambda damping: jacobian.transposed_times(squared.solver(max(damping, EPSILON))(own))
             return
-        left, size, right = np.linalg.svd(jacobian[which], full_matrices=False)
+        left, size, right = dense.svd(jacobian[which], full=False)
         counts = (size > RANK_TOLERANCE).sum(axis=-1)
         rank = int(counts[0])
         if (counts != rank).any():
@@ -122,7 +121,7 @@ class DampedStep:
         if self.sparse is not None:
             return self.sparse(float(damping[0]))[None]
         size, part, rows = self.parts
-        return times(turned(rows), size / (size**2 + damping[:, None]) * part)
+        return times(turned(rows), size / (size * size + damping[:, None]) * part)
 
 
 def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array, independent: bool = False) -> tuple[Array, Array]:
@@ -136,25 +135,23 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array, indep
         rank = alike(np.sum(size > RANK_TOLERANCE, axis=-1))
         if independent and rank < jacobian.shape[-2]:
             raise Alone("rows depend on one another")
-        inverse = turned(right[..., :rank, :]) @ turned(left[..., :, :rank] / size[..., None, :rank])
+        across, along = turned(left[..., :, :rank]), right[..., :rank, :]
+        motion = times(turned(along), times(across, wanted) / size[..., :rank])
         null = turned(right[..., rank:, :])
-        motion = times(inverse, wanted)
-        pull = times(turned(null), mass * (free - motion))
-        free_part: Any = np.linalg.solve(turned(null) @ (mass[..., None] * null), pull[..., None])[..., 0]
-        motion = motion + times(null, free_part)
-        return motion, times(turned(inverse), mass * (motion - free))
-    from scipy.sparse import diags_array
-
-    squared = (jacobian @ diags_array(1.0 / mass) @ jacobian.T).tocsc()
-    left_over = wanted - jacobian @ free
-    solve, multiplier = _factors(squared, SOFT * float(squared.diagonal().max(initial=1e-300))), np.zeros(len(wanted))
+        if null.shape[-1]:
+            pull = times(turned(null), mass * (free - motion))
+            motion = motion + times(null, dense.solve(products.product(turned(null), mass[..., None] * null), pull))
+        return motion, times(turned(across), times(along, mass * (motion - free)) / size[..., :rank])
+    squared = jacobian.squared(1.0 / mass)
+    left_over = wanted - times(jacobian, free)
+    solve, multiplier = squared.solver(SOFT * float(squared.diagonal().max(initial=1e-300))), np.zeros(len(wanted))
     finest = 1e-15 * max(np.abs(wanted).max(initial=0.0), np.abs(free).max(initial=0.0))
     for _ in range(REFINEMENTS):
-        missing = left_over - squared @ multiplier
+        missing = left_over - times(squared, multiplier)
         if np.abs(missing).max(initial=0.0) <= finest:
             break
         multiplier += solve(missing)
-    return free + (jacobian.T @ multiplier) / mass, multiplier
+    return free + jacobian.transposed_times(multiplier) / mass, multiplier
 
 
 def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
@@ -165,10 +162,10 @@ def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
     stress = self_stress(jacobian)
     if not stress.shape[-1]:
         return multiplier
-    squares = jacobian**2 if isinstance(jacobian, np.ndarray) else jacobian.multiply(jacobian)
-    weight = np.asarray(squares @ mobility).ravel()
-    norm = stress.T @ (weight[:, None] * stress)
-    return np.asarray(multiplier - stress @ np.linalg.lstsq(norm, stress.T @ (weight * multiplier), rcond=None)[0])
+    squares = jacobian * jacobian if isinstance(jacobian, np.ndarray) else Sparse.like(jacobian, jacobian.values * jacobian.values)
+    weight = times(squares, mobility)
+    square = products.product(stress.T, weight[:, None] * stress)
+    return np.asarray(multiplier - times(stress, dense.least_squares(square, times(stress.T, weight * multiplier))))
 
 
 def self_stress(jacobian: Matrix) -> Array:
@@ -179,33 +176,34 @@ def self_stress(jacobian: Matrix) -> Array:
     if isinstance(jacobian, np.ndarray):
         left, size, _ = decomposed(jacobian)
         return np.asarray(left[..., :, alike(np.sum(size > RANK_TOLERANCE, axis=-1)) :])
-    solve = _factors(jacobian @ jacobian.T, EPSILON)
+    solve = jacobian.squared().solver(EPSILON)
     columns = 8
     while 4 * columns < count:  # inverse iteration with as many vectors as it takes to see one that is no self-stress
-        basis = np.cos(np.arange(1, count + 1)[:, None] * np.arange(1, columns + 1) ** 2)
+        basis = _scattered(count, columns)
         for _ in range(4):
-            basis = np.linalg.qr(solve(basis))[0]
-        _, size, turn = np.linalg.svd(jacobian.T @ basis, full_matrices=False)
+            basis = dense.qr(solve(basis))[0]
+        seen = np.stack([jacobian.transposed_times(one) for one in basis.T], axis=1)
+        _, size, turn = dense.svd(seen, full=False)
         if size[0] > RANK_TOLERANCE:
-            return np.asarray(basis @ turn[size <= RANK_TOLERANCE].T)
+            return np.asarray(products.product(basis, turn[size <= RANK_TOLERANCE].T))
         columns *= 4
     return self_stress(jacobian.toarray())
+
+
+def _scattered(count: int, columns: int) -> Array:
+    """Numbers (count, columns) between -1/2 and 1/2 without a pattern: multiples of the golden section less whole numbers, in integers."""
+    places = np.arange(1, count + 1, dtype=np.uint64)[:, None] * np.square(np.arange(1, columns + 1, dtype=np.uint64))
+    return (places * np.uint64(2654435769) % np.uint64(2**32)).astype(np.float64) / 2.0**32 - 0.5
 
 
 def dependent_rows(jacobian: Matrix) -> list[int]:
     """Rows that follow from those before them, found part by part where G falls apart into loops that share no body."""
     if isinstance(jacobian, np.ndarray):
         return _ends(self_stress(jacobian))
-    from scipy.sparse.csgraph import connected_components
-
-    parts, part_of = connected_components(jacobian @ jacobian.T, directed=False)
     found: list[int] = []
-    for part in range(parts):
-        rows = np.flatnonzero(part_of == part)
-        here = jacobian[rows]
-        columns = np.unique(here.indices)
-        here = here[:, columns]
-        found += rows[_ends(self_stress(here.toarray() if len(columns) <= DENSE else here))].tolist()
+    for rows in jacobian.squared().components():
+        here = jacobian.part(rows)
+        found += rows[_ends(self_stress(here.toarray() if here.shape[1] <= DENSE else here))].tolist()
     return sorted(found)
 
 
@@ -214,22 +212,11 @@ def _ends(stress: Array) -> list[int]:
     found: list[int] = []
     left = stress.copy()
     for row in range(len(left) - 1, -1, -1):
-        size = float(np.linalg.norm(left[row]))
+        size = products.norm(left[row])
         if size > 1e-6:
             found.append(row)
             along = left[row] / size
-            left = left - np.outer(left @ along, along)
+            left = left - np.outer(times(left, along), along)
             if len(found) == stress.shape[1]:
                 break
     return found[::-1]
-
-
-def _factors(squared: Matrix, added: float) -> Callable[[Array], Array]:
-    from scipy.sparse import eye_array
-    from scipy.sparse.linalg import splu
-
-    lower = splu(
-        (squared + added * eye_array(squared.shape[0])).tocsc(),
-        permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True},
-    )  # fmt: skip
-    return lambda right: np.asarray(lower.solve(right))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
+from ..numerics import dense
+from ..numerics.elementwise import cos
+from ..numerics.products import dot, norm, product, times
 from .linalg import Matrix, constrained, dependent_rows, self_stress
 from .solve import close
 from .system import RigidSystem, checked, equations, metric
@@ -20,6 +23,7 @@ Array = NDArray[np.float64]
 ASIDE = 1e-2  # by how much of its reach, or rad, a mechanism is moved to see what holds nearby too
 FEW = 12  # free motions
 BENT = 1e-6  # of squares of velocities over the size of the largest body: less is rounding
+LEAST_STEPS = 60  # of Marquardt's: at a double root each leaves a sixteenth of the squares
 STARTS = 6  # tries to find a free motion that goes on
 
 
@@ -87,21 +91,21 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
     if not isinstance(now.jacobian, np.ndarray):
         return False
     lengths, stress = metric(system)[0], self_stress(now.jacobian)
-    null = np.linalg.svd(now.jacobian)[2][len(now.jacobian) - stress.shape[1] :]
+    null = dense.svd(now.jacobian)[2][len(now.jacobian) - stress.shape[1] :]
     count = len(null)
     if count > FEW:
         return False
 
     def bent(motion: Array) -> Array:
         velocity = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
-        return np.asarray(stress.T @ (equations(system, position, velocity).gamma - now.gamma) * system.reach[1:].max())
+        return np.asarray(times(stress.T, equations(system, position, velocity).gamma - now.gamma) * system.reach[1:].max())
 
     alone = [bent(one) for one in null]
     forms = np.zeros((stress.shape[1], count, count))
     for i in range(count):
         for j in range(i + 1):
             forms[:, i, j] = forms[:, j, i] = alone[i] if i == j else 0.5 * (bent(null[i] + null[j]) - alone[i] - alone[j])
-    sizes = np.linalg.eigvalsh(forms)
+    sizes = dense.eigh(forms)[0]
     some = [one for one in sizes if np.abs(one).max() > BENT]
     return bool(some) and all(one.min() > -BENT or one.max() < BENT for one in some)
 
@@ -119,7 +123,7 @@ def _aside(system: RigidSystem, position: Array) -> Array | None:
             found = close(released, position + step, named=False).position
         except AssemblyError:
             continue
-        if np.linalg.norm((found - position) * scale) > 0.1 * np.linalg.norm(step * scale):
+        if norm((found - position) * scale) > 0.1 * norm(step * scale):
             return found
     return None
 
@@ -127,19 +131,40 @@ def _aside(system: RigidSystem, position: Array) -> Array | None:
 def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Iterator[Array]:
     """Free motions in (x, y, l theta) that may go on: of the second order, N^T gamma(v) = 0 for every self-stress N, where that can be solved."""
     lengths = metric(system)[0]
-    wish = np.cos(np.arange(1.0, len(lengths) + 1.0) ** 2) * np.repeat(system.reach[1:], 3)
+    wish = cos(np.square(np.arange(1, len(lengths) + 1))) * np.repeat(system.reach[1:], 3)
     if isinstance(jacobian, np.ndarray):
-        from scipy.optimize import least_squares
-
         stress = self_stress(jacobian)
-        null = np.linalg.svd(jacobian)[2][len(jacobian) - stress.shape[1] :].T
+        null = dense.svd(jacobian)[2][len(jacobian) - stress.shape[1] :].T
 
         def bent(part: Array) -> Array:
-            velocity = np.vstack([np.zeros(3), (null @ part / lengths).reshape(-1, 3)])
-            return np.append(stress.T @ equations(system, position, velocity).gamma, part @ part - 1.0)
+            velocity = np.vstack([np.zeros(3), (times(null, part) / lengths).reshape(-1, 3)])
+            return np.append(times(stress.T, equations(system, position, velocity).gamma), dot(part, part) - 1.0)
 
         for start in range(STARTS if stress.size else 0):
-            answer = least_squares(bent, np.cos(np.arange(1.0, null.shape[1] + 1.0) ** 2 + start), xtol=1e-15, ftol=1e-15, gtol=1e-15)
-            if answer.cost < 1e-16:
-                yield null @ answer.x
+            part, cost = _least(bent, cos(np.square(np.arange(1, null.shape[1] + 1)) + float(start)))
+            if cost < 1e-16:
+                yield times(null, part)
     yield constrained(jacobian, np.zeros(jacobian.shape[0]), np.ones_like(wish), wish)[0]
+
+
+def _least(function: Callable[[Array], Array], at: Array) -> tuple[Array, float]:
+    """Where half the sum of squares of quadratic functions is least, near a place, and how large it is: Marquardt's steps."""
+    here, damping = at, 1e-3
+    error = function(here)
+    cost = 0.5 * dot(error, error)
+    for _ in range(LEAST_STEPS):
+        slopes = np.stack([0.5 * (function(here + one) - function(here - one)) for one in np.eye(len(here))], axis=1)  # exact: no third derivative
+        square = product(slopes.T, slopes)
+        while damping < 1e8:
+            step = -dense.solve(square + damping * np.eye(len(here)), times(slopes.T, error))
+            tried = function(here + step)
+            if 0.5 * dot(tried, tried) < cost:
+                break
+            damping *= 8.0
+        else:
+            break
+        here, error, damping = here + step, tried, max(damping / 8.0, 1e-14)
+        before, cost = cost, 0.5 * dot(tried, tried)
+        if cost < 1e-30 or before - cost < 1e-12 * before:
+            break
+    return here, cost

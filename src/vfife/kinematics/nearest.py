@@ -13,6 +13,8 @@ from ..errors import AssemblyError
 from ..model.bodies import Link
 from ..model.mechanism import Mechanism
 from ..model.rows import Apart, place_row
+from ..numerics.products import dot
+from ..numerics.scalar import log10, whole_power
 from .drives import rigid_system
 from .forces import Datum
 from .gathered import Gathered
@@ -112,7 +114,7 @@ def sensitive(
         before, after = (Gathered(mirrored(system) if hand < 0.0 else system) for system in systems)
         phi = before.at(opened.position, before.aimed(aims))[0]
         moved = after.at(opened.position, after.aimed(aims))[0] - phi
-        slope = float(opened.pulls @ moved) / (opened.gap * NUDGE * length)  # the least gap does not feel that the position would move too
+        slope = dot(opened.pulls, moved) / (opened.gap * NUDGE * length)  # the least gap does not feel that the position would move too
         if abs(slope) > 0.1:
             yield name, length, slope
 
@@ -185,6 +187,6 @@ def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follo
 
 def rounded(length: float, change: float) -> float:
     """The length to four digits, away from where it came from, unless it is as good as those already."""
-    unit = 10.0 ** (math.floor(math.log10(abs(length))) - DIGITS + 1) if length > 0.0 else 1.0
+    unit = whole_power(10.0, math.floor(log10(abs(length))) - DIGITS + 1) if length > 0.0 else 1.0
     parts = length / unit
     return (math.ceil(parts - 1e-3) if change > 0.0 else math.floor(parts + 1e-3)) * unit

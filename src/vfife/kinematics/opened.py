@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics import dense
+from ..numerics.products import norm, product, times
 from .gathered import Gathered
 from .system import RigidSystem
 
@@ -62,9 +64,9 @@ def parted(gathered: Gathered, joint: int, aims: Array, guess: Array) -> Parted:
         shift[here] = 0.0
         if np.abs(np.delete(phi, np.arange(here.start, here.stop))).max(initial=0.0) <= CLOSE * extent:
             break
-    pulls = HELD**2 * shift
+    pulls = HELD * HELD * shift
     pulls[here] = phi[here]
-    return Parted(position, float(np.linalg.norm(phi[here])), pulls)
+    return Parted(position, norm(phi[here]), pulls)
 
 
 def _least(gathered: Gathered, kept: Array, weight: Array, shift: Array, position: Array) -> tuple[Array, Array]:
@@ -74,14 +76,14 @@ def _least(gathered: Gathered, kept: Array, weight: Array, shift: Array, positio
     for _ in range(STEPS):
         error = weight * (phi + shift)
         weighted = weight[:, None] * jacobian
-        step = np.linalg.solve(weighted.T @ weighted + damping * np.eye(len(scale)), -weighted.T @ error)
+        step = dense.solve(product(weighted.T, weighted) + damping * np.eye(len(scale)), -times(weighted.T, error))
         step /= max(1.0, float(np.abs(step / scale)[2::3].max()) / LARGEST_TURN)
         if np.abs(step).max() <= FINEST * extent or damping > 1e9:
             break
         trial = position.copy()
         trial[1:] += (step / scale).reshape(-1, 3)
         tried, turned = gathered.at(trial, kept)
-        if np.linalg.norm(weight * (tried + shift)) < np.linalg.norm(error):
+        if norm(weight * (tried + shift)) < norm(error):
             position, phi, jacobian, damping = trial, tried, turned, max(damping / 3.0, 1e-9)
         else:
             damping *= 4.0

@@ -14,6 +14,7 @@ from ..model.bodies import Body, Point
 from ..model.joints import Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
+from ..numerics.elementwise import sincos
 
 Array = NDArray[np.float64]
 Places: TypeAlias = list[tuple[Any, Any, Any]]  # (x, y, angle) of bodies
@@ -40,7 +41,7 @@ def from_center(mechanism: Mechanism, side: tuple[str, str]) -> Point:
 def centred(mechanism: Mechanism, name: str, position: Array, velocity: Array) -> tuple[Array, Array]:
     """Motion of a body's centre of mass from that of its frame's origin: (x, y, angle) and its rate, each (3,)."""
     x, y = rigid_properties(mechanism.bodies[name])[1]
-    c, s = np.cos(position[2]), np.sin(position[2])
+    s, c = sincos(position[2])
     r = np.array([c * x - s * y, s * x + c * y, 0.0])
     return position + r, velocity + velocity[2] * np.array([-r[1], r[0], 0.0])
 
@@ -49,7 +50,7 @@ def world(mechanism: Mechanism, position: Places | Array, names: tuple[str, ...]
     """A pin in space (m), or a place ``beyond`` it in its body's axes; bodies at ``position`` (bodies + 1, 3)."""
     x, y = (a + b for a, b in zip(from_center(mechanism, side), beyond, strict=True))
     px, py, angle = position[names.index(side[0])] if side[0] != "ground" else (0.0, 0.0, 0.0)
-    c, s = np.cos(angle), np.sin(angle)
+    s, c = sincos(angle)
     return number(px + c * x - s * y), number(py + s * x + c * y)
 
 
@@ -98,6 +99,6 @@ def _ways(joint: Joint) -> Iterator[tuple[tuple[str, str], tuple[str, str], Poin
 
 def _place(guess: Places, row: int, body: Body, local: Point, target: Point) -> None:
     cx, cy = rigid_properties(body)[1]
-    c, s = np.cos(body.angle), np.sin(body.angle)
+    s, c = sincos(body.angle)
     x, y = cx - local[0], cy - local[1]
     guess[row] = target[0] + c * x - s * y, target[1] + s * x + c * y, body.angle

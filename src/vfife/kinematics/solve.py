@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..fields.members import Differing, Members, point, several, table
+from ..numerics.elementwise import cos
+from ..numerics.products import norm
 from .descent import LARGEST_TURN, Closure, descend, opened
 from .gathered import Gathered
 from .linalg import DENSE, RANK_TOLERANCE, constrained, shared_out, times
@@ -44,7 +46,7 @@ def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
         if not named:
             raise AssemblyError("joints stay open")
         nudged = start.copy()
-        nudged[1:, 2] += 0.5 * LARGEST_TURN * np.cos(np.arange(1, len(start)))
+        nudged[1:, 2] += 0.5 * LARGEST_TURN * cos(np.arange(1, len(start)))
         raise _open_joints(system, closure, _is_closed(system, descend(system, nudged)))
     return closure
 
@@ -112,7 +114,7 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
     """Return the error that names the open joints of a position, their gaps and the likely cause."""
     before = opened(system, closure.position)[0]
     phi, alone = _put_down(system, closure)
-    gaps = [float(np.linalg.norm(phi[system.rows(k)])) for k in range(len(system.joints))]
+    gaps = [norm(phi[system.rows(k)]) for k in range(len(system.joints))]
     largest = max(gaps, default=0.0)
     gap_of = {joint.name: gap for joint, gap in zip(system.joints, gaps, strict=True) if gap > 1e-3 * largest}
     listed = ", ".join(_gap(system, k, phi) for k, joint in enumerate(system.joints) if joint.name in gap_of)
@@ -149,7 +151,7 @@ def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
 def _gap(system: RigidSystem, k: int, phi: Array) -> str:
     """A joint and by how much it is open: mm, and rad where angles do not fit."""
     joint, open_rows = system.joints[k], phi[system.rows(k)]
-    apart, askew = float(np.linalg.norm(open_rows[: joint.lengths])), float(np.linalg.norm(open_rows[joint.lengths :]))
+    apart, askew = norm(open_rows[: joint.lengths]), norm(open_rows[joint.lengths :])
     parts = [f"{1e3 * apart:.4g} mm"] if apart > 1e-3 * askew else []
     parts += [f"{askew / system.lengths[k]:.4g} rad"] if askew > 1e-3 * apart else []
     return f"{joint.name} by {' and '.join(parts)}"

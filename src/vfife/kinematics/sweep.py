@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics import dense
+from ..numerics.elementwise import cos
 from .gathered import Gathered
 from .linalg import DENSE, dependent_rows
 from .system import RigidSystem
@@ -66,7 +68,7 @@ class Follower:
         if not system.drives or not gathered.rows or gathered.columns > DENSE:
             return None
         kept = gathered.aimed(np.array([drive.aim for drive in system.drives]))
-        aside = position + 0.1 * np.cos(np.arange(position.size)).reshape(position.shape) * np.array([1.0, 1.0, 1.0])
+        aside = position + 0.1 * cos(np.arange(position.size)).reshape(position.shape) * np.array([1.0, 1.0, 1.0])
         felt = np.flatnonzero(np.abs(gathered.at(aside, kept)[1]).max(axis=0) > 0.0)
         jacobian = gathered.at(position, kept)[1][:, felt]
         rows = np.arange(gathered.rows)
@@ -75,7 +77,7 @@ class Follower:
             if any(row >= system.held for row in twice):
                 return None
             rows = np.setdiff1d(rows, twice)
-        if len(rows) != len(felt) or np.linalg.svd(jacobian[rows], compute_uv=False)[-1] < 1e-6:
+        if len(rows) != len(felt) or dense.singular_values(jacobian[rows])[-1] < 1e-6:
             return None
         whole = len(rows) == gathered.rows and len(felt) == gathered.columns - 3
         picked = (slice(None), slice(None)) if whole else np.ix_(rows, felt)
@@ -119,7 +121,7 @@ class Follower:
     def solved_freely(self, square: Array, right: Array) -> Array | None:
         """The same as :meth:`solved`, however far it leads."""
         try:
-            answer = np.linalg.solve(square, right)
+            answer = dense.solve(square, right)
         except np.linalg.LinAlgError:
             return None
         step = np.zeros(self.gathered.columns)
@@ -128,7 +130,7 @@ class Follower:
 
     def stress(self, square: Array) -> Array:
         """The multipliers [rows] that come nearest to loading nothing, the largest 1."""
-        left = np.linalg.svd(square)[0][:, -1]
+        left = dense.svd(square)[0][:, -1]
         stress = np.zeros(self.gathered.rows)
         stress[self.rows] = np.abs(left) / np.abs(left).max()
         return stress
@@ -141,7 +143,7 @@ def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length:
         return Passage(0.0, position, False, None, ())
     (here, square), at = start, 0.0
     found: list[tuple[float, Array]] = []
-    sign = np.sign(np.linalg.slogdet(square)[0])
+    sign = dense.determinant_sign(square)
     going, bend, stride = follower.velocity(square, rates(0.0)), np.zeros_like(position), 0.382 * pace  # a change point lies at a round angle
     for _ in range(MOST_STRIDES):
         if at >= length * (1.0 - 1e-12):
@@ -149,11 +151,11 @@ def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length:
         if going is None:
             return Passage(at, here, True, follower.stress(square), tuple(found))
         stride = min(stride, length - at)
-        guess = here + stride * going + 0.5 * stride**2 * bend
+        guess = here + stride * going + 0.5 * (stride * stride) * bend
         tried = follower.closed(guess, aims(at + stride), quick=stride > 0.2 * pace)  # in small steps lies what is singular
         if tried is not None and follower.moved(tried[0] - guess) > ASTRAY * follower.moved(tried[0] - here) + 1e-9 * follower.extent:
             tried = None
-        turned = tried is not None and np.sign(np.linalg.slogdet(tried[1])[0]) != sign
+        turned = tried is not None and dense.determinant_sign(tried[1]) != sign
         if tried is not None and not turned:
             before = going
             here, square = tried
@@ -169,7 +171,7 @@ def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length:
                 return Passage(at, here, beyond is None, follower.stress(square), tuple(found))
             found.append((at, follower.stress(square)))
             (here, square), at = beyond
-            sign, going = np.sign(np.linalg.slogdet(square)[0]), follower.velocity(square, rates(at))
+            sign, going = dense.determinant_sign(square), follower.velocity(square, rates(at))
             bend, stride = np.zeros_like(here), 0.382 * pace
     return Passage(at, here, False, None, tuple(found))
 
@@ -181,7 +183,7 @@ def _hopped(
     if follower.moved(going) > 0.1 / HOP * follower.extent:  # so fast it only goes where it comes to its end
         return None
     hop = min(HOP, length - at)
-    guess = here + hop * going + 0.5 * hop**2 * bend
+    guess = here + hop * going + 0.5 * (hop * hop) * bend
     tried = follower.closed(guess, aims(at + hop))
     if tried is None or follower.moved(tried[0] - guess) > ASTRAY * follower.moved(hop * going) + 1e-6 * follower.extent:
         return None

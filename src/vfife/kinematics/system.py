@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import number, point, several, spread
+from ..numerics.elementwise import hypot
 from .constraints import Constraint, directions
 from .linalg import DENSE, Matrix, matrix
 
@@ -51,10 +52,10 @@ class RigidSystem:
         reach[..., 1:] = np.sqrt(inertia[..., 1:] / mass[..., 1:])
         sides = [side for one in self.constraints for side in ((one.body_a, one.point_a), (one.body_b, one.point_b))]
         if not shape and not masses:
-            np.maximum.at(reach, [body for body, _ in sides], np.hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T))
+            np.maximum.at(reach, [body for body, _ in sides], hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T))
         else:
             for body, at in sides:
-                reach[..., body] = np.maximum(reach[..., body], np.hypot(*at))  # type: ignore[misc]
+                reach[..., body] = np.maximum(reach[..., body], hypot(*at))  # type: ignore[misc]
         if not shape and masses and (np.asarray(reach) == np.asarray(reach)[0]).all():  # masses alone, which do not turn a position
             reach = np.array(reach[0])
         turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
@@ -152,7 +153,7 @@ def _length(one: Constraint, reach: Array) -> Any:
     a = 0.0 if one.body_a == 0 else one.ratio / reach[..., one.body_a]
     b = 0.0 if one.body_b == 0 else 1.0 / reach[..., one.body_b]
     c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[..., one.body_c]
-    return number(1.0 / np.hypot(np.hypot(a, b), c))
+    return number(1.0 / hypot(hypot(a, b), c))
 
 
 @dataclass(frozen=True)

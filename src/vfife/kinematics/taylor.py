@@ -7,6 +7,8 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 
 class Taylor:
     """value + rate t + second t^2/2; comparisons are those of the values."""
@@ -72,7 +74,7 @@ def taylor(number: Any) -> Taylor:
 def sqrt(number: Any) -> Any:
     """Square root of a plain number, of an array of them, or of one with derivatives."""
     if not isinstance(number, Taylor):
-        return number**0.5 if hasattr(number, "shape") else math.sqrt(number)
+        return np.sqrt(number) if hasattr(number, "shape") else math.sqrt(number)
     value = math.sqrt(number.value)
     half = 0.5 / value
     rate = half * number.rate
