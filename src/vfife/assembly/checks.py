@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..fields.members import cos, sin
 from ..kinematics.drives import constraint_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..model.bodies import Link, PointMass
 from ..model.mechanism import Mechanism
 from ..model.rows import Coincide, Turn
+from ..numerics.elementwise import sincos
 
 if TYPE_CHECKING:
     from ..kinematics.initial import Motion
@@ -98,7 +98,7 @@ def start_depth(filler: Filler, touch: Touch) -> Any:
     (bx, by), (kx, ky) = filler.seen(touch.bearing), filler.seen(touch.journal)
     ex, ey = kx - bx, ky - by
     angle = filler.angle(touch.bearing)
-    c, s = cos(angle), sin(angle)
+    s, c = sincos(angle)
     return touch.touching.depth(c * ex + s * ey, c * ey - s * ex)
 
 

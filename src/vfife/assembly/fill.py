@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import Members, cos, hypot, largest, number, point, sin, spread
+from ..fields.members import Members, largest, number, point, spread
 from ..kernels.arrays import Layout
 from ..kernels.constraint import relative_turn
 from ..kernels.polynomial import polynomial
@@ -23,6 +23,7 @@ from ..model.path import Path
 from ..model.springs import AnySpring
 from ..model.surfaces import surfaces
 from ..model.touching import Touching
+from ..numerics.elementwise import hypot, sincos
 from .assembled import BodyMap
 from .numbering import Numbering, Place
 from .prestress import PrestressedState
@@ -102,7 +103,7 @@ class Filler:
         for axis, block in enumerate("xy"):
             self.put(f"particle_load_{block}", mesh.mass * self.mechanism.gravity[axis], particles)
         chord = there[mesh.nodes[:, 1], :2] - there[mesh.nodes[:, 0], :2]
-        length = np.hypot(chord[:, 0], chord[:, 1])
+        length = hypot(chord[:, 0], chord[:, 1])
         values = {
             "reference_length": length, "reference_inverse_length": 1.0 / (mesh.length if mesh.strain == "reference" else length),
             "reference_cosine": chord[:, 0] / length, "reference_sine": chord[:, 1] / length,
@@ -153,7 +154,7 @@ class Filler:
         if joint.place != ALONG:
             carrier = self.angle((joint.carrier, (0.0, 0.0)))
             return relative_turn(angles[0], angles[1], joint.ratio, carrier) - begin
-        c, s = cos(angles[0]), sin(angles[0])
+        s, c = sincos(angles[0])
         dx, dy = c * joint.direction[0] - s * joint.direction[1], s * joint.direction[0] + c * joint.direction[1]
         (bx, by), (kx, ky) = self.seen(joint.bearing), self.seen(joint.journal)
         return dx * (kx - bx) + dy * (ky - by) - begin
@@ -171,7 +172,7 @@ class Filler:
         p, (x, y) = place
         px, py = (number(self.state[..., self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y"))
         angle = self.angle(place)
-        c, s = cos(angle), sin(angle)
+        s, c = sincos(angle)
         return px + c * x - s * y, py + s * x + c * y
 
     def touches(self, touches: Sequence[Touch]) -> None:
@@ -277,6 +278,6 @@ def coordinates(values: Any) -> tuple[Any, ...]:
 
 def carried(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """Position and velocity of points (x, y) (m) of a rigid body, seen from its centre of mass in its frame."""
-    c, s = cos(position[2]), sin(position[2])
+    s, c = sincos(position[2])
     rx, ry, w = c * x - s * y, s * x + c * y, velocity[2]
     return (position[0] + rx, position[1] + ry, position[2]), (velocity[0] - w * ry, velocity[1] + w * rx, w)

@@ -23,6 +23,9 @@ from ..kinematics.initial import ideal_motion
 from ..model.lumping import Mesh
 from ..model.mechanism import Mechanism
 from ..model.springs import AnySpring
+from ..numerics import dense
+from ..numerics.elementwise import atan2, hypot, sincos
+from ..numerics.products import norm, product, times
 from .entities import ideal_joints, spring_places
 from .numbering import Numbering, Place
 
@@ -93,9 +96,9 @@ class _Parts:
         found = np.zeros((self.numbering.count, 3))
         for name, body in self.numbering.bodies.items():
             at = motion.of(name)[0]
-            c, s = np.cos(at[2]), np.sin(at[2])
+            s, c = sincos(at[2])
             local = self.numbering.meshes[name].position if name in self.numbering.meshes else np.array([body.reference])
-            arms = (local - np.array(body.center)) @ np.array([[c, s], [-s, c]])
+            arms = product(local - np.array(body.center), np.array([[c, s], [-s, c]]))
             found[list(body.particles)] = np.column_stack([at[:2] + arms, np.full(len(arms), at[2])])
         return found
 
@@ -118,24 +121,24 @@ class _Parts:
         trial = self.position.copy()
         for _ in range(SETTLINGS + 1):
             there = self._at(trial, root)
-            values, vectors = np.linalg.eigh(there.motions.T @ self._weighted(there.stiffness, root) @ there.motions)
+            values, vectors = dense.eigh(product(product(there.motions.T, self._weighted(there.stiffness, root)), there.motions))
             stiff = values > STIFF * max(float(values.max(initial=0.0)), 1e-300)
-            held = vectors[:, stiff].T @ (there.motions.T @ there.push)
-            if not float(np.linalg.norm(held)) < least:  # too soft for a few steps of Newton's method: as it starts
+            held = times(vectors[:, stiff].T, times(there.motions.T, there.push))
+            if not norm(held) < least:  # too soft for a few steps of Newton's method: as it starts
                 break
-            position, least = trial.copy(), float(np.linalg.norm(held))
-            trial.reshape(-1)[self.moving] += (there.motions @ (vectors[:, stiff] @ (held / values[stiff]))) / root
-        found, whole = self._at(position, root), float(np.linalg.norm(self._applied()[self.moving] / root))
-        multiplier = np.linalg.lstsq((found.rows / found.sizes[:, None]).T, -found.push, rcond=RANK)[0] / found.sizes
+            position, least = trial.copy(), norm(held)
+            trial.reshape(-1)[self.moving] += times(there.motions, times(vectors[:, stiff], held / values[stiff])) / root
+        found, whole = self._at(position, root), norm(self._applied()[self.moving] / root)
+        multiplier = dense.least_squares((found.rows / found.sizes[:, None]).T, -found.push, RANK) / found.sizes
         weighted = self._weighted(found.stiffness + self.turning(position, multiplier), root)
-        left = float(np.linalg.norm(found.motions.T @ found.push))
+        left = norm(times(found.motions.T, found.push))
         return Linearised(self.numbering, position, self.mass, self.moving, weighted, found.motions, left / whole if whole > 0.0 else 0.0)
 
     def _at(self, position: Array, root: Array) -> _There:
         """Forces, stiffness and joints at a position."""
         force, stiffness = self.pulls(position)
         rows = self.rows(position)[:, self.moving] / root
-        sizes = np.linalg.norm(rows, axis=1)
+        sizes = norm(rows, axis=1)
         sizes[sizes == 0.0] = 1.0
         return _There(force[self.moving] / root, stiffness, rows, sizes, null_space(rows / sizes[:, None]))
 
@@ -200,7 +203,7 @@ class _Parts:
                 there = position.copy()
                 there[joint.body_a], there[joint.body_b] = at[:3], at[3:]
                 seen = joint.rows(there, None, 1.0)
-                return np.concatenate([own @ np.array(seen.a), own @ np.array(seen.b)])
+                return np.concatenate([times(np.array(seen.a).T, own), times(np.array(seen.b).T, own)])
 
             np.add.at(found, np.ix_(columns, columns), -differences(pressed, position.reshape(-1)[columns]))
         return found
@@ -227,13 +230,13 @@ class Element:
         length, inverse, c, s = frame.chord(x2 - x1, y2 - y1)
         r, z = np.array([-c, -s, 0.0, c, s, 0.0]), np.array([s, -c, 0.0, -s, c, 0.0])
         turns = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]) - z * inverse
-        chord = np.arctan2(s, c)
+        chord = atan2(s, c)
         bent = np.array([_near(t1 - self.rest[0] - chord), _near(t2 - self.rest[1] - chord)])
-        n, moments = self.axial / self.length * (length - self.length), self.moments @ bent
+        n, moments = self.axial / self.length * (length - self.length), times(self.moments, bent)
         columns = [3 * body + axis for body in (self.first, self.second) for axis in range(3)]
-        np.add.at(force, columns, -(n * r + turns.T @ moments))
-        tangent = self.axial / self.length * np.outer(r, r) + turns.T @ self.moments @ turns
-        tangent += n * inverse * np.outer(z, z) + moments.sum() * inverse**2 * (np.outer(r, z) + np.outer(z, r))
+        np.add.at(force, columns, -(n * r + times(turns.T, moments)))
+        tangent = self.axial / self.length * np.outer(r, r) + product(product(turns.T, self.moments), turns)
+        tangent += n * inverse * np.outer(z, z) + moments.sum() * inverse * inverse * (np.outer(r, z) + np.outer(z, r))
         np.add.at(stiffness, np.ix_(columns, columns), tangent)
 
 
@@ -246,7 +249,7 @@ def elements_of(part: Mesh, first: int) -> list[Element]:
         alone = frame.stiffness_released(inverse, inverse, float(bending))[1]
         held = {0: [[near, far], [far, near]], 1: [[0.0, 0.0], [0.0, alone]], 2: [[alone, 0.0], [0.0, 0.0]], 3: [[0.0, 0.0], [0.0, 0.0]]}[release]
         dx, dy = (part.position[b] - part.position[a]).tolist()
-        rest = -float(np.arctan2(dy, dx))
+        rest = -float(atan2(dy, dx))
         found.append(Element(first + int(a), first + int(b), float(length), float(axial), np.array(held), (rest, rest)))
     return found
 
@@ -255,7 +258,7 @@ def null_space(rows: Array) -> Array:
     """Orthonormal motions (m, k) that no row sees."""
     if not len(rows):
         return np.eye(rows.shape[1])
-    _, sizes, right = np.linalg.svd(rows)
+    _, sizes, right = dense.svd(rows)
     return np.asarray(right[int(np.sum(sizes > RANK)) :].T)
 
 
@@ -288,9 +291,9 @@ def _apart(spring: AnySpring, ends: Sequence[Place], position: Array) -> float:
     if kind_of_spring(spring) != LINEAR:
         return float(position[b, 2] - position[a, 2])
     first, second = (_seen(position[p], place) for p, place in ((a, at), (b, there)))
-    return float(np.hypot(*np.subtract(second, first)))
+    return float(hypot(*np.subtract(second, first)))
 
 
 def _seen(particle: Array, place: tuple[float, float]) -> tuple[float, float]:
-    c, s = np.cos(particle[2]), np.sin(particle[2])
+    s, c = sincos(particle[2])
     return float(particle[0] + c * place[0] - s * place[1]), float(particle[1] + s * place[0] + c * place[1])

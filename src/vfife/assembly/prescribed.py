@@ -137,9 +137,9 @@ def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: floa
     second = after - 2.0 * here + before
     noise = 8.0 * EPS * float(np.abs(values[:, 0]).max(initial=0.0))
     if one.motion:
-        largest = float(np.abs(values[:, 2]).max()) * step**2
-        error = np.abs(second - values[smooth, 2] * step**2)
+        largest = float(np.abs(values[:, 2]).max()) * (step * step)
+        error = np.abs(second - values[smooth, 2] * (step * step))
     else:
         largest, error = float(np.abs(values[:, 0]).max()), np.abs(second) / 12.0
-    worst = max(0.0, float(error.max(initial=0.0)) - noise, float(bends[:, 1].max(initial=0.0)) * step**2 / 12.0)
+    worst = max(0.0, float(error.max(initial=0.0)) - noise, float(bends[:, 1].max(initial=0.0)) * (step * step) / 12.0)
     return worst / largest if largest > 0.0 else 0.0

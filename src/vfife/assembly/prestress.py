@@ -20,6 +20,7 @@ from ..model.bodies import Body, Link, RigidBody
 from ..model.functions import turn_of
 from ..model.lumping import Mesh, mesh
 from ..model.mechanism import Mechanism
+from ..numerics.elementwise import atan2, cos, hypot, sin, sincos
 
 Array = NDArray[np.float64]
 
@@ -106,7 +107,7 @@ def columns(*values: Array) -> Array:
 def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Array, Array, Array]:
     """Position, velocity and acceleration (k + 1, 3) of the particles of a link held in its shape."""
     position, velocity, acceleration = motion.of(body.name)
-    c, s = np.cos(position[2]), np.sin(position[2])
+    s, c = sincos(position[2])
     w, alpha = velocity[2], acceleration[2]
     ahead, beside = shape.local[:, 0] - body.center[0], shape.local[:, 1] - body.center[1]
     x, y = c * ahead - s * beside, s * ahead + c * beside
@@ -114,7 +115,7 @@ def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Arra
     return (
         columns(position[0] + x, position[1] + y, position[2] + shape.local[:, 2]),
         columns(velocity[0] - w * y, velocity[1] + w * x, w * ones),
-        columns(acceleration[0] - alpha * y - w**2 * x, acceleration[1] + alpha * x - w**2 * y, alpha * ones),
+        columns(acceleration[0] - alpha * y - w * w * x, acceleration[1] + alpha * x - w * w * y, alpha * ones),
     )
 
 
@@ -128,7 +129,7 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
     need[0] -= ends["start"][:2]
     force = np.cumsum(need, axis=0)[:-1]
     chord = np.diff(position[:, :2], axis=0)
-    along = chord / np.hypot(chord[:, 0], chord[:, 1])[:, None]
+    along = chord / hypot(chord[:, 0], chord[:, 1])[:, None]
     axial = force[:, 0] * along[:, 0] + force[:, 1] * along[:, 1]
     shear = force[:, 1] * along[:, 0] - force[:, 0] * along[:, 1]
     k, size = link.element_count, link.length / link.element_count
@@ -141,7 +142,7 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
     longer = axial / frame.stiffness(1.0 / size, 1.0 / size, lumps.axial, lumps.bending)[0]
     shape = _shape(size + longer, axial, m1, m2, frame.end_rotations(m1, m2, 1.0 / size, lumps.bending))
     if link.name not in kinematic_drivers(mechanism):
-        return _turned(shape, np.arctan2(shape.local[-1, 1], shape.local[-1, 0]))
+        return _turned(shape, atan2(shape.local[-1, 1], shape.local[-1, 0]))
     pin = next(side[1] for side in pivot_of(mechanism, link.name).sides if side[0] == link.name)
     return _turned(shape, shape.local[0 if pin == "start" else -1, 2])
 
@@ -153,14 +154,14 @@ def _shape(length: Array, axial: Array, m1: Array, m2: Array, rotations: tuple[A
     turns = np.cumsum(np.concatenate([[0.0], np.column_stack([second, np.append(-first[1:], 0.0)]).reshape(-1)]))
     direction = turns[:-1:2]
     local = np.zeros((3, len(axial) + 1)).T
-    local[1:, 0], local[1:, 1] = np.cumsum(length * np.cos(direction)), np.cumsum(length * np.sin(direction))
+    local[1:, 0], local[1:, 1] = np.cumsum(length * cos(direction)), np.cumsum(length * sin(direction))
     local[:, 2] = np.append(first[0], turns[1::2])
     return Shape(local, axial, m1, m2)
 
 
 def _turned(shape: Shape, angle: float) -> Shape:
     """The shape in its body's frame: the chord lies along x, or the driven particle has the body's angle."""
-    c, s = np.cos(angle), np.sin(angle)
+    s, c = sincos(angle)
     x, y, theta = shape.local.T
     return dataclasses.replace(shape, local=columns(c * x + s * y, c * y - s * x, theta - angle))
 

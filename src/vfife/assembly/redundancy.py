@@ -13,6 +13,9 @@ from ..kernels.arrays import CONSTRAINT_INDEX, HEADER, Layout
 from ..kernels.constraint import levers
 from ..kernels.factors import factor, fill
 from ..kernels.topology import FREE, PLACE_ROWS, Topology
+from ..numerics import dense
+from ..numerics.elementwise import cos, sin
+from ..numerics.products import norm, product
 from .stability import constraint_rows
 
 Array = NDArray[np.float64]
@@ -32,7 +35,7 @@ def _small(layout: Layout, state: Array, topology: Topology) -> bool:
     integers, _, rows = tables(topology)
     I, S = integers.tolist(), [*columns(state), *([0.0] * (rows - layout.rows))]
     turned = [p for p in topology.bound if p > 0]
-    for name, values in (("c", np.cos), ("s", np.sin)):
+    for name, values in (("c", cos), ("s", sin)):
         for p in turned:
             S[layout.row(name, p)] = number(values(state[..., layout.row("particle_theta", p)]))
         S[layout.row(name, 0)] = float(values(0.0))
@@ -56,9 +59,9 @@ def idle(layout: Layout, state: Array, topology: Topology) -> tuple[Array, Array
     joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
     inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
     rows = constraint_rows(layout, state, topology, joined)
-    own = np.sqrt((rows**2 * inverse).sum(axis=1))
+    own = np.sqrt((rows * rows * inverse).sum(axis=1))
     rows = rows / np.where(own > 0.0, own, 1.0)[:, None]
-    left, size, _ = np.linalg.svd(rows * np.sqrt(inverse))
+    left, size, _ = dense.svd(rows * np.sqrt(inverse))
     return rows, left[:, int((size > VANISHING).sum()) :], joined
 
 
@@ -73,13 +76,13 @@ def shared(
     if not topology.redundant:
         return ()
     rows, stress, joined = idle(layout, state, topology)
-    parts = np.linalg.norm(stress, axis=1)
+    parts = norm(stress, axis=1)
     found = []
     for (place, turn), first, end, name in zip(topology.held, topology.constraint_starts, topology.constraint_starts[1:], ideals, strict=False):
         turns = end if turn == FREE else end - 1
         found += [f"{name}.force"] if PLACE_ROWS[place] and parts[first:turns].max() > FELT else []
         found += [f"{name}.moment"] if turn != FREE and parts[turns] > FELT else []
-    on_driven = (rows.T @ stress).reshape(len(joined), 3, -1)
+    on_driven = product(rows.T, stress).reshape(len(joined), 3, -1)
     largest = float(np.abs(rows).max(initial=0.0))
     for particle, pivot, body in zip(topology.driven, pivots, driven, strict=True):
         if particle in joined:

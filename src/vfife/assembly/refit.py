@@ -7,7 +7,6 @@ journals start centred.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from copy import copy
 from typing import Any, cast
@@ -20,6 +19,7 @@ from ..laws import Material
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
+from ..numerics.scalar import distance, sincos
 from .assembled import Assembly, StepChoice
 from .entities import touches_of
 from .fill import TOUCHED, touch_values
@@ -56,10 +56,10 @@ class Refit:
             particle = getattr(topology, f"contact_{side}")[index]
             x, y = (float(state[layout.row(f"contact_{side}_{axis}", index)]) for axis in "xy")
             px, py, angle = (float(state[layout.row(f"particle_{axis}", particle)]) for axis in ("x", "y", "theta"))
-            c, s = math.cos(angle), math.sin(angle)
+            s, c = sincos(angle)
             return px + c * x - s * y, py + s * x + c * y
 
-        return math.dist(seen("bearing"), seen("journal"))
+        return distance(seen("bearing"), seen("journal"))
 
     def with_joints(self, joints: Mapping[str, Contact]) -> Assembly | None:
         """The assembly with some of its joints replaced by others of the same laws; None where it has to be made anew, or cannot be."""

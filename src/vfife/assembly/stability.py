@@ -21,12 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..codegen.graph import tables
-from ..fields.members import Alone, columns, hypot, largest, number, point, several, spread, sqrt
+from ..fields.members import Alone, columns, largest, number, point, several, spread, sqrt
 from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.constraint import levers
 from ..kernels.topology import PINNED, Topology
 from ..laws.elasticity import elastic_energy, tangent
+from ..numerics import dense
+from ..numerics.elementwise import hypot, sincos
+from ..numerics.products import product
 from .assembled import slots_of
 
 if TYPE_CHECKING:
@@ -161,7 +164,7 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
     first, second = (turns / np.where(k.own > 0.0, k.own, 1.0)).T
     alike, against = 0.5 * (k.own[:, 0] + k.other), 0.5 * (k.own[:, 0] - k.other)
     a, b, c = alike * (first + second) + sway, against * (first + second), np.sqrt(np.maximum(alike * against, 0.0)) * (first - second)
-    whole = 0.5 * (a + b) + np.sqrt(0.25 * (a - b) ** 2 + c * c)
+    whole = 0.5 * (a + b) + np.sqrt(0.25 * ((a - b) * (a - b)) + c * c)
     with np.errstate(divide="ignore"):
         return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(np.where(k.other > 0.0, whole, turns.sum(axis=1) + sway))
 
@@ -273,12 +276,12 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> Any:
     turn = 1e-6
     now, before, after = (constraint_rows(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
     there = np.swapaxes(now, -1, -2)
-    left = np.linalg.pinv(now * inverse @ there, rcond=1e-10, hermitian=True) @ ((after - before) / (2.0 * turn) * inverse @ there)
+    left = product(dense.pinv(product(now * inverse, there), 1e-10), product((after - before) / (2.0 * turn) * inverse, there))
     quarter = np.zeros(left.shape[-2:])
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
         if place == PINNED:
             quarter[first, first + 1], quarter[first + 1, first] = -1.0, 1.0
-    return number(np.abs(np.linalg.eigvals(left @ quarter)).max(axis=-1, initial=0.0))
+    return number(dense.eigenvalue_sizes(product(left, quarter)).max(axis=-1, initial=0.0))
 
 
 def constraint_rows(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float = 0.0) -> Any:
@@ -286,7 +289,7 @@ def constraint_rows(layout: Layout, state: Array, topology: Topology, joined: Se
     integers, _, rows = tables(topology)
     S = [*columns(state), *([0.0] * (rows - layout.rows))]
     angle = np.where(np.arange(topology.particles) > 0, state[..., layout["particle_theta"]] + turn, 0.0)[..., list(topology.bound)]
-    for name, values in (("c", np.cos(angle)), ("s", np.sin(angle))):
+    for name, values in zip(("s", "c"), sincos(angle), strict=True):
         for row, value in zip(layout[name].tolist(), columns(values.view(type(state))), strict=True):
             S[row] = value
     levers(S, [int(value) for value in integers])
@@ -305,8 +308,8 @@ def _impact_force(law: object, slots: tuple[float, ...], state: Array, layout: L
     """Force of an impact at the largest speed in the mechanism, where no ideal reaction is known."""
     if several(state):
         raise Alone("what an impact leaves is found mechanism by mechanism")
-    speed = max(float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
-    energy = 0.5 * speed**2 / max(mobility, 1e-12)
+    speed = max(float(hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
+    energy = 0.5 * (speed * speed) / max(mobility, 1e-12)
 
     def stores(depth: float) -> bool:
         return not float(elastic_energy(law, np.array([depth]), slots)[0]) < energy  # type: ignore[arg-type]

@@ -17,6 +17,7 @@ from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
+from ..numerics.elementwise import hypot
 from .assembled import StepChoice
 from .prescribed import MISSED, RESOLVED, Prescribed, prescribed, prescribed_limits
 from .stability import Limits, arm_limits, at_once, contact_limits, contact_periods, contact_stiffness, demands, element_limits, held, spring_limits
@@ -211,8 +212,8 @@ def _divisor(per_turn: int, outputs: int) -> int:
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
     """A period (s) to be resolved where no crank gives one: size over the largest speed, or the root of size over gravity."""
     size = size_of(mechanism)
-    gravity = math.hypot(*mechanism.gravity)
-    speed = float(np.hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max())
+    gravity = hypot(*mechanism.gravity)
+    speed = float(hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max())
     spin = float(np.abs(state[layout["particle_w"]]).max())
     scales = [2.0 * math.pi * math.sqrt(size / gravity)] if gravity else []
     scales += [2.0 * math.pi * size / speed] if speed else []
@@ -222,7 +223,7 @@ def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: floa
 
 def size_of(mechanism: Mechanism) -> float:
     """Largest distance (m) of a pin from the origin of its body."""
-    return max([math.hypot(*pin) for body in mechanism.bodies.values() for pin in body.points.values()] + [1e-3])
+    return max([float(hypot(*pin)) for body in mechanism.bodies.values() for pin in body.points.values()] + [1e-3])
 
 
 def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
