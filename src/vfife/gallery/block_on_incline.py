@@ -6,6 +6,7 @@ import math
 
 from ..laws import Coulomb, FrictionLaw
 from ..model.mechanism import Mechanism, Settings
+from ..numerics.scalar import sincos
 
 
 def block_on_incline(
@@ -13,7 +14,7 @@ def block_on_incline(
 ) -> Mechanism:
     """From rest it slides g (sin(slope) - friction cos(slope)) t^2/2, or stays where the friction is larger than tan(slope)."""
     m = Mechanism("block on an incline", gravity=(0.0, -9.81), settings=Settings(duration=duration, outputs=250))
-    c, s = math.cos(slope), math.sin(slope)
+    s, c = sincos(slope)
     radius, foot, height = 0.01, 0.06, 0.04
     rise = radius + height  # of the centre of mass over the surface
     m.point("incline", 0.0, 0.0)

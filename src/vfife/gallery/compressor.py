@@ -8,6 +8,7 @@ from typing import Any
 from ..laws import Ambrosio, LankaraniNikravesh
 from ..model.loads import GuideForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
+from ..numerics.scalar import power
 
 BORE, STROKE, ROD = 0.065, 0.046, 0.100  # m
 DEAD = 0.05  # volume left at the upper dead centre over that of the stroke
@@ -58,7 +59,7 @@ def gas() -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
     left = DEAD * STROKE
 
     def along(start: float, pressure: float, place: float) -> float:
-        return float(pressure * ((start + left) / (place + left)) ** POLYTROPIC)
+        return float(pressure * power((start + left) / (place + left), POLYTROPIC))
 
     ways = sorted(1e-3 * place for place in PLACES)[::-1]
     up = tuple(round(min(DELIVERY, along(STROKE, SUCTION, place)), -1) for place in ways)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ..model.mechanism import Mechanism, Settings
+from ..numerics.scalar import distance
 
 # Jansen's "eleven holy numbers", a to k, with the height l of the crank's axis over the frame's pivot and the crank m.
 HOLY = {
@@ -41,13 +42,16 @@ def jansen_leg(*, unit: float = 0.01, speed: float = 2.0 * math.pi, turns: float
 def _plate(m: Mechanism, name: str, sides: tuple[float, float, float], at: tuple[float, float], angle: float, density: float) -> None:
     """A triangle of rods, corners anticlockwise: first to second, first to third, second to third (m); mass, centre and inertia are exact."""
     base, left, right = sides
-    x = (base**2 + left**2 - right**2) / (2.0 * base)
-    corners = {"first": (0.0, 0.0), "second": (base, 0.0), "third": (x, math.sqrt(left**2 - x**2))}
+    x = (base * base + left * left - right * right) / (2.0 * base)
+    corners = {"first": (0.0, 0.0), "second": (base, 0.0), "third": (x, math.sqrt(left * left - x * x))}
     edges = [
-        (density * math.dist(corners[i], corners[j]), corners[i], corners[j])
+        (density * distance(corners[i], corners[j]), corners[i], corners[j])
         for i, j in (("first", "second"), ("first", "third"), ("second", "third"))
     ]
     mass = sum(edge[0] for edge in edges)
     cx, cy = (sum(m * 0.5 * (a[k] + b[k]) for m, a, b in edges) / mass for k in (0, 1))
-    inertia = sum(m * (math.dist(a, b) ** 2 / 12.0 + (0.5 * (a[0] + b[0]) - cx) ** 2 + (0.5 * (a[1] + b[1]) - cy) ** 2) for m, a, b in edges)
+    inertia = 0.0
+    for weight, a, b in edges:
+        length, x, y = distance(a, b), 0.5 * (a[0] + b[0]) - cx, 0.5 * (a[1] + b[1]) - cy
+        inertia += weight * (length * length / 12.0 + x * x + y * y)
     m.rigid_body(name, mass=mass, inertia=inertia, center=(cx, cy), position=at, angle=angle, pins=corners)

@@ -6,6 +6,7 @@ import math
 
 from ..model.loads import PointForce
 from ..model.mechanism import Mechanism, Settings
+from ..numerics.scalar import cos
 
 
 def six_bar_press(*, speed: float = 2.0 * math.pi, turns: float = 1.0) -> Mechanism:
@@ -36,7 +37,7 @@ def toggle_press(*, arm: float = 0.20, angle: float = math.radians(20.0), force:
     A static analysis under a quarter, a half and the whole of the force.
     """
     m = Mechanism("toggle press", settings=Settings(analysis="static", load_factors=(0.25, 0.5, 0.75, 1.0)))
-    reach = 2.0 * arm * math.cos(angle)
+    reach = 2.0 * arm * cos(angle)
     m.point("top", 0.0, 0.0)
     m.point("guide", 0.0, -1.6 * arm)
     m.point("table", 0.0, -2.5 * arm)

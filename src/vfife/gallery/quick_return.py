@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ..model.mechanism import Mechanism, Settings
+from ..numerics.scalar import atan2
 
 
 def quick_return(
@@ -19,7 +20,7 @@ def quick_return(
     m.point("O", 0.0, distance)
     m.point("guide", 0.0, 1.02 * rocker)
     m.link("crank", length=crank, mass=1.0)
-    m.link("rocker", length=rocker, mass=3.0, angle=math.atan2(distance, crank))
+    m.link("rocker", length=rocker, mass=3.0, angle=atan2(distance, crank))
     m.link("link", length=0.4 * rocker, mass=0.6, angle=math.pi)
     m.rigid_body("ram", mass=8.0, inertia=0.05, position=(-0.1 * rocker, 1.02 * rocker))
     m.revolute("O", "ground.O", "crank.start")

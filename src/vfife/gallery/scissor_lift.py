@@ -6,6 +6,7 @@ import math
 
 from ..model.drivers import StepTo
 from ..model.mechanism import Mechanism, Settings
+from ..numerics.scalar import cos, sin
 
 
 def scissor_lift(
@@ -13,7 +14,7 @@ def scissor_lift(
 ) -> Mechanism:
     """Two stages of crossed arms (m, kg each) lift a platform (kg) while an actuator pulls the rolling foot in by ``travel`` (m) within s."""
     m = Mechanism("scissor lift", gravity=(0.0, -9.81), settings=Settings(duration=duration, outputs=400, step=2e-4))
-    wide, tall = arm * math.cos(angle), arm * math.sin(angle)
+    wide, tall = arm * cos(angle), arm * sin(angle)
     m.point("fixed", 0.0, 0.0)
     m.point("track", 0.0, 0.0)
     middle = {"middle": (0.5 * arm, 0.0)}

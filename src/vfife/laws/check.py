@@ -133,7 +133,7 @@ def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
             return [f"{at}: it raises {type(error).__name__}: {error}"]
         if len(answer) != 5 or not all(math.isfinite(value) for value in answer):
             return [f"{at}: it returns {answer}; it has to return five finite numbers: radial and across (N), D_n, D_t and X (N s/m)"]
-        if min(answer[2:4]) < 0.0 or answer[4] ** 2 > answer[2] * answer[3]:
+        if min(answer[2:4]) < 0.0 or answer[4] * answer[4] > answer[2] * answer[3]:
             return [f"{at}: D_n, D_t and X are {answer[2:]}; D_n and D_t have to be 0 or more and X^2 at most D_n D_t, or the film gives energy"]
     return []
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeAlias
+
+from ..numerics import splines
+from ..numerics.scalar import whole_power
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,7 +41,7 @@ class Branches:
         """The pieces with factors of penetrations and forces."""
         if place == force == 1.0:
             return self.pieces
-        powers = tuple(force / place**k for k in range(4)) * 2
+        powers = tuple(force / whole_power(place, k) for k in range(4)) * 2
         return tuple((place * piece[0], *(c * power for c, power in zip(piece[1:], powers, strict=True))) for piece in self.pieces)
 
 
@@ -49,7 +53,6 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
     the distance is nowhere below 0.
     """
     import numpy as np
-    from scipy.interpolate import PchipInterpolator
 
     up, down = from_nothing(loading), from_nothing(unloading or loading)
     rising = not_falling(up[1])
@@ -58,20 +61,29 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
     places = places[places <= up[0][-1]]
     places = places[np.diff(places, prepend=-1.0) > SAME * places[-1]]  # one micrometre written twice may differ in its last bit
     inside = np.minimum(places, down[0][-1])  # beyond its end unloading stays as far below loading
-    load = PchipInterpolator(up[0], rising)
-    apart = np.asarray(load(inside) - PchipInterpolator(*down)(inside))
+    load = _curve(up[0], rising)
+    apart = load(inside) - _curve(*down)(inside)
     half = 0.5 * np.maximum(apart, 0.0) if unloading is not None else np.zeros(len(places))
     levelled = max(float(np.abs(rising - up[1]).max()), float(-apart.min(initial=0.0)) if unloading is not None else 0.0) / size
     chosen, missed = chosen_among(places, np.array([load(places), half]), size)
     at = places[chosen]
-    force = PchipInterpolator(at, load(at))
-    distance = PchipInterpolator(at, half[chosen])
-    mean = force.c[::-1].T - distance.c[::-1].T  # constant first
-    pieces = [(float(begin), *m, *h) for begin, m, h in zip(at[:-1], mean.tolist(), distance.c[::-1].T.tolist(), strict=True)]
-    slope, last = float(force.derivative()(at[-1])), float(half[chosen[-1]])
+    force, ahead = splines.monotone(at.tolist(), load(at).tolist()), float(at[-1] - at[-2])
+    distance = splines.monotone(at.tolist(), half[chosen].tolist())
+    mean = [[a - b for a, b in zip(one, other, strict=True)] for one, other in zip(force, distance, strict=True)]
+    pieces = [(float(begin), *m, *h) for begin, m, h in zip(at[:-1], mean, distance, strict=True)]
+    _, rate, bend, third = force[-1]
+    slope, last = rate + ahead * (2.0 * bend + ahead * 3.0 * third), float(half[chosen[-1]])
     if any(abs(c) > 0.0 for c in (pieces[-1][3], pieces[-1][4], *pieces[-1][6:])):  # one that is straight goes on by itself
-        pieces.append((float(at[-1]), float(force(at[-1])) - last, slope, 0.0, 0.0, last, 0.0, 0.0, 0.0))
+        pieces.append((float(at[-1]), float(load(at[-1:])[0]) - last, slope, 0.0, 0.0, last, 0.0, 0.0, 0.0))
     return Branches(tuple(pieces), len(at), len(places), missed, levelled, float(at[-1]))
+
+
+def _curve(places: Array, values: Array) -> Callable[[Array], Array]:
+    """The monotone cubics through points, at other places."""
+    import numpy as np
+
+    starts, rows = places.tolist(), splines.monotone(places.tolist(), values.tolist())
+    return lambda wanted: np.array([splines.value_at(starts, rows, x) for x in wanted.tolist()])
 
 
 def from_nothing(points: Points) -> tuple[Array, Array]:
@@ -98,14 +110,13 @@ def not_falling(values: Array) -> Array:
 def chosen_among(places: Array, curves: Array, size: float) -> tuple[NDArray[np.intp], float]:
     """Indices of the places that cubics have to go through, all where there are few, and by how much of ``size`` they miss the others."""
     import numpy as np
-    from scipy.interpolate import PchipInterpolator
 
     if len(places) <= MOST_PIECES + 1:
         return np.arange(len(places)), 0.0
     chosen = [0, len(places) - 1]
     while True:
         at = np.array(sorted(chosen))
-        off = np.abs(PchipInterpolator(places[at], curves[:, at], axis=1)(places) - curves).max(axis=0)
+        off = np.abs([_curve(places[at], curve[at])(places) - curve for curve in curves]).max(axis=0)
         worst = int(np.argmax(off))
         if off[worst] <= CLOSE * size or len(chosen) > MOST_PIECES:
             return at, float(off[worst] / size)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import Alone, Differing, anyone, both, each_of, members, number, of_members, select, several, sqrt
+from ..numerics.elementwise import interpolate
 from .law import ContactLaw
 
 Array = NDArray[np.float64]
@@ -73,4 +74,4 @@ def elastic_energy(law: ContactLaw, depth: Array, slots: tuple[float, ...]) -> A
         grid = np.linspace(0.0, max(float(depth.max()), 1e-12), 2001)
         force = np.array([law.force(float(d), 0.0, slots)[0] for d in grid])
         steps = 0.5 * (force[1:] + force[:-1]) * np.diff(grid)
-        return np.asarray(np.interp(depth, grid, np.concatenate([[0.0], np.cumsum(steps)])), dtype=float)
+        return np.asarray(interpolate(depth, grid, np.concatenate([[0.0], np.cumsum(steps)])), dtype=float)

@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Self
 from ..errors import Fault, LawError
 from ..fields import Reading
 from ..fields import quantity as quantity
+from ..numerics.scalar import log
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Material:
     @property
     def compliance(self) -> float:
         """(1 - nu^2)/E in 1/Pa."""
-        return (1.0 - self.poissons_ratio**2) / self.youngs_modulus
+        return (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
 
 
 @dataclass(frozen=True)
@@ -228,7 +229,7 @@ class ContactLaw(Law):
         """n = d ln F/d ln delta of the elastic force at a penetration (m): constant where F = K delta^n."""
         p = self.parameters(pair)
         low, high = (self.force(share * depth, 0.0, p)[0] for share in (0.999, 1.001))
-        return math.log(high / low) / math.log(1.001 / 0.999) if low > 0.0 else math.nan
+        return log(high / low) / log(1.001 / 0.999) if low > 0.0 else math.nan
 
     def units(self, pair: Pair) -> dict[str, str]:
         """Units of the slots; that of a stiffness follows from the exponent."""

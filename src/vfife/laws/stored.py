@@ -14,6 +14,7 @@ from contextlib import AbstractContextManager
 from typing import Any, ClassVar
 
 from ..errors import LawError
+from ..numerics.scalar import whole_power
 from .law import ContactLaw, FrictionLaw, Law, Pair, built_in, known_here
 from .user import file_of, text_of
 
@@ -56,7 +57,7 @@ def described(pair: Pair) -> Entry:
 
 def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]]:
     """Depths (m) up to twice the clearance, elastic forces (N) and energies (J) at them."""
-    depths = [2.0 * pair.clearance * (k / (POINTS - 1)) ** 3 for k in range(POINTS)]
+    depths = [2.0 * pair.clearance * whole_power(k / (POINTS - 1), 3) for k in range(POINTS)]
     forces = [float(law.force(depth, 0.0, p)[0]) for depth in depths]
     try:
         energies = [float(law.elastic_energy(depth, p)) for depth in depths]

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 
 from ..fields import PLACE, Choice, Each, Inner, Many, Measure, Named, Names, Text, Value, Whole, described, quantity
 from ..laws.law import Material
+from ..numerics.scalar import distance, whole_power
 from .renamed import renamed
 
 Point = tuple[float, float]
@@ -48,22 +49,22 @@ class Section:
     @classmethod
     def rectangle(cls, width: float, height: float) -> Section:
         """Rectangle, bent across its height (m)."""
-        return cls(width * height, width * height**3 / 12.0, 0.5 * height)
+        return cls(width * height, width * (height * height * height) / 12.0, 0.5 * height)
 
     @classmethod
     def square(cls, area: float) -> Section:
         """Square of the given area (m^2): I = A^2/12."""
-        return cls(area, area**2 / 12.0, 0.5 * math.sqrt(area))
+        return cls(area, area * area / 12.0, 0.5 * math.sqrt(area))
 
     @classmethod
     def round(cls, diameter: float) -> Section:
         """Solid circle (m)."""
-        return cls(math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0, 0.5 * diameter)
+        return cls(math.pi * (diameter * diameter) / 4.0, math.pi * whole_power(diameter, 4) / 64.0, 0.5 * diameter)
 
     @classmethod
     def tube(cls, outer: float, inner: float) -> Section:
         """Hollow circle of outer and inner diameter (m)."""
-        return cls(math.pi * (outer**2 - inner**2) / 4.0, math.pi * (outer**4 - inner**4) / 64.0, 0.5 * outer)
+        return cls(math.pi * (outer * outer - inner * inner) / 4.0, math.pi * (whole_power(outer, 4) - whole_power(inner, 4)) / 64.0, 0.5 * outer)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +190,7 @@ class Link(Body):
     @property
     def path_length(self) -> float:
         """Length along the points (m)."""
-        return sum(math.dist(a, b) for a, b in zip(self.corners, self.corners[1:], strict=False))
+        return sum(distance(a, b) for a, b in zip(self.corners, self.corners[1:], strict=False))
 
     @property
     def element_count(self) -> int:

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 LONGEST, DEEPEST = 1000, 40  # characters; parentheses and powers within each other
 VARIABLES = {"t": "times", "angle": "angles", "x": "travels", "v": "speeds"}
 FUNCTIONS = {"sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "sqrt": 1, "abs": 1, "step": 1, "min": 2, "max": 2}  # and how many arguments
-MEANT = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "^": "power", "min": "minimum", "max": "maximum"}  # what numpy calls them
+MEANT = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "min": "minimum", "max": "maximum"}  # what numpy calls them
+OWN = {"sin": "sin", "cos": "cos", "tan": "tan", "exp": "exp", "log": "log", "^": "power"}  # the same bits on every machine: numerics.elementwise
 TOKEN = re.compile(r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)|(?P<name>[A-Za-z_]+)|(?P<mark>[-+*/^(),\[])|(?P<other>\S)")
 UNIT = re.compile(r"[^\[\]]{1,40}\]")
 
@@ -68,6 +69,10 @@ class Node:
         parts = [part.at(x) for part in self.parts]
         if self.word == "step":
             return np.where(parts[0] < 0.0, 0.0, 1.0)
+        if self.word in OWN:
+            from ..numerics import elementwise
+
+            return np.asarray(getattr(elementwise, OWN[self.word])(*parts))
         found: Array = getattr(np, MEANT.get(self.word, self.word))(*parts)
         return found
 

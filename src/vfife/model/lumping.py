@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields.members import Alone, chosen, largest, number, point, table
+from ..numerics.elementwise import hypot
 from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Strain
 
 Array = NDArray[np.float64]
@@ -41,7 +42,12 @@ class Mesh:
     @property
     def length(self) -> Array:
         """Of its elements without forces (m), shape (k,)."""
-        return np.asarray(np.linalg.norm(self.position[self.nodes[:, 1]] - self.position[self.nodes[:, 0]], axis=1), dtype=float)
+        return np.asarray(_sizes(self.position[self.nodes[:, 1]] - self.position[self.nodes[:, 0]]), dtype=float)
+
+
+def _sizes(sides: Array) -> Array:
+    """Lengths of vectors (n, 2)."""
+    return np.asarray(hypot(sides[:, 0], sides[:, 1]), dtype=float)
 
 
 def is_elastic(body: Body) -> bool:
@@ -77,7 +83,7 @@ def _link(link: Link) -> Mesh:
     section, position = section_of(link), _along(link)
     k = len(position) - 1
     nodes = np.column_stack([np.arange(k), np.arange(1, k + 1)])
-    length = np.linalg.norm(np.diff(position, axis=0), axis=1)
+    length = _sizes(np.diff(position, axis=0))
     mass = _halves(link.own_mass * (length / length.sum() if link.via else np.full(k, 1.0 / k)), nodes, k + 1)
     inertia = mass * (section.second_moment / section.area)
     mass[0] += link.start_mass
@@ -101,7 +107,7 @@ def _along(link: Link) -> Array:
     if not link.via:
         return np.column_stack([np.linspace(0.0, link.length, k + 1), np.zeros(k + 1)])
     corners = np.array(link.corners)
-    length = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    length = _sizes(np.diff(corners, axis=0))
     if k < len(length):
         raise ValueError(f"link {link.name!r} has {len(length)} pieces and {k} elements: give it an element for each piece at least")
     share = np.ones(len(length), dtype=int)
@@ -132,7 +138,7 @@ def _frame(frame: Frame) -> Mesh:
         material = member.material or frame.material
         a, b = frame.nodes[member.start], frame.nodes[member.end]
         k = member.elements
-        size = float(np.hypot(b[0] - a[0], b[1] - a[1]))
+        size = float(hypot(b[0] - a[0], b[1] - a[1]))
         mass = material.density * section.area * size if member.mass is None else member.mass
         stretch, bend = material.youngs_modulus * section.area, material.youngs_modulus * section.second_moment
         row = (mass / k, section.second_moment / section.area, stretch, bend)
@@ -199,12 +205,12 @@ def _weighed(body: Body) -> tuple[float, Point, float]:
         raise ValueError(f"body {body.name!r} weighs nothing: give it a mass, or masses at its pins, or join the others by a distance")
     if isinstance(body, PointMass) or is_elastic(body):
         return mass, center, inertia
-    reach = largest(*(number(np.hypot(x - center[0], y - center[1])) for x, y in body.points.values()))
-    if inertia > ROUNDING * mass * reach**2:
+    reach = largest(*(number(hypot(x - center[0], y - center[1])) for x, y in body.points.values()))
+    if inertia > ROUNDING * mass * (reach * reach):
         return mass, center, inertia
     if not reach > 0.0:
         raise ValueError(f"body {body.name!r} has neither inertia nor a pin away from its mass: give it an inertia, or make it a particle")
-    return mass, center, THIN * mass * reach**2
+    return mass, center, THIN * mass * (reach * reach)
 
 
 def _own_properties(body: Body) -> tuple[float, Point, float]:
@@ -230,11 +236,11 @@ def _own_properties(body: Body) -> tuple[float, Point, float]:
 def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
     """A bent rigid link: each piece a uniform rod of its share of the mass."""
     corners = np.array(link.corners)
-    length = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    length = _sizes(np.diff(corners, axis=0))
     mass = link.own_mass * length / length.sum()
     at = np.vstack([0.5 * (corners[1:] + corners[:-1]), corners[[0, -1]]])
     return _together(
-        at, np.array([*mass, link.start_mass, link.end_mass]), np.array([*mass * length**2 / 12.0, link.start_inertia, link.end_inertia])
+        at, np.array([*mass, link.start_mass, link.end_mass]), np.array([*mass * (length * length) / 12.0, link.start_inertia, link.end_inertia])
     )
 
 
@@ -243,11 +249,10 @@ def _together(at: Array, mass: Array, inertia: Array) -> tuple[float, Point, flo
     total = number(mass.sum(axis=-1))
     if not total > 0.0:
         return 0.0, (number(at[..., 0, 0]), number(at[..., 0, 1])), number(inertia.sum(axis=-1))
-    row = mass[..., None, :]
-    center = (row @ at)[..., 0, :] / np.asarray(total)[..., None]
+    center = (mass[..., None] * at).sum(axis=-2) / np.asarray(total)[..., None]
     away = at - center[..., None, :]
     apart = (away * away).sum(axis=-1)
-    return total, (number(center[..., 0]), number(center[..., 1])), number(inertia.sum(axis=-1) + (row @ apart[..., None])[..., 0, 0])
+    return total, (number(center[..., 0]), number(center[..., 1])), number(inertia.sum(axis=-1) + (mass * apart).sum(axis=-1))
 
 
 def rigidified(body: Body) -> Body:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..numerics.scalar import atan2, cos, distance, sin, tan
+
 Point = tuple[float, float]
 Rows = tuple[float, ...]
 SHARPEST = math.radians(175.0)  # turn of a corner, beyond which its arc would lie nowhere near it
@@ -37,7 +39,7 @@ class Piece:
 
     def points(self, share: float = 0.1) -> list[Point]:
         """Points on the piece, some ``share`` rad of its turn apart, its begin and its end among them."""
-        turn = math.atan2(_cross(self.tangent, self.end_tangent), _dot(self.tangent, self.end_tangent))
+        turn = atan2(_cross(self.tangent, self.end_tangent), _dot(self.tangent, self.end_tangent))
         if self.curvature == 0.0:
             return [self.begin, self.end]
         if not self.opens and not self.closes:
@@ -46,7 +48,7 @@ class Piece:
             turn = -turn  # half a circle, whose turn has either sign
         count, (x, y), (tx, ty), r = max(2, math.ceil(abs(turn) / share)), self.begin, self.tangent, 1.0 / self.curvature
         angles = [turn * k / count for k in range(count + 1)]
-        return [(x + r * (math.sin(a) * tx - (1.0 - math.cos(a)) * ty), y + r * (math.sin(a) * ty + (1.0 - math.cos(a)) * tx)) for a in angles]
+        return [(x + r * (sin(a) * tx - (1.0 - cos(a)) * ty), y + r * (sin(a) * ty + (1.0 - cos(a)) * tx)) for a in angles]
 
 
 @dataclass(frozen=True)
@@ -100,12 +102,12 @@ def polyline(points: tuple[Point, ...], fillet: float) -> Path:
         raise ValueError(f"a path needs two points at least, not {len(points)}; give more")
     tangents, lengths = [], []
     for number, (a, b) in enumerate(zip(points, points[1:], strict=False), start=1):
-        length = math.dist(a, b)
+        length = distance(a, b)
         if not 0.0 < length < math.inf:
             raise ValueError(f"points {number} and {number + 1} of the path, {a} and {b}, make no straight piece; leave one of them out")
         tangents.append(((b[0] - a[0]) / length, (b[1] - a[1]) / length))
         lengths.append(length)
-    turns = [math.atan2(_cross(t, u), _dot(t, u)) for t, u in zip(tangents, tangents[1:], strict=False)]
+    turns = [atan2(_cross(t, u), _dot(t, u)) for t, u in zip(tangents, tangents[1:], strict=False)]
     taken = [0.0, *(_taken(turn, fillet, number) for number, turn in enumerate(turns, start=2)), 0.0]
     pieces, last = [], len(lengths) - 1
     for k, (length, t) in enumerate(zip(lengths, tangents, strict=True)):
@@ -130,7 +132,7 @@ def _taken(turn: float, fillet: float, number: int) -> float:
         )
     if turn and not fillet > 0.0:
         raise ValueError(f"the path has a corner at point {number} and no fillet to round it; give it a radius above 0 m")
-    return fillet * math.tan(0.5 * abs(turn))
+    return fillet * tan(0.5 * abs(turn))
 
 
 def _moved(point: Point, along: Point, way: float) -> Point:

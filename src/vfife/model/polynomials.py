@@ -8,6 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ..kernels.polynomial import polynomial
+from ..numerics.scalar import sin, whole_power
+from ..numerics.splines import natural
 
 if TYPE_CHECKING:
     import numpy as np
@@ -84,7 +86,7 @@ class Polynomials:
         for k in range(6, -1, -1):
             half, rate, value = half * lengths + rate, rate * lengths + value, value * lengths + ends[:, k]
         before, after = np.stack([value, rate, 2.0 * half], axis=1), self._rows[:, :3] * (1.0, 1.0, 2.0)
-        scales = lengths[:, None] ** np.arange(3)
+        scales = np.stack([np.ones_like(lengths), lengths, lengths * lengths], axis=1)
         sizes = np.maximum(np.abs(before) * scales, np.abs(after) * scales).max(axis=1)
         sizes = np.maximum(sizes, 1e-300 if self.order else max(1e-300, float(np.abs(self._rows[:, 0]).max())))
         apart: NDArray[np.float64] = np.abs(before - after)
@@ -181,10 +183,7 @@ def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 
     if len(times) == 2:
         slope = (values[1] - values[0]) / (times[1] - times[0])
         return Polynomials((times[0],), ((values[0] + offset, slope),))
-    from scipy.interpolate import CubicSpline
-
-    fit = CubicSpline(times, values, bc_type="natural")
-    rows = fit.c[::-1].T.tolist()
+    rows = natural(times, values)
     return Polynomials(tuple(map(float, times[:-1])), tuple((row[0] + offset, *row[1:]) for row in rows))
 
 
@@ -207,15 +206,17 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
     """
     import numpy as np
 
+    from ..numerics.dense import solve
+
     amplitude, frequency, phase, offset = float(amplitude), float(frequency), float(phase), float(offset)  # of one mechanism, not of many
     h, time = 2.0 * math.pi / HARMONIC_PIECES, 1.0 / (frequency * HARMONIC_PIECES)
-    powers, quarters = np.arange(7), [0.5 * math.pi * order for _, order in ENDS]
-    matrix = np.array([[math.perm(k, order) * at ** (k - order) if k >= order else 0.0 for k in range(7)] for at, order in ENDS])
-    shares, scales, wanted = [at * h for at, _ in ENDS], [h**order for _, order in ENDS], []
+    quarters = [0.5 * math.pi * order for _, order in ENDS]
+    matrix = np.array([[math.perm(k, order) * whole_power(at, k - order) if k >= order else 0.0 for k in range(7)] for at, order in ENDS])
+    shares, scales, wanted = [at * h for at, _ in ENDS], [whole_power(h, order) for _, order in ENDS], []
     for piece in range(HARMONIC_PIECES):
         begin = piece * h + phase
-        wanted.append([scale * math.sin(begin + share + quarter) for scale, share, quarter in zip(scales, shares, quarters, strict=True)])
-    c = amplitude * np.linalg.solve(np.broadcast_to(matrix, (HARMONIC_PIECES, 7, 7)), np.array(wanted)[:, :, None])[:, :, 0]
-    c[:, 0] += offset - amplitude * math.sin(phase)
-    rows = tuple(map(tuple, (c / time**powers).tolist()))
+        wanted.append([scale * sin(begin + share + quarter) for scale, share, quarter in zip(scales, shares, quarters, strict=True)])
+    c = amplitude * solve(matrix, np.array(wanted).T).T
+    c[:, 0] += offset - amplitude * sin(phase)
+    rows = tuple(map(tuple, (c / [whole_power(time, k) for k in range(7)]).tolist()))
     return Polynomials(tuple(piece * time for piece in range(HARMONIC_PIECES)), rows, 1.0 / frequency)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ..numerics.scalar import hypot
 from .path import Path
 
 Point = tuple[float, float]
@@ -32,7 +33,7 @@ class Guided:
 
     def unit(self) -> Point:
         """The direction with length 1. ValueError where it has none."""
-        size = math.hypot(*self.direction)
+        size = hypot(*self.direction)
         if not 0.0 < size < math.inf:
             x, y = (round(float(value), 6) for value in self.direction)
             raise ValueError(f"the direction [{x}, {y}] has no length; give two numbers (x, y) that are not both zero")

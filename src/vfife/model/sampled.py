@@ -65,9 +65,12 @@ def scheme() -> tuple[Array, Array, Array, Array]:
     """
     import numpy as np
 
-    nodes = 0.5 - 0.5 * np.cos(np.pi * (np.arange(COUNT) + 0.5) / COUNT)
+    from ..numerics.dense import inverse
+    from ..numerics.elementwise import cos
+
+    nodes = 0.5 - 0.5 * cos(np.pi * (np.arange(COUNT) + 0.5) / COUNT)
     checks = (np.arange(LOOKED) + 0.5) / LOOKED
-    fit: Array = np.linalg.inv(np.vander(nodes, COUNT, increasing=True)).astype(float)
+    fit: Array = inverse(np.vander(nodes, COUNT, increasing=True))
     return nodes, fit, checks, np.vander(checks, COUNT, increasing=True)
 
 
@@ -75,12 +78,14 @@ def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tup
     """Coefficients of a polynomial from one place to another, and by how much it misses the function; infinite where that has no value."""
     import numpy as np
 
+    from ..numerics.products import times
+
     nodes, fit, checks, powers = scheme()
     width = high - low
-    row: Array = fit @ expression(low + width * nodes)
+    row: Array = times(fit, expression(low + width * nodes))
     wanted: Array = expression(low + width * checks)
-    missed = float(np.abs(np.subtract(powers @ row, wanted)).max())
-    return tuple(float(value) for value in row / width ** np.arange(COUNT)), missed if np.isfinite(missed) else np.inf
+    missed = float(np.abs(np.subtract(times(powers, row), wanted)).max())
+    return tuple(float(value) for value in row / np.vander([width], COUNT, increasing=True)[0]), missed if np.isfinite(missed) else np.inf
 
 
 def missed_between(row: tuple[float, ...], low: float, grid: Array, values: Array, first: int, last: int) -> float:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from statistics import median
 
+from ..numerics.scalar import hypot
 from .bodies import Link, PointMass, RigidBody
 from .mechanism import Mechanism
 
@@ -25,7 +26,7 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
     sizes = {f"body.{name}.length": body.length for name, body in mechanism.bodies.items() if isinstance(body, Link)}
     sizes |= {f"joint.{name}.length": length for name, joint in mechanism.joints.items() if (length := getattr(joint, "length", None))}
     for name, (x, y) in mechanism.points.items():
-        sizes |= {f"ground.{name}": math.hypot(x, y)} if x or y else {}
+        sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
     told = False
     for where, size in sizes.items():
         others = [value for key, value in sizes.items() if key != where]
@@ -46,7 +47,7 @@ def _inertias(mechanism: Mechanism) -> Iterator[str]:
     for name, body in mechanism.bodies.items():
         if not isinstance(body, Link | RigidBody):
             continue
-        size = body.length if isinstance(body, Link) else max((math.hypot(*pin) for pin in body.pins.values()), default=0.0)
+        size = body.length if isinstance(body, Link) else max((hypot(*pin) for pin in body.pins.values()), default=0.0)
         if not (body.mass and body.inertia and size):
             continue
         radius = math.sqrt(body.inertia / body.mass)

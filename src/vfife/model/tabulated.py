@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from ..numerics import splines
 from .polynomials import Polynomials, moved
 
 Interpolation = Literal["monotone", "linear", "spline"]
@@ -30,18 +31,14 @@ def rows_between(places: Places, values: Places, how: Interpolation = "monotone"
     if how == "linear" or (count == 1 and not repeated):
         slopes = [(values[k + 1] - values[k]) / (places[k + 1] - places[k]) for k in range(count)]
         return tuple((float(values[k]), float(slopes[k])) for k in range(count))
-    from scipy.interpolate import CubicSpline, PchipInterpolator
-
     if how == "spline":
-        closing = (*values[:-1], values[0])
-        fit, first = CubicSpline(places, closing if repeated else values, bc_type="periodic" if repeated else "natural"), 0
-    elif repeated:
+        return tuple(splines.periodic(places, values) if repeated else splines.natural(places, values))
+    if repeated:
         period, more = places[-1] - places[0], min(count, 2)
         around = (*(p - period for p in places[-1 - more : -1]), *places, *(p + period for p in places[1 : 1 + more]))
-        fit, first = PchipInterpolator(around, (*values[-1 - more : -1], *values[:-1], values[0], *values[1 : 1 + more])), more
-    else:
-        fit, first = PchipInterpolator(places, values), 0
-    return tuple(tuple(row) for row in fit.c[::-1, first : first + count].T.tolist())
+        there = splines.monotone(around, (*values[-1 - more : -1], *values[:-1], values[0], *values[1 : 1 + more]))
+        return tuple(there[more : more + count])
+    return tuple(splines.monotone(places, values))
 
 
 @dataclass(frozen=True)

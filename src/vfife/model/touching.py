@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ..fields.members import hypot
+from ..numerics.elementwise import hypot
 from .path import Path
 from .rows import Point
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from ..fields import LENGTH, Many, Measure, described
 from ..laws.wear import PAIRS
+from ..numerics.elementwise import sincos
+from ..numerics.scalar import hypot
 from .conflict import Conflict
 
 MOST_HARMONICS = 32
@@ -54,11 +55,11 @@ def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:
     depth, slope = np.zeros_like(angle), np.zeros_like(angle)
     for k in range((len(profile) + 1) // 2):
         a, b = (profile[0], 0.0) if k == 0 else profile[2 * k - 1 : 2 * k + 1]
-        c, s = np.cos(k * np.asarray(angle)), np.sin(k * np.asarray(angle))
+        s, c = sincos(k * np.asarray(angle))
         depth, slope = depth + a * c + b * s, slope + k * (b * c - a * s)
     return depth, slope
 
 
 def deepest(profile: tuple[float, ...]) -> float:
     """Largest depth (m) that a profile can have anywhere."""
-    return abs(profile[0]) + sum(math.hypot(*profile[k : k + 2]) for k in range(1, len(profile), 2)) if profile else 0.0
+    return abs(profile[0]) + sum(hypot(*profile[k : k + 2]) for k in range(1, len(profile), 2)) if profile else 0.0

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
+from ..numerics.scalar import distance
 from .bodies import Frame, Link
 from .mechanism import Mechanism
 
@@ -31,5 +31,5 @@ def _weighed(mechanism: Mechanism) -> Iterator[tuple[str, float, float]]:
         for member in body.members:
             section, material = member.section or body.section, member.material or body.material
             if member.mass is not None and section is not None:
-                length = math.dist(body.nodes[member.start], body.nodes[member.end])
+                length = distance(body.nodes[member.start], body.nodes[member.end])
                 yield f"Member {member.start}-{member.end} of {name}", member.mass, material.density * section.area * length

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...numerics.scalar import atan2, exp, hypot, log
 from ..law import Pair, quantity
 from .linear import Linear
 
@@ -31,8 +32,8 @@ class Anagnostopoulos(Linear):
     @property
     def damping_ratio(self) -> float:
         """xi."""
-        logarithm = math.log(self.restitution)
-        return -logarithm / math.hypot(math.pi, logarithm)
+        logarithm = log(self.restitution)
+        return -logarithm / hypot(math.pi, logarithm)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """k (N/m) and c (N s/m)."""
@@ -47,7 +48,7 @@ class Anagnostopoulos(Linear):
         """Where never pulling changes the restitution noticeably."""
         xi = self.damping_ratio
         root = math.sqrt(1.0 - xi * xi)
-        there = math.exp(-xi / root * (math.pi - math.atan2(2.0 * xi * root, 1.0 - 2.0 * xi * xi)))
+        there = exp(-xi / root * (math.pi - atan2(2.0 * xi * root, 1.0 - 2.0 * xi * xi)))
         if there - self.restitution <= 0.05:
             return ()
         return (

@@ -41,4 +41,6 @@ class PowerLaw(Cylinder):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """K delta^(n + 1)/(n + 1) (J)."""
-        return p[0] * penetration ** (p[1] + 2.0) / (p[1] + 2.0)
+        from ...numerics.elementwise import power as power_of
+
+        return p[0] * power_of(penetration, p[1] + 2.0) / (p[1] + 2.0)

@@ -5,10 +5,11 @@ Their sources stand in the laws of the same names.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
+from ...numerics.scalar import exp, log1p
 from ..law import ContactLaw, Pair, quantity
 
 
@@ -24,7 +25,7 @@ def hunt_crossley(restitution: float) -> float:
 
 def herbert_mcwhannell(restitution: float) -> float:
     """6 (1 - c_r)/[(2 c_r - 1)^2 + 3]: Herbert and McWhannell 1977."""
-    return 6.0 * (1.0 - restitution) / ((2.0 * restitution - 1.0) ** 2 + 3.0)
+    return 6.0 * (1.0 - restitution) / ((2.0 * restitution - 1.0) * (2.0 * restitution - 1.0) + 3.0)
 
 
 def lee_wang(restitution: float) -> float:
@@ -34,12 +35,12 @@ def lee_wang(restitution: float) -> float:
 
 def lankarani_nikravesh(restitution: float) -> float:
     """3/4 (1 - c_r^2): Lankarani and Nikravesh 1990."""
-    return 0.75 * (1.0 - restitution**2)
+    return 0.75 * (1.0 - restitution * restitution)
 
 
 def gonthier(restitution: float) -> float:
     """d/c_r with the authors' estimate d = 1 - c_r^2: Gonthier, McPhee, Lange and Piedboeuf 2004."""
-    return (1.0 - restitution**2) / restitution
+    return (1.0 - restitution * restitution) / restitution
 
 
 def gonthier_exact(restitution: float) -> float:
@@ -47,14 +48,14 @@ def gonthier_exact(restitution: float) -> float:
     low, high = 0.0, 1.0 - 4e-16  # 1 - d has a logarithm
     for _ in range(80):
         d = 0.5 * (low + high)
-        over = math.log1p(d / restitution) - math.log1p(-d) > d * (1.0 + 1.0 / restitution)
+        over = log1p(d / restitution) - log1p(-d) > d * (1.0 + 1.0 / restitution)
         low, high = (low, d) if over else (d, high)
     return 0.0 if restitution == 1.0 else low / restitution
 
 
 def zhiying_qishao(restitution: float) -> float:
     """3/4 (1 - c_r^2) exp[2 (1 - c_r)]: Zhiying and Qishao 2006."""
-    return lankarani_nikravesh(restitution) * math.exp(2.0 * (1.0 - restitution))
+    return lankarani_nikravesh(restitution) * exp(2.0 * (1.0 - restitution))
 
 
 def flores(restitution: float) -> float:
@@ -82,6 +83,7 @@ DAMPING: dict[str, Callable[[float], float]] = {
 DEVIATION = 0.05  # of the restitution that is delivered from the one that was asked for, beyond which a law says so
 
 
+@lru_cache(maxsize=256)
 def delivered(chi: float) -> float:
     """Restitution e of a free impact with F = elastic (1 + chi rate/impact_speed): chi (1 + e) = ln[(1 + chi)/(1 - chi e)], by bisection.
 
@@ -92,7 +94,7 @@ def delivered(chi: float) -> float:
     low, high = 0.0, min(1.0, (1.0 - 4e-16) / chi)
     for _ in range(80):
         e = 0.5 * (low + high)
-        low, high = (e, high) if chi * (1.0 + e) > math.log1p(chi) - math.log1p(-chi * e) else (low, e)
+        low, high = (e, high) if chi * (1.0 + e) > log1p(chi) - log1p(-chi * e) else (low, e)
     return low
 
 

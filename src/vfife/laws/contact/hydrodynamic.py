@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...numerics.scalar import whole_power
 from ..law import ContactLaw, Pair, quantity
 from .damping import lankarani_nikravesh
 
@@ -53,7 +54,7 @@ class Hydrodynamic(ContactLaw):
         stiffness = self.stiffness
         if stiffness is None:
             stiffness = 4.0 / 3.0 * pair.composite_modulus * math.sqrt(pair.bearing_radius * pair.journal_radius / pair.clearance)
-        scale = self.viscosity * pair.journal_radius * pair.axial_length**3 / (2.0 * pair.clearance**2)
+        scale = self.viscosity * pair.journal_radius * whole_power(pair.axial_length, 3) / (2.0 * (pair.clearance * pair.clearance))
         thickness = self.film_thickness if self.film_thickness is not None else pair.clearance / 50.0
         return float(stiffness), lankarani_nikravesh(self.restitution), scale, pair.clearance, thickness
 
@@ -90,4 +91,6 @@ class Hydrodynamic(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """2/5 K delta^2.5 (J), of the dry contact."""
-        return 0.4 * p[0] * penetration**2.5
+        from ...numerics.elementwise import sqrt
+
+        return 0.4 * p[0] * (penetration * penetration * sqrt(penetration))

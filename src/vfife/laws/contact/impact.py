@@ -40,4 +40,6 @@ class Impact(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """k delta^(e + 1)/(e + 1) (J)."""
-        return p[0] * penetration ** (p[1] + 2.0) / (p[1] + 2.0)
+        from ...numerics.elementwise import power as power_of
+
+        return p[0] * power_of(penetration, p[1] + 2.0) / (p[1] + 2.0)

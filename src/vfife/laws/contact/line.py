@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...kernels.elementary import log, logarithmic
+from ...numerics.scalar import exp
 from ..law import Pair
 from .cylinder import Cylinder
 
@@ -31,7 +32,7 @@ class LineContact(Cylinder):
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """alpha (m/N), 1/(alpha beta) (1/m), penetration from which the tangent is followed (m), its slope (N/m), damping factor (1)."""
         alpha, beta = self.relation(pair)
-        return alpha, 1.0 / (alpha * beta), alpha * beta * LAST * math.exp(-LAST), 1.0 / (alpha * (LAST - 1.0)), self.damping_factor
+        return alpha, 1.0 / (alpha * beta), alpha * beta * LAST * exp(-LAST), 1.0 / (alpha * (LAST - 1.0)), self.damping_factor
 
     @staticmethod
     def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
@@ -50,7 +51,7 @@ class LineContact(Cylinder):
         force = np.vectorize(lambda depth: self.force(float(depth), 0.0, p)[0], otypes=[float])
         depth = np.minimum(penetration, p[2])
         beyond, held = np.asarray(penetration) - depth, force(depth)
-        stored = 0.5 * held * depth - 0.25 * p[0] * held**2 + (held + 0.5 * p[3] * beyond) * beyond
+        stored = 0.5 * held * depth - 0.25 * p[0] * (held * held) + (held + 0.5 * p[3] * beyond) * beyond
         return stored if np.ndim(penetration) else float(stored)
 
     def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
@@ -58,7 +59,7 @@ class LineContact(Cylinder):
         found = super().cautions(pair, penetration, impact_speed)
         alpha, beta = self.relation(pair)
         fold = alpha * beta / math.e
-        if penetration is None or penetration <= LAST * math.exp(1.0 - LAST) * fold:
+        if penetration is None or penetration <= LAST * exp(1.0 - LAST) * fold:
             return found
         share = f"{fold / pair.radius_difference:.4f} dR" if not pair.external else "its largest penetration"
         return (

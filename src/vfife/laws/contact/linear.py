@@ -25,4 +25,4 @@ class Linear(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """k delta^2/2 (J)."""
-        return 0.5 * p[0] * penetration**2
+        return 0.5 * p[0] * (penetration * penetration)

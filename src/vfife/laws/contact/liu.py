@@ -42,7 +42,7 @@ class Liu(Cylinder):
         nodes, weights = _rule()
         depth = np.asarray(penetration, dtype=float)[..., None]
         u = 0.5 * (1.0 + nodes)
-        stored = p[0] * (weights * u**4 * depth**2.5 / np.sqrt(p[1] + depth * u * u)).sum(axis=-1)
+        stored = p[0] * (weights * u * u * (u * u) * (depth * depth * np.sqrt(depth)) / np.sqrt(p[1] + depth * u * u)).sum(axis=-1)
         return stored if np.ndim(penetration) else float(stored)
 
 
@@ -51,4 +51,6 @@ def _rule() -> Any:
     """Gauss' rule of 20 nodes."""
     import numpy as np
 
-    return np.polynomial.legendre.leggauss(20)
+    from ...numerics.quadrature import gauss
+
+    return tuple(np.array(one) for one in gauss(20))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...numerics.scalar import log, power
 from ..law import Pair
 from .cylinder import OVERVIEW, PowerLaw
 
@@ -36,15 +36,15 @@ class Pereira(PowerLaw):
             return 1.094
         if gap <= 1e-3:
             raise ValueError(f'the law "pereira" has no exponent for a clearance of {pair.clearance:.4g} m; its fit begins at 5e-06 m')
-        y = 1.51 * math.log(1000.0 * gap) ** -0.151 if gap < 0.34954 else 0.0151 * gap + 1.151
-        return y * gap**-0.005
+        y = 1.51 * power(log(1000.0 * gap), -0.151) if gap < 0.34954 else 0.0151 * gap + 1.151
+        return y * power(gap, -0.005)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Stiffness (N/m^n), n - 1 (1) and damping factor (1)."""
         gap, length, modulus = 1e3 * pair.radius_difference, 1e3 * pair.axial_length, 1e-6 * pair.composite_modulus
         a, b = (0.39, 0.85) if pair.external else (0.965, 0.0965)
         n = self.exponent(pair)
-        return (a + b / gap) * length * modulus * 10.0 ** (3.0 * n), n - 1.0, self.damping_factor
+        return (a + b / gap) * length * modulus * power(10.0, 3.0 * n), n - 1.0, self.damping_factor
 
     def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
         """Beside the restitution: clearances outside the fit."""

@@ -41,7 +41,9 @@ class PointContact(Damped):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """2/5 K delta^2.5 (J)."""
-        return 0.4 * p[0] * penetration**2.5
+        from ...numerics.elementwise import sqrt
+
+        return 0.4 * p[0] * (penetration * penetration * sqrt(penetration))
 
     def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
         """Beside the restitution: impacts so fast that metals flow, a hundred times faster than Hertz' theory allows."""

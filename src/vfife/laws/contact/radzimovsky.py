@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...numerics.scalar import exp
 from ..law import Pair
 from .cylinder import OVERVIEW
 from .line import LineContact
@@ -30,4 +31,4 @@ class Radzimovsky(LineContact):
         if math.isinf(pair.radius_difference):
             raise ValueError('the law "radzimovsky" needs two finite radii: a cylinder on a plane sinks without limit in plane strain')
         line = pair.composite_modulus * pair.axial_length
-        return 1.0 / (math.pi * line), 16.0 / 1.60**2 * math.exp(2.0 / 3.0) * line * pair.radius_difference
+        return 1.0 / (math.pi * line), 16.0 / (1.60 * 1.60) * exp(2.0 / 3.0) * line * pair.radius_difference

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from ...kernels.elementary import approach
+from ...numerics.scalar import expm1
 from ..law import FrictionLaw, Pair, quantity
 from .tangent import along, foreseen
 
@@ -36,7 +36,7 @@ class Threlfall(FrictionLaw):
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu and mu/(1 - e^-3) (1), 1/v_1 (s/m)."""
-        return self.coefficient, self.coefficient / -math.expm1(-3.0), 1.0 / self.v1
+        return self.coefficient, self.coefficient / -expm1(-3.0), 1.0 / self.v1
 
     @staticmethod
     def force(

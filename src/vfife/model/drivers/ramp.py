@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...fields import quantity
+from ...numerics.scalar import whole_power
 from ..polynomials import Polynomials
 from .driver import Driver
 
@@ -25,7 +26,7 @@ class Ramp(Driver):
     def motion(self, offset: float = 0.0) -> Polynomials:
         """The angle w T (5/2 s^4 - 3 s^5 + s^6), s = t/T, then on at w (rad or m), ``offset`` added."""
         w, t = self.speed, self.duration
-        rising = (offset, 0.0, 0.0, 0.0, 2.5 * w / t**3, -3.0 * w / t**4, w / t**5)
+        rising = (offset, 0.0, 0.0, 0.0, 2.5 * w / whole_power(t, 3), -3.0 * w / whole_power(t, 4), w / whole_power(t, 5))
         return Polynomials((0.0, t), (rising, (offset + 0.5 * w * t, w)))
 
     @property

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...fields import quantity
+from ...numerics.scalar import whole_power
 from ..polynomials import Polynomials
 from .driver import Driver
 
@@ -30,7 +31,7 @@ class StepTo(Driver):
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added."""
         r, t = self.travel, self.duration
-        step = (offset, 0.0, 0.0, 10.0 * r / t**3, -15.0 * r / t**4, 6.0 * r / t**5)
+        step = (offset, 0.0, 0.0, 10.0 * r / whole_power(t, 3), -15.0 * r / whole_power(t, 4), 6.0 * r / whole_power(t, 5))
         return Polynomials((self.begin - t, self.begin, self.begin + t), ((offset,), step, (offset + r,)))
 
     @property

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
+from ...numerics.scalar import atan2, hypot, sincos
 from ..conflict import Conflict
 from ..rows import Across
 from ..strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
@@ -60,7 +61,7 @@ class ClearanceSlider(Contact):
     def touchings(self, turned: float) -> tuple[Touching, ...]:
         """The four corners of the block, rear and front, at the wall to the left of the guide's direction and at that to its right."""
         x, y = Across(self.direction).unit()
-        c, s = math.cos(turned), math.sin(turned)
+        s, c = sincos(turned)
         ax, ay = c * x - s * y, s * x + c * y  # the guide in the frame of the block's body
         r, rise = self.corner_radius, 0.5 * self.height
         half, wall, found = 0.5 * self.length - r, rise + self.clearance, []
@@ -92,7 +93,7 @@ class ClearanceSlider(Contact):
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """The walls, and the block as it lies between them."""
         length, height = seen.factor * self.length, seen.factor * self.height
-        lies = seen.angles[1] - seen.start_angles[1] + seen.start_angles[0] + math.atan2(self.direction[1], self.direction[0])
+        lies = seen.angles[1] - seen.start_angles[1] + seen.start_angles[0] + atan2(self.direction[1], self.direction[0])
         block = Block(seen.journal, facing(lies), length, height, sign="block with play")
         return [*rails(seen, self.direction, length, 0.5 * height + seen.factor * self.clearance), block]
 
@@ -103,4 +104,4 @@ class ClearanceSlider(Contact):
     @property
     def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
         """The block and its walls around the journal's pin."""
-        return (), 0.0, 0.5 * math.hypot(self.length, self.height) + self.clearance
+        return (), 0.0, 0.5 * hypot(self.length, self.height) + self.clearance

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...fields import quantity
+from ...numerics.scalar import cos, sin
 from ..rows import Apart, Row
 from ..strokes import Curve, JointSeen, Label, Mark, Stroke
 from .joint import Joint, Point
@@ -32,7 +32,7 @@ class Distance(Joint):
     @property
     def first_place(self) -> Point:
         """At the end of the link."""
-        return self.length * math.cos(self.angle), self.length * math.sin(self.angle)
+        return self.length * cos(self.angle), self.length * sin(self.angle)
 
     @property
     def words(self) -> str:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
+from ...numerics.scalar import atan2
 from ..conflict import Conflict
 from ..rows import Across
 from ..strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
@@ -83,7 +84,7 @@ class ExternalContact(Contact):
         journal = ring(seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="contact")
         if self.bearing_radius is not None:
             return [journal, ring(seen.bearing, seen.factor * self.bearing_radius, colour="bearing", width=1.6)]
-        along, reach = seen.along(self.direction), seen.way(math.atan2(self.direction[1], self.direction[0]))
+        along, reach = seen.along(self.direction), seen.way(atan2(self.direction[1], self.direction[0]))
         beyond = max(0.05 * seen.size, 1.5 * seen.factor * self.journal_radius)
         ends = [seen.bearing + (reach[0] - beyond) * along, seen.bearing + (reach[1] + beyond) * along]
         if seen.ground[0]:

@@ -78,7 +78,7 @@ class GuideForce(Tabular):
     @property
     def unit(self) -> float:
         """Force (N) along the guide's direction for a force of 1 N or a pressure of 1 Pa."""
-        area = 0.25 * math.pi * (self.bore or 0.0) ** 2 if self.pressed else 1.0
+        area = 0.25 * math.pi * ((self.bore or 0.0) * (self.bore or 0.0)) if self.pressed else 1.0
         return -area if self.reverse else area
 
     @property

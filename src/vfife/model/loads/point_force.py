@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...fields import SCALAR, Each, Many, Measure, Switch, Text, described, quantity
+from ...numerics.scalar import hypot
 from ..joints import Joint
 from .load import Push
 from .tabular import Tabular, Values
@@ -49,7 +49,7 @@ class PointForce(Tabular):
     @property
     def words(self) -> str:
         """What it is, in a few words."""
-        size = math.hypot(*self.force)
+        size = hypot(*self.force)
         parts = [f"force {size:.6g} N"] if size or not self.moment else []
         parts += [f"moment {self.moment:.6g} N m"] if self.moment else []
         return " and ".join(parts) + (", turning with the body" if self.follow and size else "") + self.by

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...fields import Text, described, quantity
+from ...numerics.elementwise import cos, sin
 from ..conflict import Conflict
 from ..strokes import Curve, PairSeen, Stroke, facing
 from .force_element import Axes, ForceElement, SpringNumbers
@@ -53,5 +54,5 @@ class Stop(ForceElement):
             out = radius * facing(seen.angle + angle)
             found.append(Curve([at + 0.4 * out, at + 1.25 * out], width=2.6, rank=6.0))
         turn = seen.angle + np.linspace(self.low, self.high, 60)
-        arc = at + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        arc = at + radius * np.stack([cos(turn), sin(turn)], axis=1)
         return [*found, Curve(arc, width=1.0, rank=6.0, dashes=":", sign="stop")]

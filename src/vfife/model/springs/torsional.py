@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...fields import Text, described, quantity
+from ...numerics.elementwise import cos, sin
 from ..strokes import Curve, PairSeen, Stroke
 from .force_element import Axes, ForceElement, SpringNumbers
 
@@ -44,5 +45,5 @@ class TorsionalSpring(ForceElement):
 
         turn = np.linspace(0.0, 4.5 * np.pi, 200)
         radius = seen.size * (0.012 + 0.022 * turn / turn[-1])
-        points = seen.second + radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        points = seen.second + radius[:, None] * np.stack([cos(turn), sin(turn)], axis=1)
         return [Curve(points, "spring", 1.3, 6.0, sign="torsional spring")]

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from ...errors import Path, article
+from ...numerics.scalar import hypot
 from ..bodies import ELASTIC, MOST_ELEMENTS, MOST_IN_ALL, Frame, Link, RigidBody, Section
 from ..lumping import rigid_properties
 from .checks import Checks, ends, given, known
@@ -109,7 +110,7 @@ def check_way(checks: Checks, path: Path, body: Any) -> None:
 
 def coincide(one: Any, two: Any, size: float) -> bool:
     """Whether two points are in one place, compared with a size."""
-    return math.hypot(one[0] - two[0], one[1] - two[1]) <= 1e-9 * abs(size)
+    return hypot(one[0] - two[0], one[1] - two[1]) <= 1e-9 * abs(size)
 
 
 def check_frame(checks: Checks, path: Path, body: Any) -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from ...errors import Path
+from ...numerics.scalar import hypot
 from ..rows import Across, turn_row
 from .checks import Checks, held_by, rows_of, shown_name
 
@@ -129,4 +129,4 @@ def check_fights(checks: Checks) -> None:
 
 def parallel(one: tuple[float, ...], two: tuple[float, ...]) -> bool:
     """Whether two directions are alike but for their sign."""
-    return abs(one[0] * two[1] - one[1] * two[0]) <= 1e-9 * math.hypot(*one) * math.hypot(*two)
+    return abs(one[0] * two[1] - one[1] * two[0]) <= 1e-9 * hypot(*one) * hypot(*two)
