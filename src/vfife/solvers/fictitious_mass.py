@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..assembly.stability import element_stiffness, held
 from ..laws.elasticity import tangent
+from ..numerics.elementwise import hypot
 
 Array = NDArray[np.float64]
 
@@ -63,8 +64,8 @@ class Floors:
         for body in assembly.bodies.values():
             if body.elements:
                 continue
-            reach = max([0.0, *(np.hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
-            self.gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach**2)
+            reach = max([0.0, *(hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
+            self.gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach * reach)
 
     def __call__(self, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
         """Masses and inertias with ``least`` (N/m) for what has no stiffness of its own, which loads alone would hold: a pendulum, a cable.
@@ -76,7 +77,7 @@ class Floors:
             least = float(np.median(positive)) * OMEGA if len(positive) else OMEGA
         mass = np.maximum(mass, least / OMEGA)
         inertia = np.maximum(inertia, self.gyration * mass)
-        return mass, np.where(inertia > 0.0, inertia, mass * self.size**2)
+        return mass, np.where(inertia > 0.0, inertia, mass * (self.size * self.size))
 
 
 def extent(assembly: Assembly, state: Array) -> float:
@@ -84,7 +85,7 @@ def extent(assembly: Assembly, state: Array) -> float:
     points = np.array(list(assembly.mechanism.points.values())).reshape(-1, 2)
     places = [state[assembly.layout[f"particle_{axis}"]] for axis in "xy"]
     columns = [np.concatenate([place[1:], points[:, axis]]) for axis, place in enumerate(places)]
-    box = float(np.hypot(*(column.max() - column.min() for column in columns))) if len(columns[0]) else 0.0
-    pins = [float(np.hypot(*at)) for body in assembly.bodies.values() for at in body.pins.values()]
+    box = float(hypot(*(column.max() - column.min() for column in columns))) if len(columns[0]) else 0.0
+    pins = [float(hypot(*at)) for body in assembly.bodies.values() for at in body.pins.values()]
     bearings = [joint.reach for joint in assembly.mechanism.contacts.values()]
     return max([box, *pins, *bearings, 1e-9])

@@ -11,6 +11,7 @@ from ..assembly.assembled import Assembly
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE, SPEED, TIME
 from ..kinematics.forces import Datum, actions
+from ..numerics.elementwise import hypot
 
 if TYPE_CHECKING:
     from .relaxation import Relaxation
@@ -42,7 +43,7 @@ class Loading:
         total = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(abs(f) for f in factors)
         for k, function in enumerate(t.load_function):
             fx, fy, moment = (float(state[self.layout.row(f"load_{axis}", k)]) for axis in ("fx", "fy", "m"))
-            total += (float(np.hypot(fx, fy)) + abs(moment) / size) * max(abs(self.value(function, f)) for f in factors)
+            total += (float(hypot(fx, fy)) + abs(moment) / size) * max(abs(self.value(function, f)) for f in factors)
         return total
 
     def motion(self, old: float, new: float) -> tuple[float, float]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
+from ..numerics.products import dot, times
 from .fictitious_mass import Floors, demands, extent
 from .pace import Pace
 
@@ -173,17 +174,17 @@ class Relaxation:
             self.between = max(SHORTEST, self.between // 4)
         mass = 1.0 / self.state[self.inverse]
         place, speed, push = seen[:, 0], seen[:, 1], seen[:, 2]
-        energy = 0.5 * (speed**2) @ mass
+        energy = 0.5 * times(speed * speed, mass)
         self.kinetic, self.kinetic_max = float(energy[-1]), max(self.kinetic_max, float(energy.max()))
         moved = np.diff(place, axis=0)
-        weight = float((moved**2 @ mass).sum())
+        weight = float(times(moved * moved, mass).sum())
         if math.isfinite(weight) and weight > self.rounding(mass):
-            self._damp(-float(((moved * np.diff(push, axis=0)) @ mass).sum()) / weight)
+            self._damp(-float(times(moved * np.diff(push, axis=0), mass).sum()) / weight)
         return np.asarray(push * mass, dtype=float)
 
     def rounding(self, mass: Array) -> float:
         """Kinetic energy (and sum of m dx^2) that rounding alone makes."""
-        return float(mass @ np.where(self.turning, 1.0, self.size) ** 2) * (10.0 * NOISE) ** 2
+        return float(dot(mass, np.square(np.where(self.turning, 1.0, self.size))) * (100.0 * NOISE * NOISE))
 
     @property
     def still(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from functools import cached_property
@@ -84,15 +85,15 @@ class Comparison:
     def least(self, size: Array) -> Array:
         """What each quantity is compared with at least, from the largest absolute values of all."""
         largest = {kind: float(size[places].max(initial=0.0)) for kind, places in self.families.items()}
-        load = max(largest["squares"] ** 0.5, largest["moments"])
+        load = max(math.sqrt(largest["squares"]), largest["moments"])
         noise = {
-            "squares": (OVER_NOISE * NOISE * load) ** 2,
+            "squares": (OVER_NOISE * NOISE * load) * (OVER_NOISE * NOISE * load),
             "moments": OVER_NOISE * NOISE * load,
-            "accelerations": OVER_NOISE * ROUNDING / self.step**2,
+            "accelerations": OVER_NOISE * ROUNDING / (self.step * self.step),
         }
         found = np.zeros_like(size)
         for kind, places in self.families.items():
-            share = LEAST**2 if kind == "squares" else LEAST
+            share = LEAST * LEAST if kind == "squares" else LEAST
             found[places] = max(share * largest[kind], noise.get(kind, 0.0))
         return found
 

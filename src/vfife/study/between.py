@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Protocol
+
+from ..numerics.scalar import log, power
 
 
 class Ends(Protocol):
@@ -29,15 +30,15 @@ class Between:
         share = min(max(share, 0.0), 1.0)
         if share == 1.0:
             return self.high
-        found = self.low * (self.high / self.low) ** share if self.logarithmic else self.low + share * (self.high - self.low)
+        found = self.low * power(self.high / self.low, share) if self.logarithmic else self.low + share * (self.high - self.low)
         return min(max(found, self.low), self.high)
 
     def share(self: Ends, value: float) -> float:
         """Where a value lies on the way."""
         if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
+            return log(value / self.low) / log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
     def slope(self: Ends, share: float) -> float:
         """Derivative of the value by the share."""
-        return self.value(share) * math.log(self.high / self.low) if self.logarithmic else self.high - self.low
+        return self.value(share) * log(self.high / self.low) if self.logarithmic else self.high - self.low

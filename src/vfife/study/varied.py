@@ -11,6 +11,7 @@ from ..errors import Path, shown
 from ..fields import Choice, Measure, Reading, Refused, Value, Whole
 from ..modelfile.override import PathFault, resolve
 from ..modelfile.tables import Raw
+from ..numerics.scalar import power
 from .distributions import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 from .places import held_at
 from .plan import Number, Parameter, Varied
@@ -190,4 +191,4 @@ def cut(low: float, high: float, count: int, spacing: str) -> list[float]:
     if low <= 0.0:
         raise Refused("a logarithmic range begins above 0", f"{low:g}", "a from above 0", 'set spacing = "linear", or correct from')
     ratio = high / low
-    return [low * ratio ** (k / (count - 1)) if k < count - 1 else high for k in range(count)]
+    return [low * power(ratio, k / (count - 1)) if k < count - 1 else high for k in range(count)]

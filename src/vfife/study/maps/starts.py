@@ -16,6 +16,7 @@ from ...kinematics.initial import Given, Seat, ideal_motion
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
+from ...numerics.scalar import hypot
 from .looks import stepped, unit_at
 
 Array = NDArray[np.float64]
@@ -94,8 +95,8 @@ class Starts:
         for name in sorted({*at, *rate}):
             place, play = at.setdefault(name, np.zeros(2)), model.clearances[name].clearance
             rate.setdefault(name, np.zeros(2))
-            if not math.hypot(*place) < play:
-                fault = Fault(f"start.{name}", "the journal is outside its bearing", f"{math.hypot(*place):.4g} m", f"less than {play:.4g} m")
+            if not hypot(*place) < play:
+                fault = Fault(f"start.{name}", "the journal is outside its bearing", f"{hypot(*place):.4g} m", f"less than {play:.4g} m")
                 raise ModelError([fault], model.name)
         return at, rate
 
