@@ -14,7 +14,7 @@ BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 # The oldest dependencies and extras that pyproject.toml allows, on the oldest Python, and the tests that see most of them at work.
 OLDEST := .venv-oldest
 OLDEST_PYTHON ?= python3.11 python3.12 python3
-OLDEST_TESTS := tests/units tests/golden tests/modelfile/test_modelfile.py tests/modelfile/test_modelfile_set_by_path.py tests/modelfile/test_modelfile_nouns.py \
+OLDEST_TESTS := tests/units tests/golden tests/matrix tests/modelfile/test_modelfile.py tests/modelfile/test_modelfile_set_by_path.py tests/modelfile/test_modelfile_nouns.py \
     tests/results/test_result.py tests/results/test_runfile.py tests/results/test_export.py \
     tests/plots/test_figures_of_all_kinds.py tests/analysis tests/cli/test_run.py \
     tests/study/test_cluster.py tests/study/test_indices.py tests/study/test_optimise.py tests/study/test_searching.py \
@@ -27,7 +27,7 @@ export MPLBACKEND ?= Agg
 # A test run starts a hundred processes, and each would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test oldest coverage lint docs package release bench verify soak mutations clean help
+.PHONY: demo test matrix golden oldest coverage lint docs package release bench verify soak mutations clean help
 
 demo: $(VENV)/.runtime  ## what play costs an air compressor in force, noise and energy, with figures in runs/demo
 	@$(PYTHON) examples/compressor.py runs/demo
@@ -37,6 +37,13 @@ demo: $(VENV)/.runtime  ## what play costs an air compressor in force, noise and
 test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
 	@command -v chromium >/dev/null || echo "No chromium here: tests of pages in a browser are skipped (on Debian: apt-get install chromium)."
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
+
+matrix: $(VENV)/.test  ## commands of a user under other kernels of BLAS, processors, libraries and versions: the same bits? (MATRIX="--example NAME")
+	@$(PYTHON) tests/matrix/matrix.py $(MATRIX)
+
+golden: $(VENV)/.test  ## take the answers and hashes anew that every machine is held to; a change of the numbers says why in its commit
+	@$(PYTHON) tests/golden/test_golden.py
+	@$(PYTHON) tests/matrix/matrix.py --take
 
 oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the oldest that is allowed
 	@$(OLDEST)/bin/python -m pytest --disable-warnings $(XDIST) $(OLDEST_TESTS) $(PYTEST)

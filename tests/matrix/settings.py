@@ -1,0 +1,85 @@
+"""Settings that make one machine compute like others: kernels of BLAS, instructions of NumPy and of the C library, lanes, cores, versions."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+OLDEST = ROOT / ".venv-oldest" / "bin" / "python"
+X86 = platform.machine().lower() in ("x86_64", "amd64")
+# Kernels of OpenBLAS by the processors that they are written for, from SSE3 to AVX-512; all sum in other orders.
+KERNELS = ("Prescott", "Nehalem", "Sandybridge", "Haswell", "Zen", "SkylakeX") if X86 else ("ARMV8", "NEOVERSEN1", "THUNDERX2T99")
+# Functions of the C library that have a variant with fused products or with wide registers.
+GLIBC = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-AVX512F"
+FEATURES = """
+import json
+try:
+    from numpy._core import _multiarray_umath as umath
+except ImportError:
+    from numpy.core import _multiarray_umath as umath
+print(json.dumps([name for name in umath.__cpu_dispatch__ if umath.__cpu_features__.get(name)]))
+"""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to make this machine another one: variables of its environment, words of the script, and the Python that runs it."""
+
+    name: str
+    variables: dict[str, str] = field(default_factory=dict)
+    words: tuple[str, ...] = ()
+    python: str = sys.executable
+
+
+def features(python: str = sys.executable) -> list[str]:
+    """Instructions of this processor that NumPy has own code for."""
+    done = subprocess.run([python, "-c", FEATURES], capture_output=True, text=True, check=True)
+    found: list[str] = json.loads(done.stdout)
+    return found
+
+
+def settings() -> list[Setting]:
+    """All of them; the first changes nothing."""
+    found = [Setting("as it is"), *(Setting(f"BLAS kernel {name}", {"OPENBLAS_CORETYPE": name}) for name in KERNELS)]
+    found.append(Setting("1 thread of BLAS", {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}))
+    if some := features():
+        found.append(Setting("NumPy without " + ", ".join(some), {"NPY_DISABLE_CPU_FEATURES": " ".join(some)}))
+    if X86:
+        found.append(Setting("C library without AVX2 and FMA", {"GLIBC_TUNABLES": GLIBC}))
+        found.append(Setting("all of these", {"OPENBLAS_CORETYPE": "Nehalem", "NPY_DISABLE_CPU_FEATURES": " ".join(some), "GLIBC_TUNABLES": GLIBC}))
+        found += [Setting(f"processor {name}", words=("--processor", name)) for name in processors()]
+    found.append(Setting("other libraries", words=("--other-libraries",)))
+    found += [Setting(f"{cores} cores", words=("--cores", str(cores))) for cores in (1, 3, 8)]
+    if OLDEST.exists():
+        found.append(Setting("oldest NumPy", python=str(OLDEST)))
+        without = {"NPY_DISABLE_CPU_FEATURES": " ".join(features(str(OLDEST))), "OPENBLAS_CORETYPE": KERNELS[1]}
+        found.append(Setting("oldest NumPy without its own code for this processor", without, python=str(OLDEST)))
+    return found
+
+
+def processors() -> list[str]:
+    """Kinds of x86 processor that this one can stand in for: registers of two, four and eight numbers."""
+    flags = set(Path("/proc/cpuinfo").read_text().split()) if Path("/proc/cpuinfo").exists() else set()
+    return ["x86-64", *(["x86-64-v3"] if "avx2" in flags else []), *(["x86-64-v4"] if {"avx512f", "avx512dq", "avx512vl"} <= flags else [])]
+
+
+def carried_out(setting: Setting, folder: Path, names: list[str] | None = None, options: list[str] | None = None) -> subprocess.Popen[str]:
+    """The process that carries out the commands under a setting; its answers come into the folder."""
+    words = [setting.python, str(Path(__file__).with_name("commands.py")), str(folder), *setting.words]
+    words += [f"--name={name}" for name in names or ()] + [f"--option={word}" for word in options or ()]
+    return subprocess.Popen(words, env={**os.environ, **setting.variables}, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+
+
+def answers(process: subprocess.Popen[str], folder: Path) -> dict[str, dict[str, object]]:
+    """What the process found, once it has ended. Raises RuntimeError with what it said where it failed."""
+    said = process.communicate()[1]
+    if process.returncode:
+        raise RuntimeError(f"the commands failed, with exit code {process.returncode}:\n{said}")
+    found: dict[str, dict[str, object]] = json.loads((folder / "answers.json").read_text())
+    return found
