@@ -151,6 +151,8 @@ def hypot(*sides: Any) -> Any:
             squares = squares + side * side
     found = np.sqrt(squares)
     unusual = ~((squares > 1e-290) & (squares < 1e300))
+    if unusual.any():
+        unusual &= sum(np.abs(side) for side in parts) != 0.0  # zeros are what they are: a joint that does not touch has many
     for k in np.flatnonzero(unusual).tolist() if unusual.any() else ():
         found[k] = scalar.hypot(*(float(one[k]) for one in parts))
     return found.reshape(shape).view(kind)
