@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.elementwise import atan2, sincos
 from ..solvers.record import Record
 from .losses import lost
 from .sliding import contact_time, places
@@ -26,8 +27,8 @@ def contact_angle(record: Record, side: str = "bearing") -> Array:
     place = places(record)[SIDES.index(side)]
     turned = record.block("particle_theta")[:, list(getattr(assembly.topology, f"contact_{side}"))]
     x, y = place[..., 0], place[..., 1]
-    c, s = np.cos(turned), np.sin(turned)
-    return np.asarray(np.arctan2(c * y - s * x, c * x + s * y), dtype=float)
+    s, c = sincos(turned)
+    return np.asarray(atan2(c * y - s * x, c * x + s * y), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -65,5 +66,10 @@ def around(record: Record, side: str = "bearing", bins: int = 72, window: NDArra
     found = np.zeros((3, len(record.assembly.contacts), bins))
     for k in range(len(record.assembly.contacts)):
         for row, values in zip(found, every, strict=True):
-            row[k] = np.histogram(angle[inside, k], edges, weights=values[inside, k])[0]
+            row[k] = np.bincount(bin_of(angle[inside, k], edges), values[inside, k], bins)
     return Around(side, tuple(record.assembly.contacts), edges, *found)
+
+
+def bin_of(angle: Array, edges: Array) -> NDArray[np.intp]:
+    """Which bin an angle (rad) lies in; the last one has both its edges. A histogram of NumPy adds weights of one angle in an order of its own."""
+    return np.asarray(np.clip(np.searchsorted(edges, angle, side="right") - 1, 0, len(edges) - 2), dtype=np.intp)

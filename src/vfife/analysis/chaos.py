@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.elementwise import cos, sincos
+
 Array = NDArray[np.float64]
 
 ALIKE = 1e-5  # of their size, within which two points are one whatever the range of all is
@@ -91,9 +93,24 @@ def zero_one(series: Array, seed: int = 0) -> float:
     count, most = len(phi), max(2, len(phi) // SHARE)
     j, shifts = np.arange(1, count + 1), np.arange(1, most + 1)
     found = []
-    for c in np.random.default_rng(seed).uniform(math.pi / 5.0, 4.0 * math.pi / 5.0, ANGLES):
-        p, q = np.cumsum(phi * np.cos(c * j)), np.cumsum(phi * np.sin(c * j))
-        square = np.array([np.mean((p[n:] - p[:-n])[: count - most] ** 2 + (q[n:] - q[:-n])[: count - most] ** 2) for n in shifts])
-        square -= phi.mean() ** 2 * (1.0 - np.cos(shifts * c)) / (1.0 - math.cos(c))
-        found.append(np.corrcoef(shifts, square)[0, 1])
+    mean = float(phi.mean())
+    for c in math.pi / 5.0 + 3.0 * math.pi / 5.0 * np.random.default_rng(seed).random(ANGLES):
+        s, e = sincos(c * j)
+        p, q = np.cumsum(phi * e), np.cumsum(phi * s)
+        square = np.array([_ways(p, n, count - most) + _ways(q, n, count - most) for n in shifts])
+        square -= mean * mean * (1.0 - cos(shifts * c)) / (1.0 - cos(c))
+        found.append(correlation(shifts, square))
     return float(np.median(found))
+
+
+def _ways(series: Array, shift: int, count: int) -> float:
+    """Mean square of so many differences of a series over a shift."""
+    way = (series[shift:] - series[:-shift])[:count]
+    return float((way * way).mean())
+
+
+def correlation(first: Array, other: Array) -> float:
+    """Correlation of two series; 0 where one does not change."""
+    a, b = first - first.mean(), other - other.mean()
+    size = math.sqrt(float((a * a).sum()) * float((b * b).sum()))
+    return float((a * b).sum()) / size if size > 0.0 else 0.0

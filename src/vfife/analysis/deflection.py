@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ..kernels import frame
 from ..model.bodies import Link
 from ..model.lumping import mesh
+from ..numerics.elementwise import hypot, sincos
 from ..solvers.record import Record
 from .losses import of_window
 
@@ -30,7 +31,7 @@ def off_the_chord(record: Record, name: str) -> Array:
     nodes, own = list(where.particles), list(where.elements)
     x, y = (record.block(f"particle_{axis}")[:, nodes] for axis in "xy")
     dx, dy = x - x[:, :1], y - y[:, :1]
-    length = np.hypot(dx[:, -1], dy[:, -1])
+    length = hypot(dx[:, -1], dy[:, -1])
     c, s = (dx[:, -1] / length)[:, None], (dy[:, -1] / length)[:, None]
     across = c * dy - s * dx - parts.position[:, 1]
     bending = parts.bending
@@ -53,7 +54,7 @@ def elongation(record: Record, name: str) -> Array:
     link = record.assembly.mechanism.bodies[name]
     first, last = record.assembly.bodies[name].particles[0], record.assembly.bodies[name].particles[-1]
     dx, dy = (record.block(f"particle_{axis}")[:, last] - record.block(f"particle_{axis}")[:, first] for axis in "xy")
-    return np.asarray(np.hypot(dx, dy) - float(getattr(link, "length", 0.0)), dtype=float)
+    return np.asarray(hypot(dx, dy) - float(getattr(link, "length", 0.0)), dtype=float)
 
 
 def off_the_start(record: Record, name: str) -> Array:
@@ -61,7 +62,8 @@ def off_the_start(record: Record, name: str) -> Array:
     first, last = record.assembly.bodies[name].particles[0], record.assembly.bodies[name].particles[-1]
     dx, dy = (record.block(f"particle_{axis}")[:, last] - record.block(f"particle_{axis}")[:, first] for axis in "xy")
     angle = record.block("particle_theta")[:, first]
-    return np.asarray(np.cos(angle) * dy - np.sin(angle) * dx, dtype=float)
+    s, c = sincos(angle)
+    return np.asarray(c * dy - s * dx, dtype=float)
 
 
 def largest_deflections(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:

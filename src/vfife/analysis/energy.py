@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,8 @@ from ..assembly.assembled import Assembly
 from ..kernels import frame
 from ..kernels.topology import CURRENT
 from ..laws.elasticity import elastic_energy
+from ..numerics.elementwise import exp, hypot, sincos
+from ..numerics.products import times
 from ..solvers.fictitious_mass import extent
 from ..solvers.record import Record
 from .motion import AXES, is_free, velocities
@@ -124,11 +125,12 @@ def kinetic(record: Record) -> Array:
         moves = free & (inverse > 0.0)
         after = record.block(f"particle_{rate}")[:, moves]
         before = 2.0 * now[rate][:, moves] - after
-        mean = 0.5 * (before**2 + after**2)
-        mean[0] = now[rate][0, moves] ** 2
-        total += 0.5 * mean @ (1.0 / inverse[moves])
+        mean = 0.5 * (before * before + after * after)
+        mean[0] = now[rate][0, moves] * now[rate][0, moves]
+        total += 0.5 * times(mean, 1.0 / inverse[moves])
     driven = list(record.assembly.topology.driven)
-    return np.asarray(total + 0.5 * now["w"][:, driven] ** 2 @ record.parameter("driven_inertia"), dtype=float)
+    turning = now["w"][:, driven]
+    return np.asarray(total + 0.5 * times(turning * turning, record.parameter("driven_inertia")), dtype=float)
 
 
 def strain(record: Record) -> Array:
@@ -149,7 +151,8 @@ def strain(record: Record) -> Array:
     axial, bending = record.parameter("frame_axial_stiffness"), record.parameter("frame_bending_stiffness")
     flexible = np.where(bending > 0.0, bending, 1.0)  # without bending stiffness there is no moment
     theta_1, theta_2 = frame.end_rotations(m1, m2, 1.0 / length, flexible)
-    shares = np.where(present, _of_logarithm(n / axial), 0.5 * (n / axial) ** 2)
+    stretch = n / axial
+    shares = np.where(present, _of_logarithm(stretch), 0.5 * (stretch * stretch))
     energy = axial * length * shares + 0.5 * (m1 * theta_1 + m2 * theta_2)
     return np.asarray(energy.sum(axis=1), dtype=float)
 
@@ -160,7 +163,7 @@ def _of_logarithm(strain: Array) -> Array:
     series = np.ones_like(small)
     for k in range(15, 2, -1):
         series = 1.0 - small / k * series
-    return np.where(np.abs(strain) <= 0.5, 0.5 * small * small * series, strain + np.expm1(-strain))
+    return np.where(np.abs(strain) <= 0.5, 0.5 * small * small * series, (strain - 1.0) + exp(-strain))
 
 
 def contact(record: Record) -> Array:
@@ -185,12 +188,12 @@ def constant_loads(record: Record) -> Array:
     total = np.zeros(len(record.steps))
     for axis, load in (("x", "x"), ("y", "y"), ("theta", "m")):
         place = record.block(f"particle_{axis}")
-        total += (place - place[0]) @ record.parameter(f"particle_load_{load}")
+        total += times(place - place[0], record.parameter(f"particle_load_{load}"))
     driven = list(record.assembly.topology.driven)
     if driven:
         angle = record.block("particle_theta")[:, driven]
         mx, my, gx, gy = (record.parameter(f"driven_{name}") for name in ("moment_x", "moment_y", "weight_x", "weight_y"))
-        c, s = np.cos(angle), np.sin(angle)
+        s, c = sincos(angle)
         height = gx * (c * mx - s * my) + gy * (s * mx + c * my)
         total += (height - height[0]).sum(axis=1)
     return total

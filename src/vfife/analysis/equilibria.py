@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .forces import joint_force, joint_moment, joint_rows
 from .motion import is_free
@@ -19,7 +20,7 @@ def displacement(record: Record) -> Array:
     """Largest way of a free particle from its start (m), shape (outputs,)."""
     free = is_free(record)
     x, y = (record.block(f"particle_{axis}") - record.assembly.state[record.assembly.layout[f"particle_{axis}"]] for axis in ("x", "y"))
-    return np.asarray(np.hypot(x, y)[:, free].max(axis=1, initial=0.0), dtype=float)
+    return np.asarray(hypot(x, y)[:, free].max(axis=1, initial=0.0), dtype=float)
 
 
 def equilibria(record: Record) -> list[dict[str, Any]]:
@@ -61,7 +62,7 @@ def static_measures(record: Record) -> dict[str, float]:
     }
     force, moment = joint_force(record), np.abs(joint_moment(record))
     for k, name in enumerate(joint_rows(record)):
-        found[f"{name}.force.max"] = float(np.hypot(force[:, k, 0], force[:, k, 1]).max())
+        found[f"{name}.force.max"] = float(hypot(force[:, k, 0], force[:, k, 1]).max())
         if moment[:, k].any():
             found[f"{name}.moment.max"] = float(moment[:, k].max())
     for k, name in enumerate(record.assembly.contacts):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..model.path import Path
 from ..model.wear import depth_at
+from ..numerics.elementwise import atan2, hypot, sincos
 from ..solvers.record import Record
 from .motion import seen
 
@@ -44,14 +45,15 @@ def normals(record: Record) -> Array:
     """
     topology = record.assembly.topology
     away = eccentricity(record)
-    n = away / np.maximum(np.linalg.norm(away, axis=2, keepdims=True), 1e-300)
+    n = away / np.maximum(hypot(away[..., 0], away[..., 1])[..., None], 1e-300)
     kind = np.array(topology.contact_kind, dtype=int)
     n[:, kind == KINDS.index("round")] *= -1.0
     lines = np.flatnonzero(kind == KINDS.index("line"))
     if len(lines):
         angle = record.block("particle_theta")[:, [topology.contact_bearing[k] for k in lines]]
         x, y = (record.parameter(f"contact_line_{axis}")[lines] for axis in "xy")
-        n[:, lines] = np.stack([np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y], axis=2)
+        s, c = sincos(angle)
+        n[:, lines] = np.stack([c * x - s * y, s * x + c * y], axis=2)
     for k in np.flatnonzero(kind == KINDS.index("slot")):
         angle = record.block("particle_theta")[:, topology.contact_bearing[k]]
         n[:, k] = _off_the_path(away[:, k], angle, record.assembly.contact_paths[k])
@@ -66,15 +68,15 @@ def _leaning(record: Record, k: int, away: Array, n: Array) -> Array:
     wear, slope = record.assembly.mechanism.contacts[record.assembly.contact_joints[k]].wear, 0.0
     for side in ("bearing", "journal"):
         angle = record.block("particle_theta")[:, getattr(record.assembly.topology, f"contact_{side}")[k]]
-        slope = slope + depth_at(getattr(wear, f"{side}_profile"), np.arctan2(n[:, 1], n[:, 0]) - angle)[1]
-    lean = (slope / np.maximum(np.hypot(*away.T), 0.5 * record.parameter("contact_size")[k]))[:, None]
-    return np.asarray((n - lean * np.stack([-n[:, 1], n[:, 0]], axis=1)) / np.sqrt(1.0 + lean**2), dtype=float)
+        slope = slope + depth_at(getattr(wear, f"{side}_profile"), atan2(n[:, 1], n[:, 0]) - angle)[1]
+    lean = (slope / np.maximum(hypot(*away.T), 0.5 * record.parameter("contact_size")[k]))[:, None]
+    return np.asarray((n - lean * np.stack([-n[:, 1], n[:, 0]], axis=1)) / np.sqrt(1.0 + lean * lean), dtype=float)
 
 
 def _off_the_path(away: Array, angle: Array, path: Path | None) -> Array:
     """Unit vectors (outputs, 2) from the middle of a slot to the journal, which is at ``away`` (m) from the bearing's pin."""
     found = np.zeros_like(away)
-    for row, ((x, y), c, s) in enumerate(zip(away, np.cos(angle), np.sin(angle), strict=True)):
+    for row, ((x, y), s, c) in enumerate(zip(away, *sincos(angle), strict=True)):
         distance, nx, ny = (0.0, 0.0, 0.0) if path is None else path.seen(c * x + s * y, c * y - s * x)
         side = 1.0 if distance >= 0.0 else -1.0
         found[row] = side * (c * nx - s * ny), side * (s * nx + c * ny)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..kernels.topology import GEARED
 from ..kinematics.forces import driven_body
+from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .forces import contact_force
 from .losses import of_window
@@ -121,6 +122,6 @@ def largest_shaking(record: Record, window: NDArray[np.bool_]) -> dict[str, floa
     part, inside = of_window(record, window)
     load = ground_load(part)[inside]
     return {
-        "ground.shaking_force.max": float(np.hypot(load[:, 0], load[:, 1]).max()),
+        "ground.shaking_force.max": float(hypot(load[:, 0], load[:, 1]).max()),
         "ground.shaking_moment.max": float(np.abs(load[:, 2]).max()),
     }

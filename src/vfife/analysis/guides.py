@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinematics.drives import guide_of
+from ..numerics.elementwise import hypot, sincos
+from ..numerics.products import times
 from ..solvers.record import Record
 from .losses import of_window
 from .motion import accelerations, velocities
@@ -25,11 +27,11 @@ class PointMotion:
 
     def along(self, direction: tuple[float, float]) -> tuple[Array, Array, Array]:
         """The three along a direction of space, which need not have length 1, shape (outputs,) each. Raises ValueError where it has none."""
-        size = float(np.hypot(*direction))
+        size = float(hypot(*direction))
         if not size > 0.0:
             raise ValueError(f"a direction of {direction} has no length: give two numbers that are not both zero")
         unit = np.asarray(direction, dtype=float) / size
-        return self.position @ unit, self.velocity @ unit, self.acceleration @ unit
+        return times(self.position, unit), times(self.velocity, unit), times(self.acceleration, unit)
 
 
 def turning(record: Record, body: str) -> tuple[Array, Array, Array]:
@@ -59,7 +61,7 @@ def point_motion(record: Record, point: str) -> PointMotion:
     p = where.nodes[pin] if where.elements else where.particles[0]
     ox, oy = (0.0, 0.0) if where.elements else np.subtract(where.pins[pin], where.reference)
     moving, angle = velocities(record), record.block("particle_theta")[:, p]
-    c, s = np.cos(angle), np.sin(angle)
+    s, c = sincos(angle)
     qx, qy = c * ox - s * oy, s * ox + c * oy
     pushed = accelerations(record)
     w, alpha, ax, ay = moving["w"][:, p], *(pushed[name][:, p] for name in ("aw", "ax", "ay"))
@@ -90,7 +92,7 @@ def slider_motion(record: Record, name: str) -> tuple[Array, Array, Array]:
     bearing, journal = (point_motion(record, side) for side in (joint.bearing, joint.journal))
     dx, dy = guide.unit()
     angle, w, alpha = (one[:, None] for one in turning(record, joint.sides[0][0]))
-    c, s = np.cos(angle[:, 0]), np.sin(angle[:, 0])
+    s, c = sincos(angle[:, 0])
     d = np.column_stack([c * dx - s * dy, s * dx + c * dy])
     e = np.column_stack([-d[:, 1], d[:, 0]])
     r, v, a = (getattr(journal, key) - getattr(bearing, key) for key in ("position", "velocity", "acceleration"))

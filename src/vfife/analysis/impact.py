@@ -55,7 +55,7 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: i
     Classical Runge-Kutta of fourth order, at so many ``steps`` to the deepest point or thereabouts; independent of the step of a run.
     """
     p = law.parameters(pair)
-    dt = deepest_without_loss(law, p, 0.5 * mass * speed**2) / speed / steps
+    dt = deepest_without_loss(law, p, 0.5 * mass * speed * speed) / speed / steps
 
     def force(depth: float, rate: float) -> float:
         elastic, damping = law.force(depth, law.slowness(speed, rate), p) if depth > 0.0 else (0.0, 0.0)

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import BodyMap
+from ..numerics.elementwise import atan2, sincos
+from ..numerics.products import times as weighted
 from ..solvers.record import Record
 
 Array = NDArray[np.float64]
@@ -84,7 +86,7 @@ def _carried(record: Record, body: BodyMap, position: dict[str, Array], velocity
     p = body.particles[0]
     rx, ry = np.subtract(body.center, body.reference)
     angle = position["theta"][:, p]
-    c, s = np.cos(angle), np.sin(angle)
+    s, c = sincos(angle)
     return position["x"][:, p] + c * rx - s * ry, position["y"][:, p] + s * rx + c * ry, angle, velocity["w"][:, p]
 
 
@@ -93,10 +95,10 @@ def _chord(record: Record, body: BodyMap, position: dict[str, Array], velocity: 
     first, last = nodes[0], nodes[-1]
     dx, dy = (position[axis][:, last] - position[axis][:, first] for axis in ("x", "y"))
     du, dv = (velocity[axis][:, last] - velocity[axis][:, first] for axis in ("u", "v"))
-    angle = np.unwrap(np.arctan2(dy, dx))
+    angle = np.unwrap(atan2(dy, dx))
     angle += 2.0 * np.pi * np.round((position["theta"][0, first] - angle[0]) / (2.0 * np.pi))
     mass = _node_mass(record, body)
-    x, y = (position[axis][:, nodes] @ mass / mass.sum() for axis in ("x", "y"))
+    x, y = (weighted(position[axis][:, nodes], mass) / mass.sum() for axis in ("x", "y"))
     return x, y, angle, (dx * dv - dy * du) / (dx * dx + dy * dy)
 
 
@@ -121,7 +123,7 @@ def pin_path(record: Record, body: str, pin: str) -> Array:
         return np.stack([record.block("particle_x")[:, node], record.block("particle_y")[:, node]], axis=1)
     rx, ry = np.subtract(where.pins[pin], where.reference)
     x, y, angle = (record.block(f"particle_{axis}")[:, where.particles[0]] for axis in ("x", "y", "theta"))
-    c, s = np.cos(angle), np.sin(angle)
+    s, c = sincos(angle)
     return np.stack([x + c * rx - s * ry, y + s * rx + c * ry], axis=1)
 
 
@@ -130,7 +132,7 @@ def seen(record: Record, kind: str, side: str) -> Array:
     particles = list(getattr(record.assembly.topology, f"{kind}_{side}"))
     x, y, angle = (record.block(f"particle_{axis}")[:, particles] for axis in ("x", "y", "theta"))
     px, py = (record.parameter(f"{kind}_{side}_{axis}") for axis in "xy")
-    c, s = np.cos(angle), np.sin(angle)
+    s, c = sincos(angle)
     return np.stack([x + c * px - s * py, y + s * px + c * py], axis=2)
 
 
@@ -157,11 +159,11 @@ def body_velocity(record: Record) -> Array:
         nodes = list(body.particles)
         if body.elements:
             mass = _node_mass(record, body)
-            found[:, k] = np.stack([velocity[axis][:, nodes] @ mass / mass.sum() for axis in ("u", "v")], axis=1)
+            found[:, k] = np.stack([weighted(velocity[axis][:, nodes], mass) / mass.sum() for axis in ("u", "v")], axis=1)
             continue
         rx, ry = np.subtract(body.center, body.reference)
         angle, w = position["theta"][:, nodes[0]], velocity["w"][:, nodes[0]]
-        c, s = np.cos(angle), np.sin(angle)
+        s, c = sincos(angle)
         found[:, k, 0] = velocity["u"][:, nodes[0]] - w * (s * rx + c * ry)
         found[:, k, 1] = velocity["v"][:, nodes[0]] + w * (c * rx - s * ry)
     return found

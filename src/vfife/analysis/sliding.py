@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.elementwise import sincos
 from ..solvers.record import Record
 from .forces import eccentricity, normals
 from .losses import of_window, per_joint
@@ -62,7 +63,7 @@ def sliding_speed(record: Record) -> Array:
         body = list(getattr(topology, f"contact_{side}"))
         angle = record.block("particle_theta")[:, body]
         x, y = (record.parameter(f"contact_{side}_{axis}") for axis in "xy")
-        c, s = np.cos(angle), np.sin(angle)
+        s, c = sincos(angle)
         rx, ry, w = c * x - s * y + reach[..., 0], s * x + c * y + reach[..., 1], moving["w"][:, body]
         total += sign * np.stack([moving["u"][:, body] - w * ry, moving["v"][:, body] + w * rx], axis=2)
     contacts = record.assembly.mechanism.contacts

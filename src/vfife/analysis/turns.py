@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.elementwise import log
 from ..solvers.record import Record
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn, repeated_since
 
@@ -135,11 +136,12 @@ def settling(distances: Sequence[float]) -> bool:
     values = np.array(distances[1:] if len(distances) > 4 else distances)  # the first is that of the start
     if len(values) < 4 or not (np.isfinite(values) & (values > 0.0)).all():
         return False
-    at, logarithms = np.arange(len(values)), np.log(values)
+    logarithms = log(values)
     if np.ptp(logarithms) == 0.0:
         return False
-    slope = float(np.polyfit(at, logarithms, 1)[0])
-    return bool(np.corrcoef(at, logarithms)[0, 1] < FALLING) and slope * (len(values) - 1) < math.log(FALLEN)
+    at, off = np.arange(len(values)) - 0.5 * (len(values) - 1), logarithms - logarithms.mean()
+    along, wide, high = (float(one.sum()) for one in (at * off, at * at, off * off))
+    return along < FALLING * math.sqrt(wide * high) and along / wide * (len(values) - 1) < log(FALLEN)
 
 
 def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.elementwise import atan2, hypot
 from .chaos import Exponent, apart, period, zero_one
 
 Array = NDArray[np.float64]
@@ -77,9 +78,9 @@ def rotation(points: Array) -> Rotation | None:
     if len(plane) < 8 or not (size > 0.0).all():
         return None
     around = (plane - plane.mean(axis=0)) / size
-    angle, radius = np.arctan2(around[:, 1], around[:, 0]), np.hypot(around[:, 0], around[:, 1])
+    angle, radius = atan2(around[:, 1], around[:, 0]), hypot(around[:, 0], around[:, 1])
     turned = 2.0 * np.pi
-    along, after = radius[np.argsort(angle)], angle[1:][np.argsort(angle[:-1])]
+    along, after = radius[np.argsort(angle, kind="stable")], angle[1:][np.argsort(angle[:-1], kind="stable")]
     swing = max(float(np.ptp(along)), 1e-3 * float(along.mean()))
     rough = float(np.abs(np.diff(along)).sum()) / (2.0 * swing)
     order = float((np.mod(np.diff(after), turned) < np.pi).mean())

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..kernels.topology import BEARING
 from ..laws.wear import coefficient
 from ..model.surfaces import surfaces
+from ..numerics.elementwise import atan2, hypot, interpolate, sin
 from ..solvers.record import Record
 from .losses import of_window
 
@@ -61,15 +62,16 @@ def rubbed(record: Record, contact: int, side: str) -> Rubbed:
     done, x, y = (np.diff(record.block(f"wear_{name}")[:, place]) for name in ("work", "x", "y"))
     particle = getattr(record.assembly.topology, f"contact_{side}")[contact]
     turned = record.block("particle_theta")[:, particle]
-    angle = np.arctan2(y, x) - 0.5 * (turned[1:] + turned[:-1])
-    length = np.divide(np.hypot(x, y), done, out=np.ones_like(done), where=done > 0.0)
+    angle = atan2(y, x) - 0.5 * (turned[1:] + turned[:-1])
+    length = np.divide(hypot(x, y), done, out=np.ones_like(done), where=done > 0.0)
     return Rubbed(done, np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi, half_arc(length))
 
 
 def half_arc(length: Array) -> Array:
     """a with sin(a)/a = ``length``, from 0 at 1 to pi at 0."""
     arcs = np.linspace(np.pi, 0.0, 2001)
-    return np.asarray(np.interp(np.clip(length, 0.0, 1.0), np.sinc(arcs / np.pi), arcs), dtype=float)
+    share = np.divide(sin(arcs), arcs, out=np.ones_like(arcs), where=arcs > 0.0)
+    return np.asarray(interpolate(np.clip(length, 0.0, 1.0), share, arcs), dtype=float)
 
 
 def around(part: Rubbed) -> Array:
@@ -77,7 +79,8 @@ def around(part: Rubbed) -> Array:
     found, wide = np.zeros(PLACES), np.maximum(part.spread, 0.5 * WIDTH)
     rubs = np.flatnonzero(part.work > 0.0)
     reach = np.ceil(wide[rubs] / WIDTH).astype(int) + 1
-    for most in np.unique(2 ** np.ceil(np.log2(np.maximum(reach, 1)))).astype(int):  # intervals of like spreads together
+    part_of_two, exponent = np.frexp(np.maximum(reach, 1))
+    for most in np.unique(1 << (exponent - (part_of_two == 0.5)).astype(int)):  # intervals of like spreads together
         few = rubs[(reach <= most) & (reach > most // 2)]
         middle = np.floor((part.angle[few] + np.pi) / WIDTH).astype(int)[:, None]
         edges = (middle + np.arange(-most, most + 2)) * WIDTH - np.pi

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 from typing import Any
 
 from ..analysis.measured import NOT_ESTIMATED
@@ -51,9 +52,9 @@ def plain(told: dict[str, Any], name: str) -> str:
     spread = spread_of({"ranges": told.get("ranges") or {}, "turns": told.get("turns") or {}}, name)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
         told_of = spread > 0.0 and value and math.isfinite(value / spread)
-        known = math.floor(math.log10(abs(value))) - math.floor(math.log10(spread)) + 1 if told_of else 6
+        known = decade(value) - decade(spread) + 1 if told_of else 6
         return f"{value:.{max(1, min(6, known))}g}"
-    places = decimals(value, spread, significant=6, most=5 - math.floor(math.log10(abs(value))))
+    places = decimals(value, spread, significant=6, most=5 - decade(value))
     return f"{value:.6g}" if spread <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
 
 
@@ -71,11 +72,11 @@ def decimals(value: float, spread: float, significant: int = 4, most: int = 1) -
     """Digits after the point: so many ``significant`` ones, or of 100 and more ``most``, and none below the first digit of a ``spread``, but one
     of the value at least; less than 0 means tens, hundreds ...
     """
-    first = -math.floor(math.log10(abs(value))) if value else 0
+    first = -decade(value) if value else 0
     usual = most if abs(value) >= 100.0 else significant - 1 + first
     if not (spread > 0.0 and math.isfinite(spread)):
         return usual
-    return min(usual, max(-math.floor(math.log10(spread)), first))
+    return min(usual, max(-decade(spread), first))
 
 
 def amount(value: float | None, unit: str, spread: float = 0.0) -> str:
@@ -107,3 +108,8 @@ def prefixed(value: float, unit: str, spread: float = 0.0) -> str:
             shown = fixed(value / factor, decimals(value / factor, spread / factor)) if spread > 0.0 else f"{value / factor:.4g}"
             return f"{shown} {prefix}{unit}"
     return f"{value:.4g} {unit}"
+
+
+def decade(value: float) -> int:
+    """Place of the first digit of a number that is not zero: 0 of 1 to 9.99, -1 of 0.1; exact, where a logarithm may be a bit off."""
+    return Decimal(value).adjusted()

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Mapping
 from typing import Any
 
-import numpy as np
-
 from ..analysis import forces, guides, motion, stress
 from ..analysis.energy import Ledger
 from ..analysis.equilibria import displacement
 from ..kernels.blocks import BY_NAME
+from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .channel import GLOBAL, Channel
 from .designed import elastic_channels, ground_channels, slider_channels, stress_channels, wear_channels
@@ -151,7 +150,7 @@ def _bodies(record: Record) -> dict[str, Channel]:
 def _joints(record: Record) -> dict[str, Channel]:
     force = forces.joint_force(record)
     return {
-        "joint_force": Channel(np.hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"),
+        "joint_force": Channel(hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"),
         "joint_force_x": Channel(force[..., 0], "joint", "N", "force on the journal", GLOBAL),
         "joint_force_y": Channel(force[..., 1], "joint", "N", "force on the journal", GLOBAL),
         "joint_moment": Channel(forces.joint_moment(record), "joint", "N m", "moment on the journal's body"),

@@ -10,6 +10,7 @@ from ..analysis.ground import ground_load
 from ..analysis.losses import lost, mean_power
 from ..analysis.sliding import sliding_speed
 from ..analysis.wear import SIDES, coefficients, work
+from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .channel import GLOBAL, Channel
 
@@ -59,7 +60,7 @@ def ground_channels(record: Record) -> dict[str, Channel]:
     """What the mechanism does to the ground."""
     load, said = ground_load(record), "force of the mechanism on the ground"
     return {
-        "ground_shaking_force": Channel(np.hypot(load[:, 0], load[:, 1]), None, "N", f"size of the {said}"),
+        "ground_shaking_force": Channel(hypot(load[:, 0], load[:, 1]), None, "N", f"size of the {said}"),
         "ground_shaking_force_x": Channel(load[:, 0], None, "N", said, GLOBAL),
         "ground_shaking_force_y": Channel(load[:, 1], None, "N", said, GLOBAL),
         "ground_shaking_moment": Channel(load[:, 2], None, "N m", "moment of the mechanism on the ground about the ground's origin", GLOBAL),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..files import write_text
 from ..model.above import answered
+from ..numerics.scalar import log
 from .csvtable import write_rows
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Value:
         """Where a value lies between the bounds, 0 to 1; by its logarithm where it was looked for so."""
         low, high = self.bounds
         if self.logarithmic:
-            return math.log(max(value, 1e-3 * low) / low) / math.log(high / low)
+            return log(max(value, 1e-3 * low) / low) / log(high / low)
         return (value - low) / (high - low)
 
     @property
@@ -85,7 +85,8 @@ class Laid:
     def share(self) -> float:
         """Root mean square of what is left, over the standard deviation of what was measured."""
         spread = float(self.measured.std())
-        return float(np.sqrt(((self.model - self.measured) ** 2).mean())) / spread if spread > 0.0 else float("inf")
+        left = self.model - self.measured
+        return float(np.sqrt((left * left).mean())) / spread if spread > 0.0 else float("inf")
 
 
 @dataclass
@@ -136,7 +137,7 @@ class Fit:
     @property
     def share(self) -> float:
         """Root mean square of all residuals over the deviations of the measured curves."""
-        return float(np.sqrt(np.mean([one.share**2 for one in self.curves])))
+        return float(np.sqrt(np.mean([one.share * one.share for one in self.curves])))
 
     @property
     def undetermined(self) -> list[str]:
@@ -145,7 +146,7 @@ class Fit:
         for deviation, direction in self.directions:
             if not deviation > TELLS:
                 continue
-            order = [k for k in np.argsort(-np.abs(direction)) if abs(direction[k]) >= PART]
+            order = [k for k in np.argsort(-np.abs(direction), kind="stable") if abs(direction[k]) >= PART]
             names = [self.values[k].name for k in order]
             if len(names) == 1:
                 found.append(f"{names[0]}: within its bounds it changes the curves by less than what they miss the data by")

@@ -16,6 +16,7 @@ from ..errors import ResumeError
 from ..kernels.blocks import BLOCKS
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
+from ..numerics.scalar import sincos
 from ..solvers.record import Record
 from ..solvers.status import Status
 from .view import View
@@ -149,10 +150,10 @@ def _travelled(assembly: Assembly, state: Array, k: int, turn: int) -> float:
     for side, p in (("bearing", t.joint_bearing[k]), ("journal", t.joint_journal[k])):
         x, y, angle = (float(state[layout.row(f"particle_{axis}", p)]) for axis in ("x", "y", "theta"))
         px, py = (float(state[layout.row(f"joint_{side}_{axis}", k)]) for axis in "xy")
-        c, s = np.cos(angle), np.sin(angle)
+        s, c = sincos(angle)
         sides.append((x + c * px - s * py, y + s * px + c * py, angle))
     if turn != FREE:
         return sides[1][2] - sides[0][2]
     dx, dy = (float(state[layout.row(f"joint_direction_{axis}", k)]) for axis in "xy")
-    c, s = np.cos(sides[0][2]), np.sin(sides[0][2])
+    s, c = sincos(sides[0][2])
     return float((c * dx - s * dy) * (sides[1][0] - sides[0][0]) + (s * dx + c * dy) * (sides[1][1] - sides[0][1]))

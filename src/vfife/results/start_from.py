@@ -13,6 +13,7 @@ from ..analysis.motion import body_motion, body_velocity
 from ..kinematics.initial import Given, Motion, ideal_motion
 from ..kinematics.pins import centred, first_guess
 from ..model.mechanism import Mechanism
+from ..numerics.scalar import sincos
 from .view import View
 
 Array = NDArray[np.float64]
@@ -81,7 +82,7 @@ def _states(result: View, time: float | None) -> dict[str, tuple[Array, Array]]:
     found = {}
     for row, (name, body) in enumerate(result.record.assembly.bodies.items()):
         x, y, angle, w = (float(moved[key][k, row]) for key in ("x", "y", "angle", "angular_velocity"))
-        c, s = np.cos(angle), np.sin(angle)
+        s, c = sincos(angle)
         r = np.array([c * body.center[0] - s * body.center[1], s * body.center[0] + c * body.center[1]])
         u, v = (float(value) for value in speeds[k, row])
         found[name] = np.array([x - r[0], y - r[1], angle]), np.array([u + w * r[1], v - w * r[0], w])

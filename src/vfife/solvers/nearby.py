@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
+from ..numerics.elementwise import log
 from .pace import Pace
 from .record import recorded_rows
 from .tangents import Neighbours, changes, rates
@@ -85,7 +86,7 @@ class Nearby:
                 own = np.ascontiguousarray((self.weights * other).T)  # summed in one order, however many lanes there are
                 size = np.maximum(np.sqrt((own * own).sum(axis=1)), 1e-300)
                 other /= size
-                growth[turn] = np.log(size)
+                growth[turn] = log(size)
         return rows, growth
 
 

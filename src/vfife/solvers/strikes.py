@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..kernels.topology import LINE, SLOT
+from ..numerics.elementwise import atan2, sincos
 from .nearby import plain_runner
 from .pace import Pace
 
@@ -77,8 +78,8 @@ class Strikes(NamedTuple):
         centres = []
         for side, (x, y, angle) in (("bearing", bodies.T[:3]), ("journal", bodies.T[3:])):
             px, py = (float(state[layout.row(f"contact_{side}_{axis}", contact)]) for axis in "xy")
-            c, s = np.cos(angle), np.sin(angle)
+            s, c = sincos(angle)
             centres.append((x + c * px - s * py, y + s * px + c * py))
         (bx, by), (jx, jy) = centres
-        found: Array = np.mod(np.arctan2(jy - by, jx - bx) - bodies[:, 2], 2.0 * np.pi)
+        found: Array = np.mod(atan2(jy - by, jx - bx) - bodies[:, 2], 2.0 * np.pi)
         return found

@@ -52,7 +52,8 @@ def share(count: int, of: int, confidence: float = CONFIDENCE) -> Estimate:
 
     if not of:
         return Estimate(math.nan, 0.0, 1.0)
-    z2 = float(ndtri(0.5 * (1.0 + confidence))) ** 2
+    z = float(ndtri(0.5 * (1.0 + confidence)))
+    z2 = z * z
     p = count / of
     middle, half = p + 0.5 * z2 / of, math.sqrt(z2 / of * (p * (1.0 - p) + 0.25 * z2 / of))
     low, high = ((middle + side * half) / (1.0 + z2 / of) for side in (-1.0, 1.0))

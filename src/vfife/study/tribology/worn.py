@@ -19,6 +19,8 @@ from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
 from ...model.wear import depth_at
 from ...modelfile import loads
+from ...numerics.elementwise import sincos, tan
+from ...numerics.products import times
 from ...results.csvtable import write_rows
 from ...results.wearfile import WornPoint
 from ...solvers.record import Record
@@ -175,21 +177,24 @@ def jackson(harmonics: int) -> Array:
     Rev. Mod. Phys. 78, 275 (2006), Eq. 71)."""
     n, k = harmonics + 1, np.arange(harmonics)
     q = math.pi / n
-    return np.asarray(((n - k) * np.cos(k * q) + np.sin(k * q) / math.tan(q)) / n, dtype=float)
+    s, c = sincos(k * q)
+    return np.asarray(((n - k) * c + s / tan(q)) / n, dtype=float)
 
 
 def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
     """Cosines and sines of depths around surfaces, as the geometry has them, shape (..., harmonics) each."""
     k, g = np.arange(harmonics), jackson(harmonics)
     weights = np.where(k == 0, 1.0, 2.0) / PLACES * g
-    return weights * (depth @ np.cos(np.outer(ANGLES, k))), weights * (depth @ np.sin(np.outer(ANGLES, k)))
+    s, c = sincos(np.outer(k, ANGLES))
+    return weights * times(c, depth), weights * times(s, depth)
 
 
 def smooth(depth: Array, harmonics: int) -> Array:
     """Depths around surfaces as the geometry has them, at all places."""
     k = np.arange(harmonics)
     cosines, sines = transformed(depth, harmonics)
-    return np.asarray(cosines @ np.cos(np.outer(k, ANGLES)) + sines @ np.sin(np.outer(k, ANGLES)), dtype=float)
+    s, c = sincos(np.outer(ANGLES, k))
+    return np.asarray(times(c, cosines) + times(s, sines), dtype=float)
 
 
 def profiles(found: Sequence[Surface], depth: Array, harmonics: int) -> list[tuple[Array, Array]]:
@@ -245,7 +250,8 @@ def sharpness(found: Sequence[Surface], depth: Array, harmonics: int) -> float:
     bent: dict[str, float] = {}
     for one, (cosines, sines) in zip(found, profiles(found, depth, max(harmonics, 1)), strict=True):
         k = np.arange(len(cosines))
-        second = (k * k * cosines) @ np.cos(np.outer(k, ANGLES)) + (k * k * sines) @ np.sin(np.outer(k, ANGLES))
+        s, c = sincos(np.outer(ANGLES, k))
+        second = times(c, k * k * cosines) + times(s, k * k * sines)
         bent[one.joint] = bent.get(one.joint, 0.0) + float(second.max())
     play = dict(zip(bent, plays(found, depth, harmonics), strict=True))
     return max(bent[joint] / play[joint] for joint in bent)
