@@ -181,7 +181,8 @@ def digest(values: Any) -> str:
 def pretend(processor: str, cores: int, other_libraries: bool) -> None:
     """Has the machine look like another one: its libraries, the processor that code is made for, and how many cores there are."""
     if other_libraries:
-        from libraries import imitate
+        sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+        from matrix.libraries import imitate
 
         imitate()
     if processor:
