@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..analysis.forces import joint_force, joint_force_max, joint_moment, joint_rows
 from ..analysis.guides import slider_motion, sliders
+from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ def titled(result: View, name: str) -> str:
 def _force(result: View, name: str) -> Quantity:
     def size(record: Record) -> Array:
         force = joint_force(record)[:, list(joint_rows(record)).index(name)]
-        return np.asarray(np.hypot(force[:, 0], force[:, 1]), dtype=float)
+        return np.asarray(hypot(force[:, 0], force[:, 1]), dtype=float)
 
     most = None if result.record.static else _column(joint_force_max, name)
     return Quantity(titled(result, name), "force", "N", size, most, f"{name}.force.max")
