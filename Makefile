@@ -42,7 +42,7 @@ matrix: $(VENV)/.test  ## commands of a user under other kernels of BLAS, proces
 	@$(PYTHON) tests/matrix/matrix.py $(MATRIX)
 
 golden: $(VENV)/.test  ## take the answers and hashes anew that every machine is held to; a change of the numbers says why in its commit
-	@$(PYTHON) tests/golden/test_golden.py
+	@PYTHONPATH=tests $(PYTHON) tests/golden/test_golden.py
 	@$(PYTHON) tests/matrix/matrix.py --take
 
 oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the oldest that is allowed

@@ -1,17 +1,14 @@
 """Contact-rich runs keep their bits: what a change of the house must not move. A change of the physics takes the hashes anew and says why.
 
 The twelve of ``RICH`` hold for every loop, as many lanes as a register may have, any number of threads and any processor: what takes long of that
-is in `tests/verification`. ``python tests/golden/test_golden.py`` writes them. A start is closed by linear algebra whose last bits depend on the
-machine, so the start is rounded to single precision first, and what is nothing but round-off is made zero: what follows is the step's own
-arithmetic, which is the same everywhere.
+is in `tests/verification`. Examples begin as `vfife run` has them begin: examined, with the forces of their ideal reference, closed and assembled;
+nothing is rounded. ``make golden`` takes the hashes anew.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib import import_module
@@ -25,6 +22,8 @@ import vfife
 from fake_card import rows_on_card
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
+from vfife.simulation import prepare
+from vfife.solvers.arguments import Asked
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 
@@ -44,9 +43,9 @@ MODELS = {
 }  # fmt: skip
 RICH = ("four_bar", "four_bar_case_b", "four_bar_case_c", "slider_crank_loose_guide", "block_on_incline", "every law", *MODELS)
 ON_CARD = ("four_bar_case_c", "two_particle_bars", "machinery")
-NOTHING = 1e-9  # in units of SI; a force of a start is round-off below it
 
 
+@cache
 def start(name: str) -> Assembly:
     """The case assembled, for a run of so many seconds."""
     if name in KINDS:
@@ -55,22 +54,12 @@ def start(name: str) -> Assembly:
     if name in MODELS:
         duration, step = MODELS[name]
         return assemble(getattr(import_module("lane_models"), name)(0), step, duration=duration, outputs=40, force_step=True)
-    return assemble(vfife.load_model(ROOT / "examples" / f"{name}.toml"), duration=CASES[name])
-
-
-@cache
-def rounded(name: str) -> Assembly:
-    """The case with a start that is the same on every machine."""
-    assembly = start(name)
-    state = assembly.state.astype(np.float32).astype(float)
-    moving = assembly.layout.of("state", "memory")
-    state[moving] = np.where(np.abs(state[moving]) < NOTHING, 0.0, state[moving])
-    return dataclasses.replace(assembly, state=state)
+    return prepare(vfife.load_model(ROOT / "examples" / f"{name}.toml"), Asked(duration=CASES[name])).assembly
 
 
 def record(name: str, loop: str, companions: int = 0) -> Record:
     """The case run, with so many companions beside it."""
-    found = run(rounded(name), loop=loop, companions=companions)  # type: ignore[arg-type]
+    found = run(start(name), loop=loop, companions=companions)  # type: ignore[arg-type]
     assert found.status == "complete"
     return found
 
@@ -90,7 +79,7 @@ def hashed(rows: np.ndarray) -> str:
 
 def digest_on_card(name: str, driver: Any = None) -> str:
     """Hash of what a graphics card records; unless its ``driver`` is given, its text, threads and addresses are carried out by the processor."""
-    return hashed(rows_on_card(rounded(name), driver))
+    return hashed(rows_on_card(start(name), driver))
 
 
 def known(name: str) -> str:
@@ -137,6 +126,5 @@ def test_zeros_have_no_sign():
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(ROOT / "tests"))
     taken = {name: digest(name, "data-driven" if name in CASES else "generated") for name in (*CASES, *KINDS, *MODELS)}
     HASHES.write_text(json.dumps(taken, indent=1) + "\n")
