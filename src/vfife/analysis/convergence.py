@@ -9,9 +9,10 @@ the error is estimated from their scatter.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
+
+from ..numerics.scalar import power
 
 # Roache's factor of safety for three or more grids. Measured on 250 mechanisms with contact (tests/loose_sample.py): without it 94 % of the ranges
 # hold the value at a twentieth of the step, with it and the three numbers below 99.5 %.
@@ -57,7 +58,7 @@ def error_factor(ratios: Sequence[float], values: Sequence[float]) -> float:
     if order is None:
         return SCATTER
     largest, order = max(ratios) / min(ratios), min(max(order, LOWEST_ORDER), HIGHEST_ORDER)
-    return max(1.0, SAFETY / (math.pow(largest, order) - 1.0))
+    return max(1.0, SAFETY / (power(largest, order) - 1.0))
 
 
 def observed_order(ratios: Sequence[float], values: Sequence[float]) -> float | None:
@@ -74,7 +75,7 @@ def observed_order(ratios: Sequence[float], values: Sequence[float]) -> float | 
     low, high = 1e-3, 3.0
     for _ in range(BISECTIONS):  # the share falls as the order grows
         middle = 0.5 * (low + high)
-        if (math.pow(steps[1], middle) - 1.0) / (math.pow(steps[-1], middle) - 1.0) > share:
+        if (power(steps[1], middle) - 1.0) / (power(steps[-1], middle) - 1.0) > share:
             low = middle
         else:
             high = middle

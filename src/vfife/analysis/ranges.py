@@ -15,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.scalar import power
 from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
@@ -236,7 +237,7 @@ def error_of(own: float, half: float, quarter: float, order: float | None) -> fl
     steps and converge unevenly: hence SAFETY.
     """
     first, second, both = abs(own - half), abs(half - quarter), abs(own - quarter)
-    least = 2.0 ** -min(max(2.0 if order is None else order, 1.0), 2.0)
+    least = power(2.0, -min(max(2.0 if order is None else order, 1.0), 2.0))
     ratio = min(max(second / first if first > 0.0 else SLOWEST, least), SLOWEST)
     return SAFETY * max(first / (1.0 - least), both + second * ratio / (1.0 - ratio))
 
@@ -272,7 +273,7 @@ def sizes(found: Mapping[str, Measured], step: float) -> dict[str, float]:
     """
     result = {}
     loads = max((one.high for name, one in found.items() if name.endswith(LOADS)), default=0.0)
-    noise = dict.fromkeys(LOADS, NOISE * loads) | {".angular_acceleration.max": ROUNDING / step**2}
+    noise = dict.fromkeys(LOADS, NOISE * loads) | {".angular_acceleration.max": ROUNDING / (step * step)}
     for kind in JUDGED:
         members = [(name, one) for name, one in found.items() if name.endswith(f".{kind}")]
         floor = LEAST * max((one.high for _, one in members), default=0.0)

@@ -7,6 +7,7 @@ from decimal import Decimal
 from typing import Any
 
 from ..analysis.measured import NOT_ESTIMATED
+from ..numerics.scalar import log10
 
 COUNTED = (".impacts", ".grazing", ".deep_landings")
 
@@ -40,7 +41,7 @@ def bounds(told: dict[str, Any], name: str) -> str:
     low, high = (float(value) if one is None else float(one[key]) for key in ("low", "high"))
     if not high > low:
         return "exact"
-    digits = max(1, math.ceil(math.log10(max(abs(low), abs(high)) / (high - low))) + 2) if math.isfinite(high - low) else 6
+    digits = max(1, math.ceil(log10(max(abs(low), abs(high)) / (high - low))) + 2) if math.isfinite(high - low) else 6
     return f"{low:.{min(digits, 12)}g} to {high:.{min(digits, 12)}g}"
 
 

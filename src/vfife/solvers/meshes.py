@@ -58,7 +58,7 @@ def iterations(assembly: Assembly) -> float:
     least, each = STATIC_ITERATIONS
     bodies = assembly.bodies.values()
     longest = max((len(body.elements) for body in bodies), default=1)
-    return min(least + each * longest**2 * len(bodies), float(assembly.mechanism.settings.iterations))
+    return min(least + each * longest * longest * len(bodies), float(assembly.mechanism.settings.iterations))
 
 
 def worth(assembly: Assembly) -> bool:

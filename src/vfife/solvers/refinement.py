@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from math import log2, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
+from ..numerics.scalar import log
 from .halt import Halt
 from .pace import Pace
 from .record import Record, places, recorded_rows
@@ -123,7 +124,8 @@ class Differences:
         with np.errstate(over="ignore", invalid="ignore"):
             for k in np.unique(part):
                 inside = part == k
-                self.squares[k] += ((own - fine)[inside] ** 2).sum(axis=0), ((fine - finest)[inside] ** 2).sum(axis=0)
+                first, second = (own - fine)[inside], (fine - finest)[inside]
+                self.squares[k] += (first * first).sum(axis=0), (second * second).sum(axis=0)
                 self.counts[k] += inside.sum()
 
     def scaled(self) -> tuple[Array, Array, Array]:
@@ -131,10 +133,10 @@ class Differences:
         largest = np.abs(self.own).reshape(len(self.own), len(SAMPLED), -1).max(axis=(0, 2), initial=0.0)
         size, turn, push = max(*largest[:2], TINY), max(largest[2], 1.0), max(*largest[3:5], TINY)
         spin = max(largest[5], push / size)
-        rounding = EPS / (self.step / FINER[-1]) ** 2  # of a second difference of numbers near one
+        rounding = EPS * FINER[-1] * FINER[-1] / (self.step * self.step)  # of a second difference of numbers near one
         scale = np.array([size, size, turn, push, push, spin])
         noise = np.array([EXACT, EXACT, EXACT, rounding * size / push, rounding * size / push, rounding * turn / spin])
-        found = self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3) / scale**2 / np.maximum(self.counts, 1.0)[:, None, None]
+        found = self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3) / (scale * scale) / np.maximum(self.counts, 1.0)[:, None, None]
         return found[:, 0], found[:, 1], noise
 
     def order(self) -> float | None:
@@ -143,7 +145,7 @@ class Differences:
         share = self.counts[:, None] / max(self.counts.sum(), 1.0)
         coarse, fine = (coarse * share).sum(axis=0), (fine * share).sum(axis=0)
         telling = (np.sqrt(fine) > OVER_NOISE * noise) & (coarse > 0.0)
-        return 0.5 * log2(float(coarse[telling].sum() / fine[telling].sum())) if telling.any() else None
+        return 0.5 * log(float(coarse[telling].sum() / fine[telling].sum())) / log(2.0) if telling.any() else None
 
     def converges(self, since: int) -> bool:
         """Whether the differences fall with the step in all parts from number ``since`` on, where they are large enough to matter."""
