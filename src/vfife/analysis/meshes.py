@@ -8,6 +8,7 @@ from ..solvers.fictitious_mass import extent
 from ..solvers.record import Estimate, Record
 from .equilibria import static_measures
 from .measured import Measured
+from .measures import MOMENT
 
 TWO_MESHES = 4.0  # times the difference to twice the elements, which is three times an error of second order (Roache's grid convergence index)
 THREE_MESHES = 1.25  # times the error that three meshes tell, by the same author
@@ -26,7 +27,8 @@ def mesh_estimate(record: Record, finer: Record, coarser: Record | None) -> Esti
     No error is taken to be smaller than what the unbalanced forces leave open, nor than FLOOR times that of the value that is known worst.
     """
     own, fine, coarse = static_measures(record), static_measures(finer), {} if coarser is None else static_measures(coarser)
-    errors = {name: error_of(coarse.get(name), value, fine[name]) for name, value in own.items() if name in fine}
+    names = [name for name in own if name in fine or name.endswith(MOMENT)]
+    errors = {name: error_of(_of(coarse, name), own[name], fine.get(name, 0.0)) for name in names}
     errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - fine[MOVED]))  # it may lie between nodes, which two meshes may miss alike
     size = sizes(record, own)
     floor = FLOOR * max((errors[name] / one for name, one in size.items() if name in errors), default=0.0)
@@ -36,6 +38,11 @@ def mesh_estimate(record: Record, finer: Record, coarser: Record | None) -> Esti
         left = residual * load * (lever if name.endswith((".moment.max", ".torque.max")) else name.endswith(".force.max"))
         errors[name] = 0.0 if name in EXACT else max(error, floor * size.get(name, abs(own[name])), left)
     return Estimate(None, errors)
+
+
+def _of(coarse: Mapping[str, float], name: str) -> float | None:
+    """A measure on the coarser mesh: none without that mesh; a moment that is zero there is none of its measures."""
+    return coarse.get(name, 0.0 if coarse and name.endswith(MOMENT) else None)
 
 
 def error_of(coarse: float | None, own: float, fine: float) -> float:

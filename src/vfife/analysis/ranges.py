@@ -133,7 +133,8 @@ def _reach(record: Record, name: str, one: Sampled) -> tuple[float, float]:
     if record.estimate is None:
         return one.error_range(name)
     error = record.estimate.errors.get(name, 0.0)
-    return one.value - error, one.value + error
+    low = one.value - error
+    return max(low, 0.0) if one.value >= 0.0 and name.endswith(".max") else low, one.value + error
 
 
 def _estimated(record: Record, name: str, one: Sampled) -> bool:
@@ -220,7 +221,7 @@ def estimate(record: Record, refined: Refined) -> Estimate:
 
     Two runs may agree on a measure by chance. So none is taken to be better known than FLOOR times the largest value that is known worst.
     """
-    own, half, quarter = (_values(one, record) for one in (record, refined.half, refined.quarter))
+    own, half, quarter = (values_of(one, record) for one in (record, refined.half, refined.quarter))
     names = [name for name in own if not name.endswith(PLACES) and name in half and name in quarter]
     errors = {name: error_of(own[name], half[name], quarter[name], refined.order) for name in names}
     size = sizes({name: Measured(value) for name, value in own.items()}, record.assembly.choice.step)
@@ -242,7 +243,7 @@ def error_of(own: float, half: float, quarter: float, order: float | None) -> fl
     return SAFETY * max(first / (1.0 - least), both + second * ratio / (1.0 - ratio))
 
 
-def _values(part: Record, run: Record) -> dict[str, float]:
+def values_of(part: Record, run: Record) -> dict[str, float]:
     """The measures of a ``run``, taken of the last outputs of it or of its repetition at another step."""
     said, outputs = counted(run), outputs_of_a_turn(run.assembly)
     if said is None or outputs is None or not said.several:
