@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 
@@ -11,8 +12,9 @@ import pytest
 import vfife
 from support import with_settings
 from vfife import gallery
-from vfife.analysis.ranges import error_of, sizes, values_of
-from vfife.analysis.trust import trust
+from vfife.analysis.measured import Measured
+from vfife.analysis.ranges import error_of, estimate, sizes, values_of
+from vfife.analysis.trust import Trust, finer, trust
 from vfife.model.mechanism import Mechanism
 from vfife.result import Result
 from vfife.solvers.refinement import PARTS, Differences, refine
@@ -135,12 +137,28 @@ def test_the_order_counts_between_one_and_two() -> None:
     assert error_of(1.04, 1.01, 1.0025, 0.2) == first and error_of(1.04, 1.01, 1.0025, 4.0) == second
 
 
-def test_two_runs_that_agree_by_chance_leave_a_floor() -> None:
-    """No measure counts as better known than a tenth of the one that is known worst."""
-    result = vfife.simulate(pendulum(), step=0.02, outputs=100, force_step=True)
-    size = sizes(result.measures, 0.02)
-    shares = {name: 0.5 * result.measures[name].width / one for name, one in size.items()}
-    assert min(shares.values()) >= 0.0999 * max(shares.values()) > 0.0
+def test_runs_that_agree_by_chance_leave_a_floor() -> None:
+    """No measure counts as better known than a tenth of the one that is known worst, relative to their sizes."""
+    record = vfife.simulate(pendulum(), step=0.02, outputs=100, force_step=True, companions=0).record
+    refined = refine(record)
+    for part in (refined.half, refined.quarter):  # as if all three had met the same largest force
+        part.rows[:, part._columns.of("joint_force_squared_max")] = record.block("joint_force_squared_max")
+    errors = estimate(record, refined).errors
+    size = sizes({name: Measured(value) for name, value in values_of(record, record).items()}, 0.02)
+    assert errors["O.force.max"] == pytest.approx(
+        0.1 * size["O.force.max"] * errors["rod.angular_acceleration.max"] / size["rod.angular_acceleration.max"]
+    )
+    assert errors["O.force.max"] > 0.0
+
+
+def test_a_run_whose_steps_do_not_come_together_is_sensitive() -> None:
+    """However well a measure agrees; an automatic step is halved then."""
+    said = Trust(0, "O.force.max", 1e-6, 1.0, 1.0, None, 0, 0.1, converges=False)
+    assert said.sensitive and not dataclasses.replace(said, converges=True).sensitive
+    record = vfife.simulate(pendulum()).record
+    assert record.estimate is not None and finer(record) is None
+    record.estimate.converges = False
+    assert finer(record) == ((record.assembly.choice.step, 1.0),)
 
 
 def compared(own: list[float], half: list[float], quarter: list[float]) -> Differences:
