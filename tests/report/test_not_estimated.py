@@ -1,0 +1,92 @@
+"""What has no estimate of its error says so, wherever it is shown."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable
+from functools import cache
+
+import pytest
+from rich.console import Console
+
+import vfife
+from support import with_settings
+from vfife import gallery
+from vfife.plots.notebook import result_html
+from vfife.report.digits import bounds, estimated
+from vfife.report.document import document
+from vfife.report.summary import show
+from vfife.result import Result
+
+WORDS = "not estimated"
+
+
+def text(result: Result) -> str:
+    console = Console(file=io.StringIO(), width=160)
+    show(console, result)
+    return console.file.getvalue()
+
+
+@cache
+def loose() -> Result:
+    return vfife.simulate(with_settings(gallery.four_bar_case_c(), turns=1.0), step=1e-5, companions=1, reference=False)
+
+
+def line(said: str, begin: str) -> str:
+    return next(line for line in said.replace("<tr>", "\n").splitlines() if begin in line)
+
+
+@pytest.mark.parametrize("shown", [text, lambda result: document(result, {}, None, None), result_html], ids=["terminal", "report", "notebook"])
+def test_a_mean_power_without_a_range_says_so(shown: Callable[[Result], str]) -> None:
+    """Companions keep no rows for mean powers and shaking forces, and ranges of forces."""
+    said, result = shown(loose()), loose()
+    assert not result.measures["crank.power.mean"].estimated and result.measures["B.force.max"].estimated
+    assert f"W ({WORDS})" in line(said, "mean power") and said.count(WORDS) >= 5
+    assert line(said, "shaken by up to").count(WORDS) == 2
+    if shown is text:
+        assert WORDS not in line(said, " B  ").split("mm/s")[0].split("m/s")[0]
+
+
+def test_in_json() -> None:
+    told = json.loads(json.dumps(loose().summary))
+    assert "crank.power.mean" in told["not_estimated"] and "B.force.max" not in told["not_estimated"]
+    assert told["ranges"]["crank.power.mean"]["estimated"] is False and told["ranges"]["B.force.max"]["estimated"] is True
+    assert isinstance(told["ranges"]["crank.power.mean"]["low"], float)
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"companions": 0}, "it was not repeated with smaller steps"),
+        ({"loop": "data-driven"}, "that takes the generated loop, and this was the data-driven one"),
+    ],
+)
+def test_a_smooth_run_without_any_says_why(options: dict, why: str) -> None:
+    result = vfife.simulate(gallery.scotch_yoke(), **options)
+    said = text(result)
+    assert f"{WORDS}: {why}" in " ".join(said.split()) and set(result.summary["not_estimated"]) == set(result.measures)
+    assert WORDS in document(result, {}, None, None)
+
+
+def test_a_run_with_play_and_no_companions_says_why() -> None:
+    result = vfife.simulate(with_settings(gallery.four_bar_case_c(), turns=0.2), step=1e-5, companions=0, reference=False)
+    assert f"{WORDS}: it has no companions" in " ".join(text(result).split())
+
+
+def test_ranges_of_elastic_bodies_are_those_of_the_step() -> None:
+    said = " ".join(text(vfife.simulate(gallery.elastic_pendulum())).split())
+    assert "ranges are those of the step; the error of the mesh of elastic bodies is not estimated" in said
+    assert "error of the mesh" not in text(vfife.simulate(gallery.scotch_yoke()))
+
+
+def test_a_small_range_is_no_range_of_nothing() -> None:
+    said = text(vfife.simulate(gallery.six_bar_press()))
+    assert "within 0.01 %" in said and "± 0.00 %" not in said
+
+
+def test_bounds_in_words() -> None:
+    ranges = {"a": {"low": 9.94, "high": 10.06}, "b": {"low": 3.0, "high": 3.0}, "c": {"low": 1.0, "high": 1.0}}
+    told = {"measures": {"a": 10.0, "b": 3.0, "c": 1.0, "d": 2.0}, "ranges": ranges}
+    assert [bounds(told | {"not_estimated": ["b", "d"]}, name) for name in "abcd"] == ["9.94 to 10.06", WORDS, "exact", WORDS]
+    assert [estimated(told, name) for name in "abcd"] == [True, False, False, False]  # a file of a former version
