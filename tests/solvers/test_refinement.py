@@ -126,15 +126,15 @@ def test_means_of_turns_have_the_error_of_the_same_turns() -> None:
     ],
 )
 def test_an_error_from_three_steps(values: tuple[float, float, float], error: float) -> None:
-    assert error_of(*values, order=2.0) == pytest.approx(error, rel=1e-12, abs=1e-15)
-    assert error_of(*values, order=None) == pytest.approx(error, rel=1e-12, abs=1e-15)
+    assert error_of(*values, 0.25) == pytest.approx(error, rel=1e-12, abs=1e-15)
+    assert error_of(*values, None) == pytest.approx(error, rel=1e-12, abs=1e-15)
 
 
 def test_the_order_counts_between_one_and_two() -> None:
     """Where the motion converges more slowly, more is left out by the finest step too."""
-    first, second = (error_of(1.04, 1.01, 1.0025, order) for order in (1.0, 2.0))
+    first, second = (error_of(1.04, 1.01, 1.0025, ratio) for ratio in (0.5, 0.25))
     assert first == pytest.approx(1.25 * 0.06) and second == pytest.approx(1.25 * 0.04)
-    assert error_of(1.04, 1.01, 1.0025, 0.2) == first and error_of(1.04, 1.01, 1.0025, 4.0) == second
+    assert error_of(1.04, 1.01, 1.0025, 0.9) == first and error_of(1.04, 1.01, 1.0025, 0.1) == second
 
 
 def test_runs_that_agree_by_chance_leave_a_floor() -> None:
@@ -177,7 +177,7 @@ def test_differences_that_stop_falling_before_the_end_are_seen() -> None:
     """Second order in the first three quarters, none in the last: there the motion is decided by the steps."""
     time = np.arange(81) / 80.0
     good = compared(np.sin(9.0 * time) + 0.016, np.sin(9.0 * time) + 0.004, np.sin(9.0 * time) + 0.001)
-    assert good.order() == pytest.approx(2.0, abs=1e-3) and all(good.converges(part) for part in range(PARTS))
+    assert good.ratio() == pytest.approx(0.25, abs=1e-3) and all(good.converges(part) for part in range(PARTS))
     late = np.where(time > 0.8, 0.03, 0.0)
     bad = compared(np.sin(9.0 * time) + 0.016, np.sin(9.0 * time) + 0.004 + late, np.sin(9.0 * time) + 0.001)
     assert not bad.converges(0) and not bad.converges(6)

@@ -15,7 +15,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.scalar import power
 from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
@@ -34,7 +33,8 @@ LOADS = (".force.max", ".moment.max", ".torque.max")
 NOISE = 1e-9  # of the largest load: what rounding leaves of one that is zero
 ROUNDING = 16.0 * 2.2e-16  # of an angle (rad)
 SAFETY = 1.25  # times an estimated error: that of Roache's grid convergence index for three grids
-SLOWEST = 0.75  # ratio of a difference to that before it, at the most: an order of 0.4
+FIRST_ORDER, SECOND_ORDER = 0.5, 0.25  # ratio of a difference to that before it, from halving to halving of the step
+SLOWEST = 0.75  # that ratio at the most: an order of 0.4
 FLOOR = 0.1  # of the error of the largest value that is known worst, relative to its size
 PLACES = (".place",)  # endings of measures that jump from node to node, whose differences are no errors
 LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that, so that an idle joint makes no run sensitive
@@ -223,22 +223,22 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     """
     own, half, quarter = (values_of(one, record) for one in (record, refined.half, refined.quarter))
     names = [name for name in own if not name.endswith(PLACES) and name in half and name in quarter]
-    errors = {name: error_of(own[name], half[name], quarter[name], refined.order) for name in names}
+    errors = {name: error_of(own[name], half[name], quarter[name], refined.ratio) for name in names}
     size = sizes({name: Measured(value) for name, value in own.items()}, record.assembly.choice.step)
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
     return Estimate(refined.order, {name: max(one, floor * size.get(name, abs(own[name]))) for name, one in errors.items()}, refined.converges)
 
 
-def error_of(own: float, half: float, quarter: float, order: float | None) -> float:
-    """Error of a value from those at half and at a quarter of the step, where positions converge with ``order``.
+def error_of(own: float, half: float, quarter: float, motion: float | None) -> float:
+    """Error of a value from those at half and at a quarter of the step; ``motion`` is the ratio of both differences of the positions.
 
     The distance from h/4, and what h/4 misses: the differences from halving to halving continue as a geometric series. Its ratio is that of the
-    two differences of the value, 3/4 at the most, and 2^-p at the least, p the order between one and two (two where there is only rounding). The
-    second difference alone would do for a regular value, so it may not be smaller than the first lets expect. Largest values are met between
-    steps and converge unevenly: hence SAFETY.
+    two differences of the value, SLOWEST at the most, and that of the motion at the least, which counts between that of the second order and that
+    of the first (the second where there is only rounding). For a regular value the second difference alone would do; it may not be smaller than the
+    first lets expect. Largest values are met between steps and converge unevenly: hence SAFETY.
     """
     first, second, both = abs(own - half), abs(half - quarter), abs(own - quarter)
-    least = power(2.0, -min(max(2.0 if order is None else order, 1.0), 2.0))
+    least = min(max(SECOND_ORDER if motion is None else motion, SECOND_ORDER), FIRST_ORDER)
     ratio = min(max(second / first if first > 0.0 else SLOWEST, least), SLOWEST)
     return SAFETY * max(first / (1.0 - least), both + second * ratio / (1.0 - ratio))
 

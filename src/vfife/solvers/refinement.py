@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
-from ..numerics.scalar import log
 from .halt import Halt
 from .pace import Pace
 from .record import Record, places, recorded_rows
@@ -41,14 +40,19 @@ APART = 0.1  # of the size of the motion: runs at h/2 and h/4 that differ by mor
 class Refined:
     """Runs at ``half`` and at a ``quarter`` of the step: their outputs from the step ``first`` (of the run itself) on.
 
-    ``order``: by which power of the step positions and accelerations converge, over all outputs; None where there is only rounding. ``converges``:
-    whether the differences fall with the step wherever outputs were kept.
+    ``ratio``: of the second difference of positions and accelerations to the first, over all outputs, 1/4 where they converge with the second
+    order; None where there is only rounding. ``converges``: whether the differences fall with the step wherever outputs were kept.
     """
 
     half: Record
     quarter: Record
-    order: float | None
+    ratio: float | None
     converges: bool
+
+    @property
+    def order(self) -> float | None:
+        """By which power of the step positions and accelerations converge."""
+        return -log2(self.ratio) if self.ratio else None
 
 
 def worth(assembly: Assembly) -> bool:
@@ -78,7 +82,7 @@ def refine(record: Record, first: int = 0) -> Refined:
             compared.take(done, *both)
     half, quarter = (_record(record, one, parts, kept, np.concatenate(window)) for one, parts, window in zip(finer, FINER, windows, strict=True))
     since = (len(record.steps) - len(half.steps)) * PARTS // len(record.steps)
-    return Refined(half, quarter, compared.order(), compared.converges(since))
+    return Refined(half, quarter, compared.ratio(), compared.converges(since))
 
 
 def _record(record: Record, finer: Assembly, parts: int, kept: NDArray[np.uint32], rows: Array) -> Record:
@@ -139,13 +143,13 @@ class Differences:
         found = self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3) / (scale * scale) / np.maximum(self.counts, 1.0)[:, None, None]
         return found[:, 0], found[:, 1], noise
 
-    def order(self) -> float | None:
-        """Logarithm to base two of the ratio of both differences, of those kinds of quantities in which there is more than rounding."""
+    def ratio(self) -> float | None:
+        """Root of the ratio of the squares of both differences, of those kinds of quantities in which there is more than rounding."""
         coarse, fine, noise = self.scaled()
         share = self.counts[:, None] / max(self.counts.sum(), 1.0)
         coarse, fine = (coarse * share).sum(axis=0), (fine * share).sum(axis=0)
         telling = (np.sqrt(fine) > OVER_NOISE * noise) & (coarse > 0.0)
-        return 0.5 * log(float(coarse[telling].sum() / fine[telling].sum())) / log(2.0) if telling.any() else None
+        return sqrt(float(fine[telling].sum() / coarse[telling].sum())) if telling.any() else None
 
     def converges(self, since: int) -> bool:
         """Whether the differences fall with the step in all parts from number ``since`` on, where they are large enough to matter."""

@@ -361,7 +361,7 @@ $("note").textContent = given.note;
 for (const note of given.notes) $("notes").append(Object.assign(document.createElement("li"), { textContent: note }));
 if (still) play(false);
 $("version").textContent = `vfife ${given.version}`;
-if (factors) $("peaks-title").textContent = "Peaks, of all equilibria";
+if (factors) $("peaks-title").textContent = "Peaks, of all equilibria; errors not estimated";
 $("panel").hidden = given.slides.length === 0;
 $("speed-row").hidden = Boolean(factors);
 $("magnify-row").hidden = !given.contacts.some((contact) => contact.kind === "bearing");
