@@ -44,7 +44,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from ..assembly.timestep import CONTACT_STEPS
     from ..report import described
     from ..simulation import expected_forces, first_contact_steps, ideal_of, referred, repeated
-    from .cost import estimate, repetition, too_much
+    from .cost import estimate, too_much, with_repetition
     from .filled import filled_in
 
     seen = outlook(mechanism)
@@ -53,8 +53,8 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
-    choice, cost, again = assembly.choice, estimate(assembly, ideal), repeated(assembly, mechanism.settings.companions)
-    cost["seconds"] *= repetition(assembly, again)
+    choice, again = assembly.choice, repeated(assembly, mechanism.settings.companions)
+    cost = with_repetition(estimate(assembly, ideal), assembly, again)
     return {
         "model": mechanism.name,
         "file": str(model),

@@ -137,10 +137,9 @@ def reference_for(mechanism: Mechanism, start: Result | None, place: RunFolder, 
 def refuse_no_room(assembly: Assembly, ideal: Assembly | None, place: RunFolder, yes: bool, refined: bool = False) -> None:
     """Ends with exit code 5 where the disk has no room for the outputs, with 2 where the run takes more than may be meant and nobody said yes."""
     from ..results.tables import free_bytes
-    from .cost import estimate, repetition, too_much
+    from .cost import estimate, too_much, with_repetition
 
-    found = estimate(assembly, ideal)
-    found["seconds"] *= repetition(assembly, refined)
+    found = with_repetition(estimate(assembly, ideal), assembly, refined)
     free, needed = free_bytes(place.target), found["disk"]
     if free is not None and needed > free:
         from .terminal import STORAGE
