@@ -34,8 +34,8 @@ from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
 from .solvers.companions import number, step_counts
-from .solvers.meshes import equilibria_again, refinable
-from .solvers.meshes import worth as worth_a_finer_mesh
+from .solvers.meshes import other_meshes, refinable
+from .solvers.meshes import worth as worth_other_meshes
 from .solvers.progress import Progress
 from .solvers.record import Checkpoint, Record, recorded_rows
 from .solvers.refinement import refine, worth
@@ -66,7 +66,7 @@ class Prepared:
     loop: Loop
     again: Callable[[float], Assembly]  # the same with another step (s)
     companions: int = 0
-    refined: bool = False  # whether it is repeated with smaller steps, being smooth, or on a finer mesh, being static
+    refined: bool = False  # whether it is repeated with smaller steps, being smooth, or on other meshes, being static
     asked: Mapping[str, Any] = field(default_factory=dict)  # what it takes to prepare it again, beside the model
     earlier: Earlier = field(default_factory=dict)  # ranges of the try before, where it is taken up in a later one
     searches: bool = True  # whether an automatic step may still be halved
@@ -220,14 +220,14 @@ def companions_of(mechanism: Mechanism, wanted: int | str | None) -> int | str:
 
 
 def repeated(assembly: Assembly, wanted: int | str, loop: Loop = "auto") -> bool:
-    """Whether a run without companions is repeated for an estimate of its errors: a smooth one with smaller steps, a static one on a finer mesh.
+    """Whether a run without companions is repeated for an estimate of its errors: a smooth one with smaller steps, a static one on other meshes.
 
     With "auto" companions only a short one is; with 0 none.
     """
     if not wanted:
         return False
     if assembly.mechanism.settings.analysis == "static":
-        return refinable(assembly.mechanism) and (wanted != "auto" or worth_a_finer_mesh(assembly))
+        return refinable(assembly.mechanism) and (wanted != "auto" or worth_other_meshes(assembly))
     smooth = not assembly.mechanism.contacts and choose_loop(assembly, loop) == "generated"
     return smooth and (wanted != "auto" or worth(assembly))
 
@@ -370,8 +370,8 @@ def looked_at(prepared: Prepared, record: Record) -> Record:
 def meshed(prepared: Prepared, record: Record, progress: Callable[[Progress], None] | None) -> Record:
     """The record of a static analysis with an estimate of what its mesh leaves out, where one is made: Ctrl-C leaves it out."""
     with suppress(KeyboardInterrupt):
-        if prepared.refined and (finer := equilibria_again(record, True, progress)) is not None:
-            record.estimate = mesh_estimate(record, finer, equilibria_again(record, False, progress))
+        if prepared.refined:
+            record.estimate = mesh_estimate(record, other_meshes(record, progress))
     return record
 
 

@@ -24,7 +24,7 @@ from vfife.model.mechanism import Mechanism, Settings
 from vfife.report.summary import show
 from vfife.result import Result
 from vfife.solvers import meshes
-from vfife.solvers.meshes import meshed, refinable, worth
+from vfife.solvers.meshes import meshed, other_meshes, refinable, worth
 
 SLENDER = {"section": Section(1.0, 300.0**-2), "material": Material(youngs_modulus=300.0**2)}  # EI = 1 N m^2
 
@@ -96,9 +96,11 @@ def frame(elements: int) -> Mechanism:
     return m
 
 
-def test_a_portal_of_members_lies_in_the_ranges() -> None:
+@pytest.mark.parametrize("elements", [1, 2])
+def test_a_portal_of_members_lies_in_the_ranges(elements: int) -> None:
+    """One element a member, which is the default, cannot be halved: there four times as many tell."""
     fine = {count: vfife.simulate(frame(count), companions=0).measures for count in (8, 16)}
-    found = vfife.simulate(frame(2)).measures
+    found = vfife.simulate(frame(elements)).measures
     for name in ("left.force.max", "left.moment.max", "right.force.max", "displacement.max"):
         truth = fine[16][name] + (fine[16][name] - fine[8][name]) / 3.0
         assert found[name].low <= truth <= found[name].high and found[name].width > 0.0, name
@@ -107,14 +109,17 @@ def test_a_portal_of_members_lies_in_the_ranges() -> None:
 @pytest.mark.parametrize(
     ("values", "error"),
     [
-        ((1.16, 1.04, 1.01), 1.25 * 0.04),  # second order: a third of the last difference is left
-        ((1.08, 1.04, 1.02), 1.25 * 0.04),
-        ((1.30, 1.00, 1.00), 1.25 * 0.10),  # the finer meshes agree by chance
-        ((1.00, 1.00, 1.04), 1.25 * 0.16),
-        ((None, 1.03, 1.00), 4.0 * 0.03),
+        ((1.04, {0.5: 1.16, 2.0: 1.01}), 1.25 * 0.04),  # second order: a third of the last difference is left
+        ((1.04, {0.5: 1.08, 2.0: 1.02}), 1.25 * 0.04),  # first order
+        ((1.00, {0.5: 1.30, 2.0: 1.00}), 1.25 * 0.10),  # the finer meshes agree by chance
+        ((1.00, {0.5: 1.00, 2.0: 1.04}), 1.25 * 0.16),
+        ((1.03, {2.0: 1.00}), 4.0 * 0.03),
+        ((1.16, {2.0: 1.04, 4.0: 1.01}), 1.25 * 0.16),  # second order
+        ((1.00, {2.0: 1.00, 4.0: 1.04}), 1.25 * 0.16),  # the coarser meshes agree by chance
+        ((1.04, {2.0: 1.00, 4.0: 1.00}), 1.25 * 4.0 / 3.0 * 0.04),
     ],
 )
-def test_an_error_from_meshes(values: tuple[float | None, float, float], error: float) -> None:
+def test_an_error_from_meshes(values: tuple[float, dict[float, float]], error: float) -> None:
     assert error_of(*values) == pytest.approx(error, rel=1e-12)
 
 
@@ -128,10 +133,15 @@ def test_what_has_no_elements_that_can_be_halved_is_not_estimated() -> None:
 
 
 def test_meshes_with_twice_and_half_the_elements() -> None:
-    assert [member.elements for member in meshed(frame(2), True).bodies["frame"].members] == [4, 4, 4, 4]
-    assert [member.elements for member in meshed(frame(2), False).bodies["frame"].members] == [1, 1, 1, 1]
-    assert meshed(frame(3), False) is None and meshed(cantilever(1), False) is None
-    assert meshed(cantilever(6), False).bodies["beam"].elements == 3
+    assert [member.elements for member in meshed(frame(2), 2.0).bodies["frame"].members] == [4, 4, 4, 4]
+    assert [member.elements for member in meshed(frame(2), 0.5).bodies["frame"].members] == [1, 1, 1, 1]
+    assert meshed(frame(3), 0.5) is None and meshed(cantilever(1), 0.5) is None
+    assert meshed(cantilever(6), 0.5).bodies["beam"].elements == 3
+
+
+def test_which_meshes_are_analysed() -> None:
+    shares = {count: set(other_meshes(vfife.simulate(cantilever(count), companions=0).record)) for count in (1, 2, 3)}
+    assert shares == {1: {2.0, 4.0}, 2: {0.5, 2.0}, 3: {2.0, 4.0}}
 
 
 def test_it_is_left_out_where_it_takes_long_or_nobody_wants_it(monkeypatch) -> None:

@@ -1,10 +1,11 @@
-"""Errors of a static analysis by its mesh and its residual, from the same with twice and with half the elements."""
+"""Errors of a static analysis by its mesh and its residual, from the same with other numbers of elements."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from ..solvers.fictitious_mass import extent
+from ..solvers.meshes import FOUR_TIMES, HALF, TWICE
 from ..solvers.record import Estimate, Record
 from .equilibria import static_measures
 from .measured import Measured
@@ -12,7 +13,7 @@ from .measures import MOMENT
 
 TWO_MESHES = 4.0  # times the difference to twice the elements, which is three times an error of second order (Roache's grid convergence index)
 THREE_MESHES = 1.25  # times the error that three meshes tell, by the same author
-FASTEST, SLOWEST = 0.25, 0.75  # ratio of the difference to the finer mesh to that from the coarser one: second order, and hardly any
+FASTEST, SLOWEST = 0.25, 0.75  # ratio of a difference to that before it, from one halving to the next: second order, and hardly any
 FLOOR = 0.1  # of the error of the value that is known worst, relative to its size: two meshes may agree by chance
 LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that
 IDLE = 100.0  # times the unbalanced force: what carries less carries nothing
@@ -21,15 +22,18 @@ MOVED = "displacement.max"
 KINDS = (MOVED, "force.max", "moment.max", "torque.max", "penetration.max")
 
 
-def mesh_estimate(record: Record, finer: Record, coarser: Record | None) -> Estimate:
-    """Errors of the measures of a static analysis, from those with twice the elements and, where there is such a mesh, with half of them.
+def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | None:
+    """Errors of the measures of a static analysis, from those on other meshes; None without the one of twice the elements.
 
+    ``others``: by their share of the elements, see :func:`~vfife.solvers.meshes.other_meshes`.
     No error is taken to be smaller than what the unbalanced forces leave open, nor than FLOOR times that of the value that is known worst.
     """
-    own, fine, coarse = static_measures(record), static_measures(finer), {} if coarser is None else static_measures(coarser)
-    names = [name for name in own if name in fine or name.endswith(MOMENT)]
-    errors = {name: error_of(_of(coarse, name), own[name], fine.get(name, 0.0)) for name in names}
-    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - fine[MOVED]))  # it may lie between nodes, which two meshes may miss alike
+    if TWICE not in others:
+        return None
+    own, found = static_measures(record), {share: static_measures(one) for share, one in others.items()}
+    names = [name for name in own if name in found[TWICE] or name.endswith(MOMENT)]
+    errors = {name: error_of(own[name], {share: _of(one, name) for share, one in found.items()}) for name in names}
+    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - found[TWICE][MOVED]))  # between nodes, which two meshes may miss alike
     size = sizes(record, own)
     floor = FLOOR * max((errors[name] / one for name, one in size.items() if name in errors), default=0.0)
     residual, lever = record.assembly.mechanism.settings.residual, extent(record.assembly, record.assembly.state)
@@ -40,23 +44,29 @@ def mesh_estimate(record: Record, finer: Record, coarser: Record | None) -> Esti
     return Estimate(None, errors)
 
 
-def _of(coarse: Mapping[str, float], name: str) -> float | None:
-    """A measure on the coarser mesh: none without that mesh; a moment that is zero there is none of its measures."""
-    return coarse.get(name, 0.0 if coarse and name.endswith(MOMENT) else None)
+def _of(found: Mapping[str, float], name: str) -> float:
+    """A measure on another mesh; a moment that is zero there is none of its measures."""
+    return found.get(name, 0.0)
 
 
-def error_of(coarse: float | None, own: float, fine: float) -> float:
-    """Error of a value from those with half (None without) and with twice the elements.
+def error_of(own: float, others: Mapping[float, float]) -> float:
+    """Error of a value from those with other shares of the elements, twice as many among them.
 
     Differences continue as a geometric series, whose ratio is that of the two, between FASTEST and SLOWEST. A second difference that is small by
     chance counts as what the first lets expect.
     """
-    second = abs(own - fine)
-    if coarse is None:
-        return TWO_MESHES * second
-    first = abs(coarse - own)
+    change = abs(own - others[TWICE])
+    if HALF in others:
+        first, second, known = abs(others[HALF] - own), change, 0.0
+        expected = first * FASTEST / (1.0 - FASTEST)
+    elif FOUR_TIMES in others:
+        first, second, known = change, abs(others[TWICE] - others[FOUR_TIMES]), abs(own - others[FOUR_TIMES])
+        expected = first / (1.0 - FASTEST)
+    else:
+        return TWO_MESHES * change
     ratio = min(max(second / first if first > 0.0 else SLOWEST, FASTEST), SLOWEST)
-    return THREE_MESHES * max(second / (1.0 - ratio), first * FASTEST / (1.0 - FASTEST))
+    left = second / (1.0 - ratio) if HALF in others else known + second * ratio / (1.0 - ratio)
+    return THREE_MESHES * max(left, expected)
 
 
 def largest_load(found: Mapping[str, float], lever: float) -> float:

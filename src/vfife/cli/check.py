@@ -238,7 +238,7 @@ def steps(found: Mapping[str, Any], long: bool = False) -> list[str]:
 def statics(found: Mapping[str, Any]) -> list[str]:
     """What a static analysis goes through, in words."""
     factors = found["load_factors"]
-    again = ", twice and half the elements with it" if found["repeated"] else "; errors of the mesh are not estimated"
+    again = ", other numbers of elements with it" if found["repeated"] else "; errors of the mesh are not estimated"
     lasting = (
         f"Time, a rough estimate: {span(found['estimate']['seconds'])}{again}; each equilibrium ends after {found['iterations']:,} iterations."
     )

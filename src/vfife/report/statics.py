@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 UNITS = {"displacement.max": "m", "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m"}
-MESHED = "Ranges are the errors of the mesh, from the same analysis with twice the elements."
+MESHED = "Ranges are the errors of the mesh, from the same analysis with other numbers of elements."
 UNESTIMATED = (
     "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not come to its end, or it is long or was "
     "told not to be repeated (companions = 1 has it repeated)."

@@ -50,7 +50,7 @@ def verdict(told: dict[str, Any]) -> str:
         return stray(told)
     if not found["companions"] and told.get("static"):
         return (
-            f"The mesh is coarse: {found['measure']} errs by some {100.0 * found['apart']:.2g} %, as twice the elements tell. "
+            f"The mesh is coarse: {found['measure']} errs by some {100.0 * found['apart']:.2g} %, as other numbers of elements tell. "
             "Give elastic bodies more elements."
         )
     if not found.get("converges", True):
@@ -94,7 +94,7 @@ def unestimated(told: dict[str, Any]) -> str:
     elif told["run"]["loop"] != "generated":
         why = f"that takes the generated loop, and this was the {told['run']['loop']} one"
     else:
-        why = "it was not repeated with smaller steps, being long, or told not to be; companions = 1 has it repeated"
+        why = "it was not repeated with smaller steps, being long, interrupted, or told not to be; companions = 1 has it repeated"
     return f"{NOT_ESTIMATED}: {why}"
 
 

@@ -68,7 +68,7 @@ class Burst:
 @dataclass
 class Estimate:
     """Errors by measure, in its unit: of the step of a smooth run, from the same at a half and a quarter of it; of the mesh of a static analysis,
-    from that with twice the elements. Measures without an entry were not estimated.
+    from that with other numbers of elements. Measures without an entry were not estimated.
 
     ``order`` is that of the step. ``converges``: whether the runs at smaller steps come together where measures are taken.
     """

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
+from ..numerics.scalar import log
 from .halt import Halt
 from .pace import Pace
 from .record import Record, places, recorded_rows
@@ -52,7 +53,7 @@ class Refined:
     @property
     def order(self) -> float | None:
         """By which power of the step positions and accelerations converge."""
-        return -log2(self.ratio) if self.ratio else None
+        return -log(self.ratio) / log(2.0) if self.ratio else None
 
 
 def worth(assembly: Assembly) -> bool:
