@@ -239,7 +239,7 @@ def test_a_sensitive_run_says_so_first(command: Callable, tmp_path: Path) -> Non
     done = command("run", CASE_C, *rough, "--step", "2.5e-6", "--companions", "3", "-o", "out")
     assert done.exit_code == 0
     said = " ".join(done.stdout.split())
-    assert said.index("This run is sensitive") < said.index("Bodies") and "They part at" in said and "range of reaction" in said
+    assert said.index("This run is sensitive") < said.index("Bodies") and "The runs diverge at" in said and "range of reaction" in said
     summary = json.loads(Path("out/summary.json").read_text())
     assert summary["trust"]["sensitive"] and summary["trust"]["joint"] in "BCD"
     name = summary["trust"]["measure"]

@@ -30,6 +30,8 @@ NOISE = 1e-9  # of the largest load: what is less is rounding
 # The known miss, of 1,500 largest values. In yoke 15 the largest value falls into the first output interval of the last turn,
 # whose first instant belongs to the turn before; at larger steps another peak is the largest.
 EDGE = {("yoke", 15, "j4.force.max")}
+# Depth (m) at which the plain equations have a contact begin. One that ended where it is zero to rounding, and begins at once again, is seen so.
+APART = 1e-10
 QUICK = (
     ("hung", 0), ("six-bar", 2), ("offset", 0), ("torque", 0), ("yoke", 0), ("quick-return", 2), ("sprung", 3), ("thrown", 1), ("guide", 2),
     ("cam", 0),
@@ -124,8 +126,10 @@ def plain_peaks(one: Drawn, begin: float, end: float) -> dict[str, float]:
         return np.concatenate([y[3 * n :], system.moved(t, y[: 3 * n].reshape(-1, 3), y[3 * n :].reshape(-1, 3), root)[0] / root])
 
     def crossing(touch: plain.Touch):
+        apart = 0.0 if touch.speed > 0.0 else APART
+
         def depth(t: float, y: np.ndarray) -> float:
-            return touch.seen(system._now(y, n))[0]
+            return touch.seen(system._now(y, n))[0] - apart
 
         depth.terminal, depth.direction = True, -1.0 if touch.speed > 0.0 else 1.0
         return depth

@@ -111,7 +111,7 @@ def lines(told: dict[str, Any]) -> Iterable[str]:
             yield "ranges are those of the step; the error of the mesh of elastic bodies is not estimated"
     elif found["measure"]:
         within = f"{100.0 * found['apart']:.2g} % at {found['measure']}"
-        yield f"{found['companions'] + 1} runs with other step sizes agree within {within}" + (
+        yield f"this run and {found['companions']} with other step sizes agree within {within}" + (
             f": sensitive (beyond {100.0 * SENSITIVE:g} %)" if found["sensitive"] else ""
         )
     if found["tried"]:
