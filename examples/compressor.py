@@ -19,7 +19,7 @@ PLAY = ("big-end", "small-end", "cylinder")
 results = {name: vfife.simulate(gallery.compressor(wear=wear)) for name, wear in (("ideal", 0), ("new", 1), ("worn", 4))}
 
 # %%
-# The answer. Where runs with displaced steps differ, the range is what is known.
+# The answer. Where runs with other step sizes differ, the range is what is known.
 
 
 def told(result: vfife.Result, names: list[str], unit: float, digits: int) -> str:

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 import vfife
 from differential import constrained as plain
 from differential.pencil import Drawn
-from loose_sample import EACH, KINDS, drawn
+from loose_sample import EACH, FRESH, KINDS, drawn
 from vfife.analysis.ranges import JUDGED, LOADS, own_ranges, sizes
 from vfife.analysis.trust import trust
 from vfife.result import Result
@@ -24,12 +24,9 @@ from vfife.solvers.status import Status
 
 FINER = 20  # times smaller is the step of the truth
 INSIDE = 0.99  # of the measures of runs that are not called sensitive
-OUTSIDE = 0.005  # of its size: by no more may the truth of a largest value lie outside of its range
+OUTSIDE = 0.005  # of its size: by no more may the truth of a measure lie outside of its range
 CALLED = 0.15  # of the runs may be called sensitive
 NOISE = 1e-9  # of the largest load: what is less is rounding
-# The known miss, of 1,500 largest values. In yoke 15 the largest value falls into the first output interval of the last turn,
-# whose first instant belongs to the turn before; at larger steps another peak is the largest.
-EDGE = {("yoke", 15, "j4.force.max")}
 # Depth (m) at which the plain equations have a contact begin. One that ended where it is zero to rounding, and begins at once again, is seen so.
 APART = 1e-10
 QUICK = (
@@ -101,8 +98,14 @@ def test_the_truth_lies_in_the_range(kind: str, seed: int) -> None:
 
 @pytest.mark.verify
 def test_the_ranges_of_a_sample_hold_the_truth() -> None:
-    """More than 200 runs: 99 % of the measures inside, no largest value outside by more than 0.5 %, few runs called sensitive."""
-    runs = {(kind, seed): checked(kind, seed) for seed in range(EACH) for kind in KINDS}
+    """More than 200 runs: 99 % of the measures inside, none outside by more than 0.5 %, few runs called sensitive.
+
+    These mechanisms were drawn after the constants of the estimate had been chosen. Among the 234 with smaller seeds, by which they were
+    chosen, two runs have more than that outside: in yoke 15 the largest value falls into the first output interval of the last turn,
+    whose first instant belongs to the turn before (0.9 %); in other laws 11 losses in impacts change with the step where the largest
+    values do not (22 % of a fortieth of what friction takes).
+    """
+    runs = {(kind, seed): checked(kind, seed) for seed in range(FRESH, FRESH + EACH) for kind in KINDS}
     complete = {key: found for key, found in runs.items() if found is not None}
     certain = {key: found for key, found in complete.items() if not found.sensitive}
     assert len(complete) >= 200 and len(certain) >= (1.0 - CALLED) * len(complete)
@@ -112,7 +115,7 @@ def test_the_ranges_of_a_sample_hold_the_truth() -> None:
         misses = sorted((one for one in some if one[0] > 0.0), reverse=True)
         print(f"{len(some)} measures of {len(certain)} runs, {len(misses)} outside: {misses[:20]}")
         assert len(misses) <= (1.0 - INSIDE) * len(some), misses
-    assert {one[1:] for one in largest if one[0] > OUTSIDE} <= EDGE
+        assert max(one[0] for one in some) <= OUTSIDE
 
 
 def plain_peaks(one: Drawn, begin: float, end: float) -> dict[str, float]:
