@@ -42,8 +42,11 @@ class Members(np.ndarray[Any, Any]):
         return False
 
     def __pow__(self, exponent: Any, modulo: None = None) -> Any:
-        """As a plain number's, which is not always that of an array."""
-        return members([value**exponent for value in self.ravel().tolist()]).reshape(self.shape)
+        """Products for small whole exponents; others raise Alone: what raises a plain number is not the same on every machine."""
+        if exponent not in (2, 3, 4):
+            raise Alone("a power is taken of each member by itself")
+        square = self * self
+        return square if exponent == 2 else square * self if exponent == 3 else square * square
 
     def __float__(self) -> float:
         """Raises Alone: where one plain number is needed, each member is taken by itself."""

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from ...fields import PLACE, Many, described, quantity
 from ...laws import Material, Pair
+from ...numerics.scalar import hypot
 from ..conflict import Conflict
 from ..path import Path, circle, polyline
 from ..rows import OnPath, Row
@@ -205,7 +206,7 @@ def walls(seen: JointSeen, path: Path, gap: float) -> list[Stroke]:
             middle = seen.space(piece.points())
             ways = np.diff(middle, axis=0, append=2.0 * middle[-1:] - middle[-2:-1])
             ways[1:] += np.roll(ways, 1, axis=0)[1:]
-            across = np.array([left_of(way / np.linalg.norm(way)) for way in ways])
+            across = np.array([left_of(way / hypot(*way)) for way in ways])
             wall.append(middle + side * gap * across)
         found.append(Curve(np.concatenate(wall), "bearing", 1.6, 3.5))
     return found

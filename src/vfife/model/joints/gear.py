@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...fields import Text, described, quantity
+from ...numerics.scalar import hypot
 from ..rows import Row, Turn
 from ..strokes import Array, Curve, PairSeen, Stroke, ring, tangent
 
@@ -36,9 +37,8 @@ class Gear:
 
     def wheels(self, seen: PairSeen) -> tuple[tuple[Array, float], tuple[Array, float]]:
         """Centre and radius of both wheels: r_1 = |ratio| r_2, touching where the gears are external."""
-        import numpy as np
 
-        distance, ratio = float(np.linalg.norm(seen.second - seen.first)) or 0.2 * seen.size, abs(self.ratio)
+        distance, ratio = hypot(*(seen.second - seen.first)) or 0.2 * seen.size, abs(self.ratio)
         second = distance / (1.0 + ratio) if self.ratio < 0.0 else 0.3 * distance / max(1.0, ratio)
         return (seen.first, ratio * second), (seen.second, second)
 

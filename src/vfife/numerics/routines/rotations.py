@@ -81,7 +81,8 @@ def orthogonalise(W, M, J, squares, n, least):
     limit = ORTHOGONAL * math.sqrt(float(n))
     below = least * least
     for _ in range(SWEEPS):
-        turned = 0
+        largest = 0.0  # cosine between two rows that this sweep found
+        steepest = 0.0  # tangent of a rotation
         for p in range(n):
             W[squares + p] = dot(W, M + p * n, M + p * n, n)
         for p in range(n - 1):
@@ -90,15 +91,18 @@ def orthogonalise(W, M, J, squares, n, least):
                 b = W[squares + q]
                 if a > below and b > below:
                     c = dot(W, M + p * n, M + q * n, n)
-                    if abs(c) > limit * math.sqrt(a * b):
-                        turned = turned + 1
-                        rotate(W, M, J, squares, n, p, q, c)
-        if turned == 0:
-            return  # with squares as they were found at its beginning
+                    both = math.sqrt(a * b)
+                    if abs(c) > limit * both:
+                        largest = max(largest, abs(c) / both)
+                        steepest = max(steepest, rotate(W, M, J, squares, n, p, q, c))
+        if largest * steepest <= limit:  # what a rotation puts back into pairs that were orthogonal is below rounding
+            break
+    for p in range(n):
+        W[squares + p] = dot(W, M + p * n, M + p * n, n)
 
 
 def rotate(W, M, J, squares, n, p, q, c):
-    """Makes rows p and q orthogonal, whose product is c."""
+    """Makes rows p and q orthogonal, whose product is c; returned: the tangent of the angle by which they turn."""
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
     root = math.sqrt(1.0 + slope * slope)
     tangent = 1.0 / (slope + root) if slope >= 0.0 else 1.0 / (slope - root)
@@ -116,6 +120,7 @@ def rotate(W, M, J, squares, n, p, q, c):
         W[J + q * n + k] = sine * x + cosine * y
     W[squares + p] -= tangent * c
     W[squares + q] += tangent * c
+    return abs(tangent)
 
 
 def sort(W, squares, rank, n):
