@@ -5,6 +5,7 @@ Its numbers are IEEE 754 doubles, its four operations, ``Math.sqrt`` and compari
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -25,6 +26,8 @@ def operand(value: Operand) -> str:
     """A name, or a number that reads back to the same bits."""
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, float) and not math.isfinite(value):
+        return "(0 / 0)" if value != value else "(1 / 0)" if value > 0.0 else "(-1 / 0)"
     return value if isinstance(value, str) else f"({value!r})"
 
 

@@ -34,14 +34,19 @@ define ptx_kernel void @simulate({given}) {{
 
 
 def ptx(text: str, capability: int = LEAST) -> str:
-    """A text as PTX for cards of a compute capability (70: 7.0) and all later ones."""
+    """A text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
+    return assembly(text, kernel(), capability)
+
+
+def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
+    """A text as PTX, with the kernels that call its functions."""
     import llvmlite.binding as llvm
 
     with WRITING:
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()
         # Whatever is read or written lies in the card's own memory, which is quicker than an address that may be of any kind.
-        text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernel()
+        text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernels
         module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text))
         machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=f"sm_{capability}", opt=3)
         module.triple, module.data_layout = TRIPLE, str(machine.target_data)

@@ -71,6 +71,8 @@ def advance(memory, n0, steps, out, anew=True, look=NEVER):
 
 def operand(value: Operand) -> str:
     """A name, or a number that reads back to the same bits."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return "(1e999 - 1e999)" if value != value else "1e999" if value > 0.0 else "-1e999"
     return value if isinstance(value, str) else repr(value)
 
 

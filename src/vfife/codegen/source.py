@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from types import FunctionType
 from typing import Any, Protocol
 
@@ -47,7 +48,8 @@ class Gathered:
             return name
         self.origin[name] = function
         for used in global_names(function):
-            self._resolve(function, used)
+            if function.__module__.startswith("vfife.") or used in names_of(function):
+                self._resolve(function, used)
         self.texts.pop(name, None)
         self.texts[name] = definition(function, name)
         return name
@@ -88,6 +90,12 @@ def global_names(function: Callable[..., Any]) -> list[str]:
     code = function.__code__
     space = function.__globals__
     return [name for name in code.co_names if name in space]
+
+
+@lru_cache(maxsize=512)
+def names_of(function: Callable[..., Any]) -> frozenset[str]:
+    """Names that stand by themselves in a function's text: the ``sqrt`` of ``math.sqrt`` is none, whatever the file calls so."""
+    return frozenset(node.id for node in ast.walk(function_tree(function)) if isinstance(node, ast.Name))
 
 
 def definition(function: Callable[..., Any], name: str) -> str:
@@ -133,6 +141,13 @@ class _Literal(ast.NodeTransformer):
                 raise SourceError(f"math.{node.attr} differs between machines in its last bits; math.sqrt alone does not")
             return ast.Attribute(ast.Name("math", ast.Load()), "sqrt", ast.Load())
         return ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else self.generic_visit(node)
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
+        return node if node.value is None else ast.Assign([node.target], self.visit(node.value))
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        whole = [one.value for one in (node.left, node.right) if isinstance(one, ast.Constant) and type(one.value) is int]
+        return ast.Constant(whole[0] ** whole[1]) if isinstance(node.op, ast.Pow) and len(whole) == 2 else self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
         value = self.space.get(node.id) if isinstance(node.ctx, ast.Load) and node.id not in self.local else None
@@ -216,11 +231,16 @@ def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...])
 
 def _data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
     gathered = Gathered()
-    gathered.given = {
+    gathered.given = choices(contact_laws, friction_laws, gathered)
+    gathered.add(loop.advance)
+    return gathered.text()
+
+
+def choices(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...], gathered: Collector) -> dict[str, str]:
+    """Texts of the choices between laws, by the names by which the kernels ask for them."""
+    return {
         "contact_law": dispatch("contact", contact_laws, gathered),
         "friction_law": dispatch("friction", friction_laws, gathered),
         "friction_regime": regimes(friction_laws, gathered),
         "film_law": films(contact_laws, gathered),
     }
-    gathered.add(loop.advance)
-    return gathered.text()

@@ -16,7 +16,7 @@ from ..kernels.arrays import PARTICLE, Layout
 from ..kernels.topology import AIMED, FREE, TIME, Topology
 from .graph import derive, tables
 from .lock import WRITING
-from .source import dispatch, films, regimes
+from .source import choices
 from .trace import STEP_NUMBER, Operand, Operation, Rows, Seldom, Symbol, Tape, Trace, either
 from .traceable import Traceable
 
@@ -79,14 +79,13 @@ class _Laws:
 
 def give_laws(traceable: Traceable, topology: Topology) -> None:
     """Puts the choice between a topology's laws where the kernels ask for one."""
+    give_laws_of(traceable, topology.contact_laws, topology.friction_laws)
+
+
+def give_laws_of(traceable: Traceable, contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> None:
+    """Puts the choice between laws where the kernels ask for one."""
     laws = _Laws()
-    texts = {
-        "contact_law": dispatch("contact", topology.contact_laws, laws),
-        "friction_law": dispatch("friction", topology.friction_laws, laws),
-        "friction_regime": regimes(topology.friction_laws, laws),
-        "film_law": films(topology.contact_laws, laws),
-    }
-    for name, text in texts.items():
+    for name, text in choices(contact_laws, friction_laws, laws).items():
         traceable.given[name] = traceable.written(text.removeprefix("@jit\n"), laws.functions)
 
 

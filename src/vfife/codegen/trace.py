@@ -84,9 +84,14 @@ NEW = tuple.__new__  # of an operation, in a third of the time that its own take
 
 
 class Tape:
-    """Operations as they are noted; equal ones are noted once."""
+    """Operations as they are noted; equal ones are noted once.
+
+    While it is ``exact`` nothing is left out that could change a bit: not the product with zero, which infinity makes NaN, and not a sum with
+    zero, which has a sign. Of the kernels' own text neither is asked; a law of the user's is traced so.
+    """
 
     def __init__(self) -> None:
+        self.exact = False
         self.operations: list[Operation] = []
         self.known: dict[tuple[Any, ...], Symbol] = {}
         self.loads: dict[int, Symbol] = {}
@@ -125,6 +130,12 @@ class Tape:
         return tuple(kept[::-1])
 
 
+def _tape(a: Any, b: Any) -> Tape:
+    """The tape of two operands, one of which is a symbol."""
+    tape: Tape = a.tape if type(a) is Symbol else b.tape
+    return tape
+
+
 def _opposite(x: Any) -> Any:
     """What a symbol is the negative of, None of others. A sign goes through products to a sum, which takes it in and is exact as before."""
     return x.tape.opposites.get(x.name) if type(x) is Symbol else None
@@ -136,16 +147,16 @@ def _opposite(x: Any) -> Any:
 def _add(a: Any, b: Any) -> Any:
     if type(a) is not Symbol or type(b) is not Symbol:
         number, other = (b, a) if type(a) is Symbol else (a, b)
-        if number == 0:
+        if number == 0 and (not _tape(a, b).exact or math.copysign(1.0, number) < 0.0):  # x + -0.0 is x, whatever x is
             return other
     first, second = _opposite(a), _opposite(b)
     return a - second if second is not None else b - first if first is not None else None
 
 
 def _subtract(a: Any, b: Any) -> Any:
-    if type(b) is not Symbol and b == 0:
+    if type(b) is not Symbol and b == 0 and (not a.tape.exact or math.copysign(1.0, b) > 0.0):  # x - 0.0 is x
         return a
-    if type(a) is not Symbol and a == 0:
+    if type(a) is not Symbol and a == 0 and (not b.tape.exact or math.copysign(1.0, a) < 0.0):  # -0.0 - x is -x
         return -b
     second = _opposite(b)
     return a + second if second is not None else None
@@ -154,7 +165,7 @@ def _subtract(a: Any, b: Any) -> Any:
 def _multiply(a: Any, b: Any) -> Any:
     if type(a) is not Symbol or type(b) is not Symbol:
         number, other = (b, a) if type(a) is Symbol else (a, b)
-        if number == 0:
+        if number == 0 and not _tape(a, b).exact:
             return 0.0
         if number == 1:
             return other
@@ -165,7 +176,7 @@ def _multiply(a: Any, b: Any) -> Any:
 
 
 def _divide(a: Any, b: Any) -> Any:
-    if type(a) is not Symbol and a == 0:
+    if type(a) is not Symbol and a == 0 and not b.tape.exact:
         return 0.0
     if type(b) is not Symbol and b == 1:
         return a
@@ -271,6 +282,8 @@ def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) 
 def choose(condition: Symbol, a: Any, b: Any) -> Any:
     """``a`` where the condition is true, else ``b``."""
     same = a is b or (not isinstance(a, Symbol) and not isinstance(b, Symbol) and a == b)
+    if same and condition.tape.exact and repr(a) != repr(b):  # 0.0 and -0.0 are equal
+        same = False
     return a if same else condition.tape.emit("select", condition, a, b)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import math
 import re
 from collections.abc import Callable
 from functools import lru_cache
@@ -75,10 +76,23 @@ def text_code(text: str) -> CodeType:
     return _code(parsed(text))
 
 
+def own(function: Callable[..., Any]) -> bool:
+    """Whether a function is one of vfife's."""
+    return function.__module__.startswith("vfife.")
+
+
+def symbolic(tape: Tape, value: Any) -> Any:
+    """A value as symbols: a number less nothing, which is that number with its sign."""
+    if isinstance(value, tuple):
+        return tuple(symbolic(tape, one) for one in value)
+    return value if isinstance(value, Symbol) else tape.emit("-", float(value), 0.0)
+
+
 class Traceable:
     """Makes functions traceable, each once; ``given`` holds what is put in the place of a name wherever it is called."""
 
     def __init__(self, tape: Tape, seldom: Seldom | None = None) -> None:
+        self.tape = tape
         self.given: dict[str, Any] = {"nearest": lambda x: tape.emit("round", x) if isinstance(x, Symbol) else nearest(x)}
         self.ends: Callable[[], None] = lambda: None
         if seldom is not None:
@@ -96,12 +110,25 @@ class Traceable:
                 space[name] = self.given[name]
             elif name in function.__globals__:
                 value = function.__globals__[name]
-                space[name] = Mathematics if name == "math" else self(value) if isinstance(value, FunctionType) else value
+                space[name] = Mathematics if value is math else self(value) if isinstance(value, FunctionType) else value
         return made
 
     def written(self, text: str, calls: dict[str, Any]) -> Any:
         """The function that a text defines, which calls those given."""
-        return FunctionType(text_code(text), self._space() | {name: self(function) for name, function in calls.items()})
+        named = {name: self(function) if own(function) else self.exactly(self(function)) for name, function in calls.items()}
+        return FunctionType(text_code(text), self._space() | self.given | named)
+
+    def exactly(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """A function of which every operation is noted, to the signs of zeros: numbers that the topology knows are symbols to it."""
+
+        def run(*arguments: Any) -> Any:
+            former, self.tape.exact = self.tape.exact, True
+            try:
+                return function(*(symbolic(self.tape, one) for one in arguments))
+            finally:
+                self.tape.exact = former
+
+        return run
 
     def _space(self) -> dict[str, Any]:
         return {"__builtins__": builtins, "select": select, "both": both, "either": either, "seldom_ends": self.ends}

@@ -1,7 +1,7 @@
 """A law of the user's own is tried out in plain Python before the compiler sees it: what is wrong with it is told in words.
 
-Three looks, each only where the one before found nothing: how the function is written, what it gives at a few states, and whether it goes into
-straight-line code. Built-in laws are spared: the tests look at them.
+Three looks, each only where the one before found nothing: how the functions are written, what they give at a few states, and whether every loop
+computes the bits that Python computes. Built-in laws are spared: the tests look at them.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Any
 
 from ..codegen.lock import WRITING
 from ..codegen.source import data_driven
-from ..codegen.trace import Symbol, Tape
-from ..codegen.traceable import Traceable
 from ..errors import LawError, SourceError
-from ..kernels.blocks import CONTACT_SLOTS, FRICTION_SLOTS
+from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
+from .agreement import Agreement, agreement_of
 from .law import ContactLaw, Law, Pair, built_in
-from .text import REMEDY, faults_of_text, place
+from .text import faults_of_text, parts_of, place
+from .time_limit import SECONDS, Endless, limited
 
 ARGUMENTS = {
     "contact": ("penetration", "slowness", "p"),
@@ -55,8 +55,8 @@ def _try_out(own: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...], fricti
         for law, pair in own:
             found += faults_of_numbers(law, pair)
     if not found:
-        for kind in dict.fromkeys(type(law) for law, _ in own):
-            found += faults_of_trace(kind)
+        for law, pair in own:
+            found += faults_of_loops(law, pair)
     if not found and contacts:
         try:
             data_driven(contacts, frictions)
@@ -81,6 +81,9 @@ def faults_of_class(law: type[Law]) -> list[str]:
         found.append(f'{where}: slots is a tuple of names, as in slots: ClassVar[tuple[str, ...]] = ("stiffness",)')
     elif len(law.slots) > room:
         found.append(f"{where}: {len(law.slots)} slots; a {kind} law may have {room}: work out in parameters() what does not change in a run")
+    memory: Any = law.memory if kind == "friction" else ()  # type: ignore[attr-defined]
+    if not isinstance(memory, tuple) or len(memory) > FRICTION_MEMORY:
+        found.append(f'{where}: memory is a tuple of at most {FRICTION_MEMORY} names, as in memory: ClassVar[tuple[str, ...]] = ("bend (m)",)')
     function, wanted = law.force, ARGUMENTS[kind]  # type: ignore[attr-defined]
     if not isinstance(inspect.getattr_static(law, "force"), staticmethod):
         return [*found, f"{where}: force is a static function; write @staticmethod above it and no self among its arguments"]
@@ -91,12 +94,18 @@ def faults_of_class(law: type[Law]) -> list[str]:
     film: Any = getattr(law, "film_force", None) if kind == "contact" and law.film else None  # type: ignore[attr-defined]
     if kind == "contact" and law.film and (film is None or len(inspect.signature(film).parameters) != 4):  # type: ignore[attr-defined]
         found.append(f"{where}: a law with film = True has a static function film_force(penetration, turning, sense, p)")
-        film = None
-    try:
-        found += [f"{where}: {fault}" for fault in faults_of_text(function)]
-        found += [f"{where}: {fault}" for fault in (faults_of_text(film) if film is not None else ())]
-    except (OSError, TypeError):
-        found.append(f"{where}: the text of its function cannot be read; write the law in a file, as the compiler needs its text")
+        return found
+    return found or [f"{where}: {fault}" for fault in faults_of_functions(law, kind)]
+
+
+def faults_of_functions(law: Any, kind: str) -> list[str]:
+    """What the language of laws does not have in the functions of a law."""
+    found: list[str] = []
+    for part in parts_of(law, kind):
+        try:
+            found += faults_of_text(getattr(law, part.name), part)
+        except (OSError, TypeError):
+            found.append("the text of its function cannot be read; write the law in a file, as the compiler needs its text")
     return found
 
 
@@ -104,7 +113,10 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
     """What parameters() and force give for these surfaces."""
     where, kind = place(type(law)), kind_of(type(law))
     try:
-        p: tuple[Any, ...] = tuple(law.parameters(pair))
+        with limited(SECONDS):
+            p: tuple[Any, ...] = tuple(law.parameters(pair))
+    except Endless:
+        return [f"{where}: parameters() has run for {SECONDS:g} s and does not end; give its loops a largest number of rounds"]
     except Exception as error:
         return [f"{where}: parameters() raises {type(error).__name__}: {error} (clearance {pair.clearance:g} m)"]
     if len(p) != len(law.slots):
@@ -113,12 +125,12 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             return [f"{where}: parameters() gives {slot} = {value!r}, which is no finite number (clearance {pair.clearance:g} m)"]
     p = tuple(float(value) for value in p)
-    states = contact_states(pair) if kind == "contact" else friction_states()
+    states = contact_states(pair) if kind == "contact" else friction_states(len(law.memory))  # type: ignore[attr-defined]
     for state in states:
         fault = fault_at(law, kind, state, p)
         if fault:
             said = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
-            at = ", ".join(f"{name} {value:g} {unit}" for name, value, unit in said)
+            at = ", ".join(f"{name} {value:g} {unit}" for name, value, unit in said if isinstance(value, float))
             return [f"{where}, function force: {fault} (at {at})"]
     return faults_of_film(law, pair, p) if kind == "contact" else []
 
@@ -146,15 +158,15 @@ def contact_states(pair: Pair) -> Iterator[tuple[float, ...]]:
             yield share * pair.clearance, slowness
 
 
-def friction_states() -> Iterator[tuple[float, ...]]:
-    """Apart, and under forces to 10 kN, at rest and sliding to 1 m/s either way, free to move or not."""
+def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
+    """Nothing remembered yet; apart, and under forces to 10 kN, at rest and sliding to 1 m/s either way, free to move or not."""
     for normal in (0.0, 1.0, 1e4):
         for velocity in (0.0, 1e-6, -1e-3, 1.0, -1.0):
             for mobility in (1e-12, 1e-6):
-                yield normal, velocity, mobility, 0.0, 1e-6
+                yield normal, velocity, mobility, (0.0,) * memories if memories > 1 else 0.0, 1e-6
 
 
-def fault_at(law: Law, kind: str, state: tuple[float, ...], p: tuple[float, ...]) -> str:
+def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) -> str:
     """What is wrong with the answer at a state, or nothing."""
     try:
         answer: Any = law.force(*state, p)  # type: ignore[attr-defined]
@@ -164,7 +176,7 @@ def fault_at(law: Law, kind: str, state: tuple[float, ...], p: tuple[float, ...]
         return f"it raises {type(error).__name__}: {error}"
     if not isinstance(answer, tuple) or len(answer) != 2:
         return f"it returns {answer!r}; it has to return two numbers, {ANSWER[kind]}"
-    for value in answer:
+    for value in (answer[0], *answer[1]) if isinstance(answer[1], tuple) else answer:
         if isinstance(value, bool) or not isinstance(value, int | float):
             return f"it returns {value!r} of type {type(value).__name__}; it has to return two numbers, {ANSWER[kind]}"
         if not math.isfinite(value):
@@ -183,17 +195,21 @@ def fault_at(law: Law, kind: str, state: tuple[float, ...], p: tuple[float, ...]
     return ""
 
 
-def faults_of_trace(law: type[Law]) -> list[str]:
-    """Whether the function goes into straight-line code; what passes the look at its text hardly ever fails here."""
-    kind = kind_of(law)
+def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement]:
+    """The functions of a law in every loop beside Python. Raises LawError where a loop cannot be made of one."""
+    slots = tuple(float(value) for value in law.parameters(pair))
+    names = {"force": kind_of(type(law)), "film_force": "film", "regime": "regime"}
+    return [agreement_of(names[part.name], type(law), slots, javascript) for part in parts_of(type(law), kind_of(type(law)))]
+
+
+def faults_of_loops(law: Law, pair: Pair, javascript: bool = False) -> list[str]:
+    """Whether every loop computes the bits that Python computes; what passes the look at the text hardly ever fails here."""
     try:
-        tape = Tape()
-        symbols = [Symbol(tape, f"x{k}") for k in range(len(ARGUMENTS[kind]) - 1)]
         with WRITING:
-            Traceable(tape)(law.force)(*symbols, tuple(Symbol(tape, f"p{k}") for k in range(len(law.slots))))  # type: ignore[attr-defined]
-    except Exception as error:
-        return [f"{place(law)}, function force: it cannot be written into the step ({type(error).__name__}: {error}). {REMEDY}"]
-    return []
+            data_driven(*(((type(law),), ()) if kind_of(type(law)) == "contact" else ((), (type(law),))))
+        return [f"{place(type(law))}, {fault}" for one in agreements(law, pair, javascript) for fault in one.faults]
+    except (LawError, SourceError) as error:
+        return [f"{place(type(law))}: {error}"]
 
 
 def needed(law: type[Law]) -> list[str]:
@@ -207,4 +223,5 @@ def faults(law: type[Law], pair: Pair | None = None) -> list[str]:
     found: list[Any] = faults_of_class(law)
     if found or needed(law):
         return found
-    return faults_of_numbers(law(), pair or Pair(0.01, 2e-4, 0.02)) or faults_of_trace(law)
+    pair = pair or Pair(0.01, 2e-4, 0.02)
+    return faults_of_numbers(law(), pair) or faults_of_loops(law(), pair, javascript=True)

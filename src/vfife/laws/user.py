@@ -6,7 +6,6 @@ import importlib.util
 import linecache
 import os
 import re
-import signal
 import sys
 import threading
 import traceback
@@ -14,12 +13,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import FrameType, ModuleType
+from types import ModuleType
 from typing import NoReturn
 
 from ..errors import LawError
 from ..files import read_bytes
 from .law import ContactLaw, FrictionLaw, Law, built_in
+from .time_limit import Endless, limited
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
 SECONDS = 10.0  # that a file of laws may take
@@ -103,32 +103,20 @@ def executed(path: Path, text: str) -> ModuleType:
     return module
 
 
-class Endless(BaseException):
-    """A file of laws does not end."""
-
-
 @contextmanager
 def watched() -> Iterator[None]:
-    """Ends what runs for too long, where signals are heard, and keeps it from ending the process without a word."""
+    """Ends what runs for too long, and keeps it from ending the process without a word."""
 
     def leave(status: int) -> NoReturn:
         raise SystemExit(f"it ends the process (os._exit({status!r}))")
 
-    def late(number: int, frame: FrameType | None) -> NoReturn:
-        raise Endless
-
-    ends, hears = os._exit, hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
-    former = signal.signal(signal.SIGALRM, late) if hears else None
+    ends = os._exit
     try:
         os._exit = leave
-        if hears:
-            signal.setitimer(signal.ITIMER_REAL, SECONDS)
-        yield
+        with limited(SECONDS):
+            yield
     finally:
         os._exit = ends
-        if hears:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(signal.SIGALRM, former)
 
 
 def line_of(error: BaseException, path: Path) -> int | str:

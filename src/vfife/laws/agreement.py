@@ -1,0 +1,196 @@
+"""A law in every loop against Python: the same bits at random arguments and at those where something turns.
+
+Python runs the law's own function; each loop runs what it made of its text. The arguments are drawn from all magnitudes and from special values:
+zeros of both signs, the smallest and largest doubles, infinity, the numbers that the text compares with and their neighbours, and the law's
+own parameters. Where Python raises (a division by zero, the root of a negative number), the compiled loops have to agree with one another.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import shutil
+import subprocess
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..codegen.lawloops import PARTS, Loops, Single, plain_function
+from ..codegen.trace import COMPARISONS, Trace
+from ..errors import LawError, SourceError
+from .remedies import REMEDY
+
+Rows = NDArray[np.float64]
+
+STATES = 256  # at which a law is compared
+SPECIAL = (0.0, -0.0, 5e-324, 1e-308, 1e-30, 1e-12, 1.0, -1.0, 0.5, 1e6, 1e30, 1e300, 1.7976931348623157e308, math.inf, -math.inf, math.nan)
+SECONDS = 20.0  # that node may take
+NO_NODE = "JavaScript: not compared, because there is no node on this machine"
+
+
+class Agreement(NamedTuple):
+    """What was compared: the loops, at how many states, what of JavaScript, and what was found, nothing where all agree."""
+
+    loops: tuple[str, ...]
+    states: int
+    javascript: str
+    faults: tuple[str, ...]
+
+    def words(self) -> str:
+        """A sentence."""
+        from_card = "text for graphics cards: run on this processor, not on a card"
+        return f"equal to Python to the bit at {self.states} states in {len(self.loops)} loops; {self.javascript}; {from_card}"
+
+
+def states_of(single: Single, trace: Trace, slots: Sequence[float], count: int, seed: int = 1) -> Rows:
+    """States of a part: half of what stands in them is special, half random over all magnitudes that occur."""
+    random = np.random.default_rng(seed)
+    compared = [o for one in trace.operations if one.operator in COMPARISONS for o in one.operands if isinstance(o, float)]
+    turns = [float(one) for value in [*compared, *slots] for one in (value, np.nextafter(value, -np.inf), np.nextafter(value, np.inf))]
+    pool = np.array([*SPECIAL, *turns, *turns])
+    shape = (count, single.rows)
+    spread = random.choice([-1.0, 1.0, 1.0], shape) * 10.0 ** random.uniform(-12.0, 6.0, shape)
+    states = np.where(random.random(shape) < 0.5, random.choice(pool, shape), spread)
+    part = PARTS[single.part]
+    usual = random.random(count) < 0.6  # the law's own parameters, nearly always
+    states[usual, part.slots : part.slots + len(slots)] = slots
+    states[:, [k for k in part.answers if k not in part.arguments]] = 0.0
+    twins = random.random(count) < 0.1  # two arguments that are equal: a comparison of them turns there
+    first, second = random.choice(part.arguments, 2)
+    states[twins, first] = states[twins, second]
+    return states
+
+
+def by_python(single: Single, states: Rows) -> Rows:
+    """What the law's function gives; NaN in all rows of a state at which it raises, marked by the second answer, False."""
+    part, function = PARTS[single.part], plain_function(single)
+    found: list[list[float | None]] = []
+    memories = len(single.law.memory) if single.part == "friction" else 0
+    for state in states.tolist():
+        slots = tuple(state[part.slots : part.slots + len(single.law.slots)])
+        arguments: list[Any] = [state[k] for k in part.arguments]
+        if single.part == "friction":
+            memory = tuple(state[part.memory : part.memory + memories])
+            arguments.insert(3, memory if memories > 1 else memory[0] if memories else 0.0)
+        try:
+            answer: Any = function(*arguments, slots)
+        except (ArithmeticError, ValueError):
+            found.append([None] * len(single.answers))
+            continue
+        if single.part == "friction":
+            force, memory = answer
+            left = memory if memories > 1 else (memory,) * memories
+            answer = (force, *(one if state[part.arguments[0]] > 0.0 else 0.0 for one in left))
+        found.append([float(one) for one in (answer if isinstance(answer, tuple) else (answer,))])
+    return np.array(found, dtype=object)
+
+
+def same(first: Rows, second: Rows) -> NDArray[np.bool_]:
+    """Whether numbers have the same bits; NaN is NaN."""
+    a, b = np.ascontiguousarray(first), np.ascontiguousarray(second)
+    equal: NDArray[np.bool_] = (a.view(np.uint64) == b.view(np.uint64)) | (np.isnan(a) & np.isnan(b))
+    return equal
+
+
+def node_answers(loops: Loops, states: Sequence[Rows]) -> list[Rows]:
+    """What JavaScript makes of the states of each law. Raises OSError or SubprocessError where node does not run."""
+    data = [{"rows": one.shape[1], "bytes": base64.b64encode(np.ascontiguousarray(one).tobytes()).decode()} for one in states]
+    script = (
+        loops.javascript()
+        + f"""
+const laws = [{", ".join(f"law{k}" for k in range(len(states)))}];
+const data = {json.dumps(data)};
+const found = data.map((one, k) => {{
+  const bytes = Buffer.from(one.bytes, "base64"), S = new Float64Array(bytes.length / 8);
+  for (let i = 0; i < S.length; i++) S[i] = bytes.readDoubleLE(8 * i);
+  for (let at = 0; at < S.length; at += one.rows) laws[k](S.subarray(at, at + one.rows));
+  return Buffer.from(S.buffer).toString("base64");
+}});
+process.stdout.write(JSON.stringify(found));
+"""
+    )
+    command = [shutil.which("node") or "node", "-"]
+    done = subprocess.run(command, input=script, capture_output=True, text=True, timeout=SECONDS, check=True)
+    return [np.frombuffer(base64.b64decode(text)).reshape(one.shape) for text, one in zip(json.loads(done.stdout), states, strict=True)]
+
+
+def compared(loops: Loops, slots: Sequence[Sequence[float]], count: int, javascript: bool, seed: int = 1) -> Agreement:
+    """Compares laws in all loops with Python."""
+    faults, said = [], "JavaScript: not compared here"
+    states = [states_of(one, trace, numbers, count, seed) for one, trace, numbers in zip(loops.singles, loops.traces, slots, strict=True)]
+    runs = {name: [function(k, one) for k, one in enumerate(states)] for name, function in loops.compiled.items()}
+    if javascript:
+        try:
+            runs["JavaScript"], said = node_answers(loops, states), "JavaScript: compared in node"
+        except FileNotFoundError:
+            said = NO_NODE
+        except (OSError, subprocess.SubprocessError, ValueError) as error:
+            said = f"JavaScript: not compared, because node did not run ({type(error).__name__})"
+    for k, single in enumerate(loops.singles):
+        fault = first_difference(single, states[k], {name: found[k] for name, found in runs.items()})
+        if fault:
+            faults.append(fault)
+    return Agreement(tuple(runs), count * len(loops.singles), said, tuple(faults))
+
+
+def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str:
+    """Where a loop first differs from Python, or from the other loops where Python raises; nothing where none does."""
+    rows, expected = single.answers, by_python(single, states)
+    raises = np.array([one[0] is None for one in expected])
+    reference = runs["generated, 1 lane"][:, rows].copy()
+    reference[~raises] = expected[~raises].astype(float)
+    for name, found in runs.items():
+        # Of vfife's own laws, terms that are zero drop out, which changes signs of zeros, and what 0/0 and
+        # infinity make of others.
+        own = plain_function(single).__module__.startswith("vfife.")
+        looked = ~raises if own or name in ("interpreted", "straight line as Python") else np.ones(len(states), bool)
+        if own:
+            looked &= np.isfinite(states).all(axis=1) & np.isfinite(reference).all(axis=1)
+        equal = same(found[:, rows], reference) | (own & (found[:, rows] == reference))
+        if name == "straight line as Python":  # it computes both arms, and Python raises in the one that is not chosen
+            equal |= np.isnan(found[:, rows])
+        wrong = np.flatnonzero(looked & ~equal.all(axis=1))
+        if len(wrong):
+            at = int(wrong[0])
+            k = int(np.flatnonzero(~equal[at])[0])
+            other = "the other loops have" if raises[at] else "Python computes"
+            given = ", ".join(f"{value!r}" for value in states[at].tolist())
+            return (
+                f"function {plain_function(single).__name__}: {other} {float(reference[at, k])!r} and the loop {name!r} "
+                f"{float(found[at, rows[k]])!r} as answer {k + 1} (at the state {given}). This is a fault of vfife: report it with the law's "
+                "text, and do not use the law until then"
+            )
+    return ""
+
+
+# Of each class; a study assembles thousands of members with one law.
+_KNOWN: WeakKeyDictionary[type, dict[tuple[str, bool], Agreement]] = WeakKeyDictionary()
+
+
+def agreement_of(part: str, law: type, slots: tuple[float, ...], javascript: bool = False) -> Agreement:
+    """Compares one part of a law, once. Raises LawError where a loop cannot be made of it."""
+    known = _KNOWN.setdefault(law, {})
+    found = known.get((part, True)) or known.get((part, javascript))
+    if found is None:
+        found = known[part, javascript] = _agreement(Single(part, law), slots, javascript)
+    return found
+
+
+def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Agreement:
+    try:
+        return compared(Loops([single]), [slots], STATES, javascript)
+    except (ZeroDivisionError, OverflowError):
+        what = "a division of numbers of its text by zero, or a whole number that no double has"
+    except SourceError as error:
+        what = str(error)
+    except RecursionError:
+        what = "its expressions are nested too deeply; give parts of them names of their own"
+    except ValueError as error:
+        what = f"numbers of its text give no number ({error})"
+    except Exception as error:
+        what = f"it cannot be written into the step ({type(error).__name__}: {error}). {REMEDY}"
+    raise LawError(f"function {plain_function(single).__name__}: {what}")
