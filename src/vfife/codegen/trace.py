@@ -282,7 +282,7 @@ def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) 
 def choose(condition: Symbol, a: Any, b: Any) -> Any:
     """``a`` where the condition is true, else ``b``."""
     same = a is b or (not isinstance(a, Symbol) and not isinstance(b, Symbol) and a == b)
-    if same and condition.tape.exact and repr(a) != repr(b):  # 0.0 and -0.0 are equal
+    if same and a is not b and a == 0 and math.copysign(1.0, a) != math.copysign(1.0, b):  # 0.0 and -0.0 are equal
         same = False
     return a if same else condition.tape.emit("select", condition, a, b)
 
