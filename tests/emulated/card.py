@@ -13,19 +13,20 @@ import struct
 import numpy as np
 
 BODY = re.compile(r"^\.func (\w+)\(.*?^\{(.*?)^\}", re.M | re.S)
-LINE = re.compile(r"^\s*([a-z][\w.]*)\s*(.*?);\s*$")
+LINE = re.compile(r"^\s*(?:@(!?%p\d+)\s+)?([a-z][\w.]*)\s*(.*?);\s*$|^\s*(\$\w+):.*$")
+Instruction = tuple[str, str, list[str]]  # condition or nothing, name, operands; of a label the name alone, which begins with $
 TILE = 32
 
 
-def functions(text: str) -> dict[str, list[tuple[str, list[str]]]]:
-    """Instructions of each function: name and operands."""
+def functions(text: str) -> dict[str, list[Instruction]]:
+    """Instructions of each function."""
     found = {}
     for name, body in BODY.findall(text):
         lines = [one for one in body.splitlines() if one.strip() and not one.strip().startswith((".reg", "//"))]
         matched = [LINE.match(one) for one in lines]
         if None in matched:
             raise ValueError(f"no instruction: {lines[matched.index(None)]}")
-        found[name] = [(one[1], [part.strip() for part in one[2].split(",")]) for one in matched if one]
+        found[name] = [(one[1] or "", one[2] or one[4], [part.strip() for part in (one[3] or "").split(",")]) for one in matched if one]
     return found
 
 
@@ -58,7 +59,7 @@ ARITHMETIC = {
 }  # fmt: skip
 
 
-def run(instructions: list[tuple[str, list[str]]], states: np.ndarray) -> np.ndarray:
+def run(instructions: list[Instruction], states: np.ndarray) -> np.ndarray:
     """What a function makes of states, (states, rows), row r of which it finds 32 r numbers behind its address."""
     memory = states.T.copy()
     names: dict[str, np.ndarray] = {}
@@ -75,10 +76,22 @@ def run(instructions: list[tuple[str, list[str]]], states: np.ndarray) -> np.nda
         at = names[name] + int(more or 0)
         return at // (8 * TILE)
 
-    every = np.arange(len(states))
+    every, at = np.arange(len(states)), 0
+    labels = {name: k for k, (_, name, _) in enumerate(instructions) if name[0] == "$"}
     with np.errstate(all="ignore"):
-        for name, operands in instructions:
-            if name == "ld.param.b64":
+        while at < len(instructions):
+            condition, name, operands = instructions[at]
+            at += 1
+            if name[0] == "$":
+                continue
+            if name in ("bra", "bra.uni"):
+                goes = value(condition.lstrip("!")) ^ condition.startswith("!") if condition else np.ones(1, bool)
+                if goes.all() != goes.any():
+                    raise ValueError("threads part")
+                at = labels[operands[0]] if goes.all() else at
+            elif condition:
+                raise ValueError(f"a condition of {name}")
+            elif name == "ld.param.b64":
                 names[operands[0]] = np.zeros(len(states), dtype=np.int64)
             elif name.startswith("ld.global"):
                 names[operands[0]] = memory[place(operands[1]), every]
@@ -86,6 +99,9 @@ def run(instructions: list[tuple[str, list[str]]], states: np.ndarray) -> np.nda
                 memory[place(operands[0]), every] = double(value(operands[1]))
             elif name.startswith("setp."):
                 kind = name.split(".")[1]
+                if name.endswith("s64"):
+                    names[operands[0]] = COMPARISONS[kind](value(operands[1]), value(operands[2]))
+                    continue
                 a, b = double(value(operands[1])), double(value(operands[2]))
                 known = COMPARISONS[kind if kind in COMPARISONS else kind.removesuffix("u")]
                 names[operands[0]] = known(a, b) | ((np.isnan(a) | np.isnan(b)) if kind not in COMPARISONS else False)
@@ -98,6 +114,8 @@ def run(instructions: list[tuple[str, list[str]]], states: np.ndarray) -> np.nda
                 names[operands[0]] = value(operands[1])
             elif name == "ret":
                 return memory.T.copy()
+            elif name not in ARITHMETIC:
+                raise ValueError(f"PTX: {name} is no instruction that is known to round")
             else:
                 given = map(value, operands[1:])
                 names[operands[0]] = ARITHMETIC[name](*(map(double, given) if name.endswith("f64") else given))

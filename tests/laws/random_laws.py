@@ -11,7 +11,7 @@ import sys
 import types
 from typing import Any
 
-HEAD = '''import math
+HEAD = """import math
 from enum import IntEnum
 from typing import ClassVar
 from vfife.kernels.elementary import approach, nearest, power, turned
@@ -41,6 +41,11 @@ def inside(x, low, high):
     return low <= x and x < high
 
 
+def limited(x, most):
+    beyond = x > most
+    return beyond, most if beyond else x
+
+
 def summed(n, x):
     total = x
     for k in range(4):
@@ -54,8 +59,8 @@ def with_default(x, y=2.0):
 
 def endless(x):
     return endless(x)
-'''
-LITERALS = ("0.0", "-0.0", "1.0", "-1.0", "0.5", "2.0", "3.7", "1e-6", "1e-300", "1e300", "1e6", "SHARE", "NEGATIVE", "BIG", "math.pi")
+"""
+LITERALS = ("math.inf", "0.0", "-0.0", "1.0", "-1.0", "0.5", "2.0", "3.7", "1e-6", "1e-300", "1e300", "1e6", "SHARE", "NEGATIVE", "BIG", "math.pi")
 WHOLES = ("0", "1", "2", "3", "7", "ROUNDS", "2 ** 3", "-1")
 # What is not in the language; {n} is a number, {t} a truth value, {w} a whole number.
 FOREIGN = (
@@ -101,6 +106,8 @@ class Writer:
             return f"-({n()})"
         if pick < 0.9:
             return self.chance.choice((f"abs({n()})", f"math.sqrt(abs({n()}))", f"p[{self.chance.randrange(-self.slots, self.slots)}]"))
+        if self.chance.random() < 0.2:
+            return f"limited({n()}, {n()})[1]"
         own = (f"clipped({n()}, {n()}, {n()})", f"ordered({n()}, {n()})[{self.chance.randrange(2)}]", f"summed({self.whole(1)}, {n()})")
         theirs = (f"nearest({n()})", f"approach(abs({n()}))", f"turned({n()})[1]", f"power(abs({n()}), 1.5)")
         return self.chance.choice((*own, *own, *theirs))
@@ -110,6 +117,8 @@ class Writer:
         pick = self.chance.random()
         if depth <= 0 or pick < 0.6:
             sign = self.chance.choice(("<", ">", "<=", ">=", "==", "!="))
+            if self.chance.random() < 0.1:
+                return f"({self.whole(1)} {sign} {self.whole(1)})"
             other = self.whole(0) if self.chance.random() < 0.2 else self.number(depth - 1)
             return f"({self.number(depth - 1)} {sign} {other})"
         t = lambda: self.truth(depth - 1)  # noqa: E731
@@ -117,7 +126,9 @@ class Writer:
             return f"({t()} {self.chance.choice(('and', 'or'))} {t()})"
         if pick < 0.9:
             return f"({t()} if {t()} else {self.chance.choice((t(), 'True', 'False'))})"
-        return self.chance.choice(self.truths) if pick < 0.95 else f"inside({self.number(1)}, {self.number(0)}, {self.number(0)})"
+        if pick < 0.93:
+            return f"limited({self.number(1)}, {self.number(0)})[0]"
+        return self.chance.choice(self.truths) if pick < 0.96 else f"inside({self.number(1)}, {self.number(0)}, {self.number(0)})"
 
     def whole(self, depth: int) -> str:
         """An expression that is a whole number."""

@@ -12,7 +12,9 @@ import pytest
 from emulated import card
 from laws.random_laws import laws, source
 from vfife.codegen import compile as compiling
-from vfife.codegen.lawloops import Loops, Single, traced
+from vfife.codegen import expressions, javascript, llvm, python
+from vfife.codegen.lawloops import WIDTHS, Loops, Single, traced
+from vfife.codegen.traceable import Traceable
 from vfife.laws.agreement import STATES, by_python, compared, first_difference, same, states_of
 from vfife.laws.check import faults_of_functions, kind_of
 
@@ -50,13 +52,13 @@ def accepted(seed: int, count: int, foreign: float = 0.0) -> dict[str, list[Sing
     return found
 
 
-def differences(seed: int, count: int, foreign: float = 0.0, states: int = 48) -> Counter[str]:
+def differences(seed: int, count: int, foreign: float = 0.0, states: int = 48, widths: tuple[int, ...] = WIDTHS) -> Counter[str]:
     """Laws of a seed by what is wrong with them; '' for those with which nothing is."""
     found: Counter[str] = Counter()
     for singles in accepted(seed, count, foreign).values():
         if not singles:
             continue
-        loops, slots = Loops(singles), slots_of(singles, seed)
+        loops, slots = Loops(singles, widths), slots_of(singles, seed)
         agreement = compared(loops, slots, states, NODE, seed)
         found[""] += len(singles) - len(agreement.faults)
         found.update(agreement.faults)
@@ -64,7 +66,12 @@ def differences(seed: int, count: int, foreign: float = 0.0, states: int = 48) -
         programs = card.functions(loops.ptx())
         for k, (single, numbers) in enumerate(zip(singles, slots, strict=True)):
             drawn = states_of(single, loops.traces[k], numbers, states, seed)
-            ran = {"generated, 1 lane": loops.compiled["generated, 1 lane"](k, drawn), "PTX": card.run(programs[f"law{k}"], drawn)}
+            try:
+                card_rows = card.run(programs[f"law{k}"], drawn)
+            except ValueError as error:
+                found[str(error)] += 1
+                continue
+            ran = {"generated, 1 lane": loops.compiled["generated, 1 lane"](k, drawn), "PTX": card_rows}
             if fault := first_difference(single, drawn, ran):
                 found[fault] += 1
     return found
@@ -98,6 +105,59 @@ def test_ten_thousand_random_laws():
     seed = random.SystemRandom().randrange(10**6)
     print(f"seed {seed}")
     assert none_differs(range(seed, seed + 160), 0.0) + none_differs(range(seed + 160, seed + 240), 0.5) >= 9000
+
+
+def fused(monkeypatch):
+    """Products and sums may be contracted."""
+    real = llvm.Writer.operation
+
+    def operation(self, one):
+        real(self, one)
+        self.out[-1] = re.sub(r"= (fadd|fmul) ", r"= \1 contract ", self.out[-1])
+
+    monkeypatch.setattr(llvm.Writer, "operation", operation)
+
+
+def folded(monkeypatch):
+    monkeypatch.setattr(Traceable, "exactly", lambda self, function: function)
+
+
+def without_sign(module):
+    return lambda monkeypatch: monkeypatch.setattr(module, "literal", lambda x, real=module.literal: real(abs(x) if x == 0.0 else x))
+
+
+def entry(name, key, value):
+    return lambda monkeypatch: monkeypatch.setitem(name, key, value)
+
+
+# Faults of one place of one writer, and in which loop they have to be seen.
+PLANTED = {
+    "a product with zero is left out": (folded, "Python computes"),
+    "-0.0 becomes 0.0 in LLVM's text": (without_sign(llvm), "generated"),
+    "-0.0 becomes 0.0 in the data-driven loop": (without_sign(expressions), "data-driven"),
+    "branches of the straight line are swapped": (entry(python.PATTERNS, "select", "{2} if {0} else {1}"), "straight line as Python"),
+    "branches of JavaScript are swapped": (entry(javascript.PATTERNS, "select", "{0} ? {2} : {1}"), "JavaScript"),
+    "a value at which a comparison turns": (entry(llvm.ORDER, ">=", "ogt"), "generated"),
+    "the same in the data-driven loop": (entry(expressions.ORDER, "<", "ole"), "data-driven"),
+    "a comparison that NaN passes": (entry(llvm.ORDER, "!=", "one"), "generated"),
+    "a comparison of whole numbers": (entry(expressions.WHOLE, "<", "sgt"), "data-driven"),
+    "a difference of whole numbers": (entry(expressions.INTEGER, "-", "add nsw"), "data-driven"),
+    "and for or": (entry(llvm.BINARY, "or", "and"), "generated"),
+    "a product that is fused": (fused, "PTX"),
+    "a root in single precision": (entry(javascript.PATTERNS, "sqrt", "Math.fround(Math.sqrt({}))"), "JavaScript"),
+}
+
+
+@pytest.mark.parametrize("fault", PLANTED)
+def test_a_planted_fault_is_found(monkeypatch, fault):
+    """By 30 laws."""
+    plant, loop = PLANTED[fault]
+    if loop == "JavaScript" and not NODE:
+        pytest.skip("needs node, which runs JavaScript")
+    plant(monkeypatch)
+    found = differences(50, 30, widths=(1,))
+    found.pop("")
+    assert any(loop in one for one in found), found
 
 
 def test_states_are_not_beside_the_point():

@@ -104,6 +104,11 @@ def data_driven_text(singles: Sequence[Single]) -> str:
     return "\n\n".join([gathered.text(), texts[own], driver])
 
 
+def text_of(single: Single) -> str:
+    """All that decides its bits: its text, those of the functions that it calls, and the numbers of their files."""
+    return data_driven_text([single])
+
+
 class Loops:
     """Laws of one part in every loop that this machine can run; each takes the place of a law and its states, (states, rows), and returns them."""
 

@@ -33,6 +33,15 @@ def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpre
         return interpreted(text, "advance") if interpret else compiled(text, "advance", ARGUMENTS)
 
 
+def forget_steps() -> None:
+    """Drops all steps that this process has traced, compiled or loaded: the text of a law is another one."""
+    from .pieces import _traced  # what writes steps is loaded where one is written
+    from .ptx import program
+
+    for cached in (_data_driven, straight_line, _traced, program):
+        cached.cache_clear()
+
+
 def compiler_of(loop: str) -> dict[str, str]:
     """What compiles a loop, and its version."""
     return {} if loop == "interpreted" else {"llvmlite": llvmlite_version()}

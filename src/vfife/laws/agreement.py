@@ -171,6 +171,11 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
 _KNOWN: WeakKeyDictionary[type, dict[tuple[str, bool], Agreement]] = WeakKeyDictionary()
 
 
+def forget(law: type) -> None:
+    """Drops what was found of a law."""
+    _KNOWN.pop(law, None)
+
+
 def agreement_of(part: str, law: type, slots: tuple[float, ...], javascript: bool = False) -> Agreement:
     """Compares one part of a law, once. Raises LawError where a loop cannot be made of it."""
     known = _KNOWN.setdefault(law, {})

@@ -11,22 +11,26 @@ import inspect
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from ..codegen.lock import WRITING
 from ..codegen.source import data_driven
 from ..errors import LawError, SourceError
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
-from .agreement import Agreement, agreement_of
 from .law import ContactLaw, Law, Pair, built_in
 from .text import faults_of_text, parts_of, place
 from .time_limit import SECONDS, Endless, limited
+
+if TYPE_CHECKING:
+    from .agreement import Agreement
 
 ARGUMENTS = {
     "contact": ("penetration", "slowness", "p"),
     "friction": ("normal_force", "free_velocity", "mobility", "memory", "dt", "p"),
 }
 ANSWER = {"contact": "the elastic force (N) and the damping coefficient (N s/m)", "friction": "the friction force (N) and the memory"}
+NAMES = {"film_force": "film", "regime": "regime"}  # of parts other than ``force``
 UNITS = ("m", "s/m"), ("N", "m/s", "m/s/N", "m", "s")
 
 
@@ -197,16 +201,37 @@ def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) 
 
 def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement]:
     """The functions of a law in every loop beside Python. Raises LawError where a loop cannot be made of one."""
+    from .agreement import agreement_of  # all that writes loops, which a run without laws of one's own has no need to load
+
     slots = tuple(float(value) for value in law.parameters(pair))
-    names = {"force": kind_of(type(law)), "film_force": "film", "regime": "regime"}
-    return [agreement_of(names[part.name], type(law), slots, javascript) for part in parts_of(type(law), kind_of(type(law)))]
+    kind = kind_of(type(law))
+    return [agreement_of(NAMES.get(part.name, kind), type(law), slots, javascript) for part in parts_of(type(law), kind)]
+
+
+# Text of each law when it was last tried: at a prompt a number of its file or a function that it calls may change afterwards.
+_TEXTS: WeakKeyDictionary[type[Law], str] = WeakKeyDictionary()
+
+
+def renew(law: type[Law]) -> None:
+    """Drops what was compiled and compared of a law whose text is another one since."""
+    from ..codegen.lawloops import Single, text_of
+    from ..codegen.runner import forget_steps
+    from .agreement import forget
+
+    text = "\n".join(text_of(Single(NAMES.get(part.name, kind_of(law)), law)) for part in parts_of(law, kind_of(law)))
+    if _TEXTS.get(law, text) != text:
+        forget_steps()
+        forget(law)
+    _TEXTS[law] = text
 
 
 def faults_of_loops(law: Law, pair: Pair, javascript: bool = False) -> list[str]:
     """Whether every loop computes the bits that Python computes; what passes the look at the text hardly ever fails here."""
     try:
         with WRITING:
-            data_driven(*(((type(law),), ()) if kind_of(type(law)) == "contact" else ((), (type(law),))))
+            renew(type(law))
+            if javascript:  # by itself; where it is assembled, the text with all laws of the model follows
+                data_driven(*(((type(law),), ()) if kind_of(type(law)) == "contact" else ((), (type(law),))))
         return [f"{place(type(law))}, {fault}" for one in agreements(law, pair, javascript) for fault in one.faults]
     except (LawError, SourceError) as error:
         return [f"{place(type(law))}: {error}"]

@@ -9,10 +9,11 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType
 from typing import Any
 
-from .kinds import LARGEST, NUMBER, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
+from .kinds import LARGEST, NUMBER, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, size, words
 from .remedies import FUNCTIONS, INSTEAD, REMEDY, RESERVED
 
 DEEPEST = 80  # expressions in one another: those who write code walk them by recursion
+LARGEST_TUPLE = 32  # numbers: the arguments of a step are fewer
 LARGEST_POWER = 64  # of a whole number: no larger one stays below 2^53
 
 
@@ -128,7 +129,12 @@ class Expressions:
     def _tuple(self, node: ast.Tuple, depth: int) -> Kind:
         if not node.elts:
             return self.fault(node, "an empty tuple is of no use in the step; leave it out")
-        return Several(tuple(self.kind(one, depth) for one in node.elts))
+        kind = Several(tuple(self.kind(one, depth) for one in node.elts))
+        if size(kind) > LARGEST_TUPLE:
+            return self.fault(
+                node, f"`{shown(node)}` has {size(kind)} numbers; a tuple may have {LARGEST_TUPLE}: give some of them names of their own"
+            )
+        return kind
 
     def _unaryop(self, node: ast.UnaryOp, depth: int) -> Kind:
         if isinstance(node.op, ast.Not):

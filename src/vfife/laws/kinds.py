@@ -42,6 +42,11 @@ def category(kind: Kind) -> object:
     return "a whole number" if isinstance(kind, Whole) else kind
 
 
+def size(kind: Kind) -> int:
+    """How many numbers it has."""
+    return sum(map(size, kind.kinds)) if isinstance(kind, Several) else 1
+
+
 def known(kind: Kind) -> bool:
     """Whether nothing in a kind is unknown."""
     return all(known(one) for one in kind.kinds) if isinstance(kind, Several) else kind != UNKNOWN

@@ -31,7 +31,7 @@ from .expressions import Expressions, shown
 from .kinds import NUMBER, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
 from .remedies import INSTEAD, REMEDY, RESERVED
 
-LONGEST = 20_000  # operations of a law in a step: the largest of ours has some 400, and a step of 20,000 takes minutes to compile
+LONGEST = 5_000  # operations of a law in a step: the largest of ours has some 400, and 5,000 take a second to compile in all loops
 DEEPEST_LOOP = 4  # loops in one another: each is looked at twice
 DEEPEST_CALL = 40  # functions that call one another
 
