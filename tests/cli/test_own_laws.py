@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -36,6 +37,7 @@ def laws(tmp_path: Path) -> Path:
 def test_run_check_and_info(command: Callable, model: Path, laws: Path) -> None:
     said = json.loads(command("check", model, "--laws", laws, "--json").stdout)
     assert said["joints"][0]["contact"]["law"] == "mine"
+    assert "equal to Python to the bit at 256 states in" in said["laws"]["mine"] and "not on a card" in said["laws"]["mine"]
     done = command("run", model, "--laws", laws, "-o", "out", "--quiet")
     assert done.exit_code == 0, done.stderr
     del ContactLaw.registry["mine"]
@@ -69,3 +71,22 @@ def test_a_law_that_cannot_be_used_ends_with_a_sentence(command: Callable, model
     assert done.exit_code == 2 and "push" in done.stderr and "Traceback" not in done.output
     assert command(*words, model, "--laws", "none.py").exit_code == 2
     assert not Path("runs").exists()
+
+
+def test_what_was_compared_is_said(command: Callable, model: Path, laws: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    node = "JavaScript: compared in node" if shutil.which("node") else "JavaScript: not compared, because there is no node on this machine"
+    text = " ".join(command("laws", "mine", "--laws", laws).stdout.split())
+    assert re.search(r"Compared: equal to Python to the bit at 256 states in \d+ loops; JavaScript: .*; .*not on a card", text) and node in text
+    assert node in " ".join(command("check", model, "--laws", laws).stdout.split())
+    monkeypatch.setenv("PATH", "")
+    laws.write_text(COPY.replace("0.75", "0.7"))
+    told = json.loads(command("laws", "mine", "--laws", laws, "--json").stdout)[0]["compared"]
+    assert "JavaScript: not compared, because there is no node on this machine" in told
+
+
+def test_a_law_whose_truth_values_are_numbers_is_refused(command: Callable, model: Path, laws: Path) -> None:
+    laws.write_text(COPY.replace("hysteresis(elastic, factor, slowness)\n", "elastic * slowness * (factor or 0.5)\n"))
+    for words in (("check", model), ("run", model, "-o", "out"), ("laws",)):
+        done = command(*words, "--laws", laws)
+        said = " ".join(done.stderr.split())
+        assert done.exit_code == 2 and "line 35: `factor or 0.5`" in said and "write `factor if factor != 0.0 else 0.5`" in said

@@ -118,6 +118,11 @@ def fused(monkeypatch):
     monkeypatch.setattr(llvm.Writer, "operation", operation)
 
 
+def whole_turned(monkeypatch):
+    """Whole numbers compare the other way."""
+    monkeypatch.setattr(expressions, "WHOLE", {"<": "sge", ">": "sle", "<=": "sgt", ">=": "slt", "==": "ne", "!=": "eq"})
+
+
 def folded(monkeypatch):
     monkeypatch.setattr(Traceable, "exactly", lambda self, function: function)
 
@@ -140,7 +145,7 @@ PLANTED = {
     "a value at which a comparison turns": (entry(llvm.ORDER, ">=", "ogt"), "generated"),
     "the same in the data-driven loop": (entry(expressions.ORDER, "<", "ole"), "data-driven"),
     "a comparison that NaN passes": (entry(llvm.ORDER, "!=", "one"), "generated"),
-    "a comparison of whole numbers": (entry(expressions.WHOLE, "<", "sgt"), "data-driven"),
+    "a comparison of whole numbers": (whole_turned, "data-driven"),
     "a difference of whole numbers": (entry(expressions.INTEGER, "-", "add nsw"), "data-driven"),
     "and for or": (entry(llvm.BINARY, "or", "and"), "generated"),
     "a product that is fused": (fused, "PTX"),

@@ -15,6 +15,8 @@ from .terminal import amount_of_bytes, grid, output, print_json, row, sentences,
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ..model.mechanism import Mechanism
+
 
 LongOption = Annotated[
     bool, typer.Option("--long", help="With all that was filled in by default, all limits of the step, and all rows of long tables.")
@@ -76,7 +78,17 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "estimate": cost | {"asks_for_yes": too_much(cost, Path())},
         "defaults": filled_in(model, overrides(texts)),
         "notes": [*assembly.notes, *seen.notes],
+        **({"laws": compared_laws(mechanism)} if laws else {}),
     }
+
+
+def compared_laws(mechanism: Mechanism) -> dict[str, str]:
+    """In which loops laws of the user's own were compared with Python, by name."""
+    from ..laws.check import comparison
+    from ..model.surfaces import surfaces
+
+    joints = mechanism.contacts.values()
+    return comparison([(law, surfaces(mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)])
 
 
 def show(console: Console, found: Mapping[str, Any], long: bool = False) -> None:
@@ -92,6 +104,8 @@ def show(console: Console, found: Mapping[str, Any], long: bool = False) -> None
     show_bodies(console, found["bodies"], most)
     show_joints(console, found["joints"], most)
     show_couplings(console, found["couplings"])
+    for name, words in found.get("laws", {}).items():
+        console.print(Text(f"Law {name} of your own: {words}."))
     lasting = (*statics(found), *told(found["estimate"])) if found["load_factors"] else (*steps(found, long), *cost(found))
     for sentence in (*freedom(found["degrees_of_freedom"]), *lasting):
         console.print(Text(sentence))

@@ -41,8 +41,8 @@ def laws(
     """
     with sentences("laws"):
         own = take_laws(laws)
-        tried(own)
-        found = chosen(name, own)
+        told = tried(own)
+        found = [{**law, "compared": told[law["name"]]} if law["name"] in told else law for law in chosen(name, own)]
         if plot:
             if name is None:
                 raise ValueError("--plot: name the law to draw, as in vfife laws pereira --plot")
@@ -59,15 +59,17 @@ def laws(
         show(law)
 
 
-def tried(own: list[str]) -> None:
-    """Raises ValueError where a law of the user's own cannot be used."""
-    if own:
-        from ..laws import ContactLaw, FrictionLaw
-        from ..laws.check import faults
+def tried(own: list[str]) -> dict[str, str]:
+    """In which loops laws of the user's own were compared with Python, by name. Raises ValueError where one cannot be used."""
+    if not own:
+        return {}
+    from ..laws import ContactLaw, FrictionLaw
+    from ..laws.check import USUAL, comparison, faults, needed
 
-        known = [base.registry[name] for name in own for base in (ContactLaw, FrictionLaw) if name in base.registry]
-        if told := [fault for law in known for fault in faults(law)]:
-            raise ValueError("\n".join(f"--laws {fault}" for fault in told))
+    known = [base.registry[name] for name in own for base in (ContactLaw, FrictionLaw) if name in base.registry]
+    if told := [fault for law in known for fault in faults(law)]:
+        raise ValueError("\n".join(f"--laws {fault}" for fault in told))
+    return comparison([(law(), USUAL) for law in known if not needed(law)])
 
 
 def chosen(name: str | None, own: list[str]) -> list[dict[str, Any]]:
@@ -157,6 +159,8 @@ def show(law: dict[str, Any]) -> None:
     console.print(Text.assemble((law["name"], "bold"), f"  ({law['kind']} law{', your own' if law['own'] else ''})"))
     console.print(Padding(Text(law["formula"], style="cyan"), (0, 0, 0, 2)))
     console.print(Padding(Text(law["source"]), (0, 0, 0, 2)))
+    if "compared" in law:
+        console.print(Padding(Text(f"Compared: {law['compared']}."), (0, 0, 0, 2)))
     if law["parameters"]:
         table = grid("parameter", "unit", "default", "limits", "meaning")
         for one in law["parameters"]:

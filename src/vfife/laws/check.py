@@ -34,6 +34,9 @@ NAMES = {"film_force": "film", "regime": "regime"}  # of parts other than ``forc
 UNITS = ("m", "s/m"), ("N", "m/s", "m/s/N", "m", "s")
 
 
+USUAL = Pair(0.01, 2e-4, 0.02)  # surfaces for a law that is tried by itself
+
+
 def kind_of(law: type[Law]) -> str:
     """ "contact" or "friction"."""
     return "contact" if issubclass(law, ContactLaw) else "friction"
@@ -208,6 +211,17 @@ def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement
     return [agreement_of(NAMES.get(part.name, kind), type(law), slots, javascript) for part in parts_of(type(law), kind)]
 
 
+def comparison(laws: Sequence[tuple[Law, Pair]]) -> dict[str, str]:
+    """What was compared of laws that are not built in, by their names, with JavaScript where there is node.
+
+    Raises LawError where a loop differs from Python.
+    """
+    own = {law.name: (law, pair) for law, pair in laws if not built_in(type(law))}
+    if found := [fault for law, pair in own.values() for fault in faults_of_loops(law, pair, javascript=True)]:
+        raise LawError("\n".join(found))
+    return {name: agreements(law, pair, javascript=True)[0].words() for name, (law, pair) in own.items()}
+
+
 # Text of each law when it was last tried: at a prompt a number of its file or a function that it calls may change afterwards.
 _TEXTS: WeakKeyDictionary[type[Law], str] = WeakKeyDictionary()
 
@@ -248,5 +262,5 @@ def faults(law: type[Law], pair: Pair | None = None) -> list[str]:
     found: list[Any] = faults_of_class(law)
     if found or needed(law):
         return found
-    pair = pair or Pair(0.01, 2e-4, 0.02)
+    pair = pair or USUAL
     return faults_of_numbers(law(), pair) or faults_of_loops(law(), pair, javascript=True)

@@ -102,7 +102,7 @@ class Expressions:
             if hasattr(builtins, node.id):
                 self.fault(node, f"{node.id}() cannot be compiled into the step; {FUNCTIONS.get(node.id, REMEDY)}")
             else:
-                self.fault(node, f"there is nothing called {node.id} in the file")
+                self.fault(node, f"there is nothing called {node.id} in the file; define it there, or correct the name")
             return None
         value = space[node.id]
         if isinstance(value, FunctionType):
