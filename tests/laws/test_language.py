@@ -278,18 +278,22 @@ def test_parameters_that_do_not_end_are_stopped(monkeypatch):
     """In the main thread by the system's clock, in others line by line."""
     law = law_of("return elastic, share")
     monkeypatch.setattr(check, "SECONDS", 0.2)
+    ending = law.parameters
 
-    def endless(self, pair):
+    def endless(self, *arguments):
         while True:
             pass
 
     monkeypatch.setattr(law, "parameters", endless)
-    assert "parameters() has run for 0.2 s and does not end" in faults(law)[0]
+    assert "parameters() has run for 10 s and does not end" in faults(law)[0]
     told = []
     other = threading.Thread(target=lambda: told.extend(faults(law)))
     other.start()
     other.join(20.0)
     assert "does not end" in told[0]
+    monkeypatch.setattr(law, "parameters", ending)
+    monkeypatch.setattr(law, "elastic_energy", endless)
+    assert "elastic_energy() has run for" in faults(law)[0]
     assert time_limit.SECONDS == 10.0
 
 

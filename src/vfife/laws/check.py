@@ -34,6 +34,7 @@ NAMES = {"film_force": "film", "regime": "regime"}  # of parts other than ``forc
 UNITS = ("m", "s/m"), ("N", "m/s", "m/s/N", "m", "s")
 
 
+ENDLESS = f"has run for {SECONDS:g} s and does not end; give its loops a largest number of rounds"
 USUAL = Pair(0.01, 2e-4, 0.02)  # surfaces for a law that is tried by itself
 
 
@@ -123,7 +124,7 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
         with limited(SECONDS):
             p: tuple[Any, ...] = tuple(law.parameters(pair))
     except Endless:
-        return [f"{where}: parameters() has run for {SECONDS:g} s and does not end; give its loops a largest number of rounds"]
+        return [f"{where}: parameters() {ENDLESS}"]
     except Exception as error:
         return [f"{where}: parameters() raises {type(error).__name__}: {error} (clearance {pair.clearance:g} m)"]
     if len(p) != len(law.slots):
@@ -139,7 +140,19 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
             said = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
             at = ", ".join(f"{name} {value:g} {unit}" for name, value, unit in said if isinstance(value, float))
             return [f"{where}, function force: {fault} (at {at})"]
-    return faults_of_film(law, pair, p) if kind == "contact" else []
+    return [*faults_of_film(law, pair, p), *faults_of_energy(law, pair, p)] if kind == "contact" else []
+
+
+def faults_of_energy(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
+    """Whether the elastic energy is had in time; what it gives is looked at in the ledger."""
+    try:
+        with limited(SECONDS):
+            law.elastic_energy(0.1 * pair.clearance, p)
+    except Endless:
+        return [f"{place(type(law))}: elastic_energy() {ENDLESS}"]
+    except Exception:  # there need not be one
+        return []
+    return []
 
 
 def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
