@@ -344,4 +344,8 @@ def test_a_loop_that_differs_is_told(monkeypatch):
 
 def test_numbers_of_the_text_that_python_cannot_divide():
     law = law_of("return elastic, share * (1.0 / (SHARE - SHARE) if share > 9.0 else 1.0)")
-    assert "division of numbers of its text by zero" in faults_of_loops(law(), PAIR)[0]
+    first = (HEAD + FORCE).splitlines().index("{body}") + 1
+    assert f"function force, line {first}: numbers of its text are divided by zero; both arms" in faults_of_loops(law(), PAIR)[0]
+    more = "def halved(x):\n    y = 2.0 * x\n    return y / (SHARE - SHARE) if x > SHARE else math.sqrt(NEGATIVE)\n"
+    law = law_of("return elastic, halved(share)", more)
+    assert f"line {len(HEAD.splitlines()) + 3}: numbers of its text give none (math domain error)" in faults_of_loops(law(), PAIR)[0]

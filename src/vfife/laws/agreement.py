@@ -12,7 +12,9 @@ import json
 import math
 import shutil
 import subprocess
+import traceback
 from collections.abc import Sequence
+from types import FunctionType
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -188,14 +190,26 @@ def agreement_of(part: str, law: type, slots: tuple[float, ...], javascript: boo
 def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Agreement:
     try:
         return compared(Loops([single]), [slots], STATES, javascript)
-    except (ZeroDivisionError, OverflowError):
-        what = "a division of numbers of its text by zero, or a whole number that no double has"
     except SourceError as error:
         what = str(error)
+    except (ArithmeticError, ValueError) as error:
+        said = "numbers of its text are divided by zero" if isinstance(error, ZeroDivisionError) else f"numbers of its text give none ({error})"
+        what = (
+            f"line {line_of(error, plain_function(single))}: {said}; both arms of `a if condition else b` are computed: work it out in parameters()"
+        )
     except RecursionError:
         what = "its expressions are nested too deeply; give parts of them names of their own"
-    except ValueError as error:
-        what = f"numbers of its text give no number ({error})"
     except Exception as error:
         what = f"it cannot be written into the step ({type(error).__name__}: {error}). {REMEDY}"
-    raise LawError(f"function {plain_function(single).__name__}: {what}")
+    raise LawError(f"function {plain_function(single).__name__}, {what}")
+
+
+def line_of(error: BaseException, function: FunctionType) -> int | str:
+    """Line of the law's file at which the trace of a function failed."""
+    frames = traceback.extract_tb(error.__traceback__)
+    inside = [frame for frame in frames if frame.filename in ("<vfife trace>", function.__code__.co_filename)]
+    if not inside or inside[-1].filename != "<vfife trace>":
+        return inside[-1].lineno or "?" if inside else "?"
+    name = next((frame.name for frame in reversed(inside) if frame.name != "<lambda>"), function.__name__)
+    one: Any = function if name == function.__name__ else function.__globals__.get(name, function)
+    return (inside[-1].lineno or 1) + one.__code__.co_firstlineno - 1

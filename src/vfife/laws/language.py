@@ -28,7 +28,7 @@ from typing import Any
 from ..codegen.functiontext import function_text, parsed
 from ..codegen.lock import WRITING
 from .expressions import Expressions, shown
-from .kinds import NUMBER, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
+from .kinds import NUMBER, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
 from .remedies import INSTEAD, REMEDY, RESERVED
 
 LONGEST = 5_000  # operations of a law in a step: the largest of ours has some 400, and 5,000 take a second to compile in all loops
@@ -102,6 +102,8 @@ class Function(Expressions):
     def fault(self, node: ast.AST, text: str) -> Kind:
         """Says what is wrong with a node."""
         line = getattr(node, "lineno", 1) + self.function.__code__.co_firstlineno - 1
+        if any(isinstance(kind, Whole) for kind in self.kinds):
+            text += f" (a call hands a whole number to {self.function.__name__}: write 1.0 for 1 there)"
         self.language.faults[f"function {self.function.__name__}, line {line}: {text}"] = None
         return UNKNOWN
 
@@ -158,8 +160,11 @@ class Function(Expressions):
             return self.fault(node, f"more than {DEEPEST_CALL} functions call one another; write some of them out")
         if not isinstance(function, FunctionType):
             return self.fault(node, f"{name} is no plain function; write it as a `def` in the file")
-        if function.__module__.startswith("vfife.") and any(isinstance(kind, Whole) for kind in kinds):
+        own = not function.__module__.startswith("vfife.")
+        if not own and any(isinstance(kind, Whole) for kind in kinds):
             return self.fault(node, f"`{shown(node)}` hands over a whole number; write it with a point, as in 2.0")
+        if not own and TRUTH in kinds:
+            return self.fault(node, f"`{shown(node)}` hands over a truth value; write a number, as in 1.0")
         try:
             kind, cost = self.language.answer(function, kinds)
         except (OSError, TypeError):
