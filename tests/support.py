@@ -26,7 +26,7 @@ TURN = 0.04  # s, one turn of that crank
 SQUARE = Section.square(1e-3)  # the links of the paper: A = 1e-3 m^2
 EPS = 2.0**-52
 FEW = 300_000  # steps of a run for which no straight line is compiled: what that takes is the time of some 400,000 steps of the data-driven loop
-SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.2  # of the examples of a property in one run; they differ from run to run
+SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.2  # of the examples of a property in one run
 
 
 def often(examples: int) -> int:
