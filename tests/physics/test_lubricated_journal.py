@@ -134,3 +134,26 @@ def test_a_dry_joint_costs_nothing():
         m.joints["C"] = dataclasses.replace(m.clearances["C"], contact=contact)
         counts.append(len(trace(assemble(m, 2e-6, duration=1e-2, force_step=True).topology).operations))
     assert counts[1] > counts[0] + 30
+
+
+def one_step(depth: float, friction: vfife.Coulomb | vfife.Frictionless) -> dict[str, float]:
+    """Penetration and forces in the first step of a shaft at a depth (m) that moves by 0.1 m/s on and 0.3 m/s across."""
+    m = shaft(50.0, (0.0, 0.0), film_thickness=2e-6, stiffness=1e10)
+    m.bodies["shaft"] = dataclasses.replace(m.bodies["shaft"], velocity=(0.1, 0.3, 50.0))
+    m.joints["J"] = dataclasses.replace(m.joints["J"], friction=friction)
+    model = assemble(m, 1e-8, duration=1e-3, force_step=True)
+    model.state[model.layout["particle_x"][1]] = CLEARANCE + depth
+    runner = lanes([model], "interpreted")
+    runner.advance(1, 1)
+    names = ("penetration", "normal_force", "friction_force")
+    return {name: float(runner.states[model.layout[f"contact_{name}"][0], 0]) for name in names}
+
+
+def test_surfaces_rub_with_their_dry_force_alone():
+    """Coulomb friction is mu K d^1.5, whatever damping adds to the normal force; nothing while the surfaces are apart."""
+    for depth in (1e-6, 5e-6):
+        dry, film = one_step(depth, vfife.Coulomb(coefficient=0.2)), one_step(depth, vfife.Frictionless())
+        elastic = 1e10 * dry["penetration"] ** 1.5
+        assert dry["normal_force"] > 1.1 * elastic > 0.0
+        assert abs(dry["friction_force"] - film["friction_force"]) == pytest.approx(0.2 * elastic, rel=1e-3)
+    assert one_step(-5e-6, vfife.Coulomb(coefficient=0.2)) == one_step(-5e-6, vfife.Frictionless())

@@ -52,9 +52,58 @@ m: 2 4 6 7 8 9 11 13 15 17 20 21 23 | n: 4 8 10 12 15 17 20 23 27 31 34 37 40 | 
 """
 
 
-def by_step(table: str) -> list[tuple[str, list[int]]]:
+# Values of ISO 286-1 in µm, typed independently of the package: grades, letters that have finer steps, k, holes.
+STANDARD_GRADES = """
+1: 0.8 1 1 1.2 1.5 1.5 2 2.5 3.5 4.5 6 7 8 | 2: 1.2 1.5 1.5 2 2.5 2.5 3 4 5 7 8 9 10 | 3: 2 2.5 2.5 3 4 4 5 6 8 10 12 13 15
+4: 3 4 4 5 6 7 8 10 12 14 16 18 20 | 10: 40 48 58 70 84 100 120 140 160 185 210 230 250 | 11: 60 75 90 110 130 160 190 220 250 290 320 360 400
+12: 100 120 150 180 210 250 300 350 400 460 520 570 630 | 13: 140 180 220 270 330 390 460 540 630 720 810 890 970
+"""
+STANDARD_FINE = """
+a: 270 270 280 290 290 300 300 310 320 340 360 380 410 460 520 580 660 740 820 920 1050 1200 1350 1500 1650
+b: 140 140 150 150 150 160 160 170 180 190 200 220 240 260 280 310 340 380 420 480 540 600 680 760 840
+c: 60 70 80 95 95 110 110 120 130 140 150 170 180 200 210 230 240 260 280 300 330 360 400 440 480
+"""
+STANDARD_K = [0, 1, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4, 5]
+# Upper deviations in µm of holes of each step; the delta rule reaches to IT7 for P and to IT8 for K, M and N.
+STANDARD_HOLES = """
+P7: -6 -8 -9 -11 -14 -17 -21 -24 -28 -33 -36 -41 -45 | P8: -6 -12 -15 -18 -22 -26 -32 -37 -43 -50 -56 -62 -68
+P9: -6 -12 -15 -18 -22 -26 -32 -37 -43 -50 -56 -62 -68 | N8: -4 -2 -3 -3 -3 -3 -4 -4 -4 -5 -5 -5 -6
+N9: -4 0 0 0 0 0 0 0 0 0 0 0 0 | M8: -2 2 1 2 4 5 5 6 8 9 9 11 11 | M9: -2 -4 -6 -7 -8 -9 -11 -13 -15 -17 -20 -21 -23
+K8: 0 5 6 8 10 12 14 16 20 22 25 28 29 | K7: 0 3 5 6 6 7 9 10 12 13 16 17 18 | K6: 0 2 2 2 2 3 4 4 4 5 5 7 8
+"""
+# Deviations in µm of fits that every handbook has.
+KNOWN_ZONES = """
+25 H7 0 21 | 25 g6 -20 -7 | 25 h6 -13 0 | 25 k6 2 15 | 50 H7 0 25 | 50 p6 26 42 | 50 f7 -50 -25 | 50 n6 17 33 | 100 H8 0 54 | 100 e8 -126 -72
+10 H7 0 15 | 10 m6 6 15 | 30 P7 -35 -14 | 40 N7 -33 -8 | 80 JS7 -15 15 | 63 c11 -330 -140 | 200 H11 0 290 | 200 d9 -285 -170 | 400 f6 -98 -62
+"""
+
+
+def test_tables_are_those_of_the_standard() -> None:
+    for name, values in by_step(STANDARD_GRADES, float):
+        assert [round(1e6 * tolerance(int(name), size / 1e3), 6) for size in STEPS] == values, name
+    for letter, values in by_step(STANDARD_FINE):
+        assert [round(-1e6 * zone(f"{letter}11", size / 1e3).high, 6) for size in FINE_STEPS] == values, letter
+        assert [round(1e6 * zone(f"{letter.upper()}11", size / 1e3).low, 6) for size in FINE_STEPS] == values, letter
+    for grade in (4, 7):
+        assert [round(1e6 * zone(f"k{grade}", size / 1e3).low, 6) for size in STEPS] == STANDARD_K
+    for grade in (3, 8):
+        assert [zone(f"k{grade}", size / 1e3).low for size in STEPS] == [0.0] * 13
+
+
+def test_holes_are_those_of_the_standard_beyond_the_delta_rule_too() -> None:
+    for name, values in by_step(STANDARD_HOLES):
+        assert [round(1e6 * zone(name, size / 1e3).high, 6) for size in STEPS] == values, name
+
+
+def test_zones_that_every_handbook_has() -> None:
+    for size, name, low, high in printed(KNOWN_ZONES):
+        found = zone(name, size / 1e3)
+        assert (1e6 * found.low, 1e6 * found.high) == pytest.approx((low, high), abs=1e-9), (size, name)
+
+
+def by_step(table: str, number: type = int) -> list[tuple[str, list[float]]]:
     lines = [line.split(":") for part in table.strip().splitlines() for line in part.split("|")]
-    return [(name.strip(), [int(value) for value in values.split()]) for name, values in lines]
+    return [(name.strip(), [number(value) for value in values.split()]) for name, values in lines]
 
 
 def test_every_step_has_the_printed_grades_and_deviations() -> None:

@@ -1,10 +1,12 @@
 """Cycle jumps against differential equations with known solutions: order, tolerance, what is between."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from vfife.analysis.wear import Rubbed
 from vfife.study.tribology.jumps import Standing, between, factor, jumps
 
 K = 1e-6
@@ -69,3 +71,28 @@ def test_what_is_between_is_of_second_order():
 
 def test_factors_are_bounded():
     assert factor(0.0, 1.0) == 4.0 and factor(1e9, 1.0) == 0.2 and factor(0.81, 1.0) == pytest.approx(1.0)
+
+
+def test_the_error_of_a_jump_is_that_of_eulers_step():
+    """Of h' = k (1 + h) over D turns Euler's step leaves out e^(k D) - 1 - k D; the error of the jump is that."""
+    far = 1e-3 / K
+    begin = Standing(0.0, np.zeros(2), growing(np.zeros(2)), far)
+    one = next(jumps(growing, begin, far, 1.0, size, math.inf))
+    assert one.size == far and one.error == pytest.approx(math.expm1(1e-3) - 1e-3, rel=1e-3)
+    assert one.depth[0] == pytest.approx(1e-3 + 0.5e-6, rel=1e-12), "Heun's step"
+
+
+def test_what_the_mean_of_a_block_leaves_open_is_a_standard_error():
+    """Work of 1, 2 and 3 in three turns: deviation 1 of the sample, so 1/sqrt(3) of the mean, over 2."""
+    from vfife.study.tribology import worn
+
+    surface = SimpleNamespace(joint="J", side="journal", k=1e-15)
+    record = SimpleNamespace(assembly=SimpleNamespace(contact_joints=("J",)))
+    part = Rubbed(np.repeat([1.0, 2.0, 3.0], 4) / 4.0, np.zeros(12), np.zeros(12))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worn, "rubbed", lambda *_: part)
+        patch.setattr(worn, "areas", lambda *_: (1.0, 2.0))
+        depth, (spread,) = worn.rates(record, [surface], 3)
+        assert spread == pytest.approx(1.0 / math.sqrt(3.0) / 2.0, rel=1e-14)
+        assert depth.sum() == pytest.approx(1e-15 / 2.0 * 6.0 / 3.0, rel=1e-12)
+        assert worn.rates(record, [surface], 1)[1] == [0.0]
