@@ -79,7 +79,7 @@ soak: $(VENV)/.test  ## long runs, killed and restarted; thousands of mechanisms
 	@$(PYTHON) -m pytest -s -m soak $(PYTEST)
 	@VFIFE_EXAMPLES=all $(PYTHON) -m pytest $(XDIST) -m "(hypothesis or rounds) and not verify" $(PYTEST)
 
-mutations: $(VENV)/.test  ## a hundred small faults in the kernels: does the suite see each of them? (MUTATE="--seed 5 --count 20")
+mutations: $(VENV)/.test  ## small faults, 100 in kernels and 40 in each of five packages: does the suite see them? (MUTATE="--package analysis --count 9")
 	@$(PYTHON) tests/mutations/mutate.py $(MUTATE)
 
 clean:  ## remove what was built, except .venv and runs/

@@ -1,8 +1,11 @@
-"""Does the suite notice small faults in the kernels? ``make mutations`` draws a hundred, and ends with 1 where one is not noticed.
+"""Does the suite notice small faults? ``make mutations`` draws some of each package, and ends with 1 where one is not noticed.
 
-Each fault goes into a copy of the package, never into the working tree. A process of its own runs tests of the suite in that copy, what is quick
-and sees most first: mechanisms against the constrained equations, hashes of the bits of the straight-line loop, then whole files of tests.
+Each fault goes into a copy of the package, never into the working tree. A process of its own runs tests of the suite in that copy. For the
+kernels these are what is quick and sees most first: mechanisms against the constrained equations, hashes of the bits of the straight-line
+loop, then whole files of tests. For other packages they are the tests that run the faulty line, which is recorded once (``reach.py``).
 What changes no result is listed with its reason in ``equivalent.txt``.
+
+  mutate.py --package analysis --seed 1 --count 40
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
+from difflib import unified_diff
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +31,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import pytest
 
+from mutations import faults
+from mutations.faults import PACKAGES
+from mutations.judge import Copy
 from mutations.mutants import Mutant, drawn
+from mutations.reach import Reach, record
 
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = ROOT / "tests"
@@ -200,12 +208,51 @@ def equivalent() -> set[str]:
 
 
 def main() -> int:
-    """Draws faults and tells which are seen."""
-    ask = argparse.ArgumentParser(description=__doc__)
+    """Draw faults and print which are seen."""
+    ask = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    ask.add_argument("--package", action="append", choices=["kernels", *PACKAGES], help="may come several times; all of them unless said")
+    ask.add_argument("--module", action="append", default=[], help="only these modules of a package, such as turns; not of the kernels")
     ask.add_argument("--seed", type=int, default=11)
-    ask.add_argument("--count", type=int, default=100)
-    ask.add_argument("--quick", action="store_true", help="only the quick tests")
+    ask.add_argument("--count", type=int, help="faults of each package; 100 of the kernels and 40 of any other unless said")
+    ask.add_argument("--quick", action="store_true", help="only the quick tests of the kernels")
+    ask.add_argument("--record", action="store_true", help="record anew which test runs which line")
     given = ask.parse_args()
+    if given.record:
+        record()
+    packages = given.package or ["kernels", *PACKAGES]
+    alive = [one for package in packages if package != "kernels" for one in of_package(package, given.seed, given.count or 40, tuple(given.module))]
+    code = of_kernels(given.seed, given.count or 100, given.quick) if "kernels" in packages else 0
+    return 1 if alive else code
+
+
+def of_package(package: str, seed: int, count: int, modules: tuple[str, ...]) -> list[Mutant]:
+    """Draw faults of a package and print which are seen; return those that are not, whose differences are printed too."""
+    known, alive, same = equivalent(), [], 0
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Copy(Path(folder), Reach())
+        mutants = faults.drawn(SOURCE, package, seed, count, modules)
+        for number, mutant in enumerate(mutants):
+            is_same = mutant.label in known
+            said = "equivalent" if is_same else copy.judged(mutant)
+            same, alive = same + is_same, alive + ([] if said else [mutant])
+            print(f"{number:3d} {said or 'NOT SEEN'}\n    {mutant.kind}, line {mutant.line}: {mutant.label}", flush=True)
+    for mutant in alive:
+        print(difference(mutant))
+    seen = len(mutants) - same - len(alive)
+    print(f"{package}, seed {seed}: {len(mutants)} drawn, {seen} seen, {same} equivalent, {len(alive)} not seen", flush=True)
+    return alive
+
+
+def difference(mutant: Mutant) -> str:
+    """What a fault changes in the text, as a patch has it."""
+    file = SOURCE / f"{mutant.file.replace('.', '/')}.py"
+    whole = file.read_text()
+    name = f"src/vfife/{mutant.file.replace('.', '/')}.py"
+    return "".join(unified_diff(whole.splitlines(True), mutant.applied(whole).splitlines(True), name, name, n=0))
+
+
+def of_kernels(seed: int, count: int, quick: bool) -> int:
+    """Draw faults of the kernels and print which are seen; 1 where one is not."""
     for library in ("hypothesis", "llvmlite.binding", "numpy", "scipy.integrate"):  # what each child would load
         importlib.import_module(library)
     known, alive = equivalent(), []
@@ -220,18 +267,18 @@ def main() -> int:
         if said := in_a_child(suite.quick):  # and the tests of OWN hold, or all faults were seen
             print(f"without any fault: {said}")
             return 2
-        mutants = drawn(SOURCE / "kernels", given.seed, given.count)
+        mutants = drawn(SOURCE / "kernels", seed, count)
         for number, mutant in enumerate(mutants):
             said = "equivalent" if mutant.label in known else suite.quickly(mutant)
             alive += [] if said else [mutant]
             print(f"{number:3d} {said or 'not seen quickly':42s} {mutant.kind}, line {mutant.line}: {mutant.label}", flush=True)
-        print(f"seed {given.seed}: {len(mutants) - len(alive)} of {len(mutants)} seen quickly, or equivalent")
-        if not given.quick:
+        print(f"seed {seed}: {len(mutants) - len(alive)} of {len(mutants)} seen quickly, or equivalent")
+        if not quick:
             for mutant in list(alive):
                 said = suite.slowly(mutant, CLOSE.get(mutant.file, REST)) or suite.slowly(mutant, REST)
                 print(f"{said or 'NOT SEEN'}: line {mutant.line}: {mutant.label}", flush=True)
                 alive = [one for one in alive if one is not mutant or not said]
-    print(f"{len(alive)} not seen")
+    print(f"kernels, seed {seed}: {len(alive)} of {len(mutants)} not seen")
     return 1 if alive else 0
 
 

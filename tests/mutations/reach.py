@@ -1,0 +1,91 @@
+"""Which tests run a line of the package: recorded once by running parts of the suite under coverage, and kept until it is recorded anew."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections import defaultdict
+from functools import cached_property
+from pathlib import Path
+
+from mutations.faults import PACKAGES
+from mutations.mutants import Mutant
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / ".mutations"  # ignored by git
+PARTS = ("analysis", "assembly", "kinematics", "physics", "results", "solvers", "study")  # of the suite
+# They start processes of their own, whose lines nobody sees, or write gigabytes.
+LEFT_OUT = ("results/test_killed_processes.py", "results/test_large_files.py", "results/test_threads.py", "study/test_cluster.py")
+DURATION = re.compile(r"^([0-9.]+)s (?:call|setup)\s+(\S.*)$")
+
+
+def record() -> None:
+    """Run the parts of the suite once under coverage, which takes some ten minutes, and keep what each test runs and how long it takes."""
+    FOLDER.mkdir(exist_ok=True)
+    source = ",".join(f"src/vfife/{package}" for package in PACKAGES)
+    (FOLDER / "coveragerc").write_text(f"[run]\nsource = {source}\ndata_file = {FOLDER}/coverage\n")
+    line = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "--durations=0", "-vv"]
+    line += ["--cov", f"--cov-config={FOLDER}/coveragerc", "--cov-context=test", "--cov-report="]
+    line += [f"tests/{part}" for part in PARTS] + [f"--ignore=tests/{file}" for file in LEFT_OUT]
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
+    keep(done.stdout)
+
+
+def keep(said: str) -> None:
+    """Write what was recorded into one file: durations (s) of tests that passed, and per source file the tests of each line."""
+    from coverage import CoverageData
+
+    took: dict[str, float] = defaultdict(float)
+    red = {line.split(" ", 1)[1].split(" - ")[0] for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))}
+    for line in said.splitlines():
+        if (found := DURATION.match(line)) and found[2] not in red:
+            took[found[2]] += float(found[1])
+    data = CoverageData(str(FOLDER / "coverage"))
+    data.read()
+    names = sorted(one for one in {context.rsplit("|", 1)[0] for context in data.measured_contexts()} if one and one not in red)
+    place, lines = {name: k for k, name in enumerate(names)}, {}
+    for file in data.measured_files():
+        by_line = data.contexts_by_lineno(file)
+        at = Path(file).resolve().relative_to(ROOT / "src" / "vfife").as_posix()
+        lines[at] = {
+            line: sorted({place[name] for one in contexts if (name := one.rsplit("|", 1)[0]) in place}) for line, contexts in by_line.items()
+        }
+    (FOLDER / "reach.json").write_text(json.dumps({"names": names, "took": [took.get(name, 0.0) for name in names], "lines": lines}))
+
+
+class Reach:
+    """What was recorded: the tests that run a line, those first that are likely to see a fault there soon."""
+
+    @cached_property
+    def known(self) -> dict[str, dict[int, list[int]]]:
+        """Tests by source file and line."""
+        return {file: {int(line): tests for line, tests in lines.items()} for file, lines in self.recorded["lines"].items()}
+
+    @cached_property
+    def recorded(self) -> dict:
+        if not (FOLDER / "reach.json").exists():
+            print("recording which test runs which line (some ten minutes) ...", flush=True)
+            record()
+        return json.loads((FOLDER / "reach.json").read_text())
+
+    def tests(self, mutant: Mutant, text: str) -> list[tuple[str, float]]:
+        """Tests that run the lines of a fault and how long each takes (s): those of its own package first, quick ones before slow ones.
+
+        Of a constant of a module, which runs when it is imported, those of all its lines.
+        """
+        lines = self.known.get(mutant.file.replace(".", "/") + ".py", {})
+        first = mutant.line
+        last = first + text[slice(*mutant.span)].count("\n")
+        found = {test for line in range(first, last + 1) for test in lines.get(line, [])}
+        if not found and not mutant.function:
+            found = {test for tests in lines.values() for test in tests}
+        own = f"tests/{mutant.file.split('.')[0]}/"
+        names, took = self.recorded["names"], self.recorded["took"]
+        return sorted(((names[k], took[k]) for k in found), key=lambda one: (took_class(one[1]), not one[0].startswith(own), one[1], one[0]))
+
+
+def took_class(seconds: float) -> int:
+    """Of which order a duration is: below a tenth of a second, a second, or more."""
+    return 0 if seconds < 0.1 else 1 if seconds < 1.0 else 2
