@@ -15,14 +15,31 @@ from pathlib import Path
 
 from mutations.mutants import Mutant
 
-PACKAGES = ("analysis", "assembly", "study", "solvers", "results")
+# Packages, and the modules of each that state numbers and how far they hold: faults are drawn from these unless others are named.
+MODULES: dict[str, tuple[str, ...]] = {
+    "analysis": (),  # all of them
+    "assembly": ("bounds", "checks", "fill", "linearised", "prestress", "redundancy", "stability", "timestep"),
+    "study": (
+        "allocation", "confidence", "derivatives", "designs", "distributions", "fits", "indices", "jumps", "limits", "quantiles", "sampling",
+        "tolerance", "worn",
+    ),
+    "solvers": (
+        "companions", "nearby", "orbits", "record", "refinement", "repeating", "restepped", "sectioning", "statics", "strikes", "tangents",
+    ),
+    "results": ("channel", "channels", "comparison", "fitted", "reductions", "series", "spectra", "studied", "tables", "turns", "view"),
+}  # fmt: skip
+PACKAGES = tuple(MODULES)
 SHARE = 1.5  # of a constant
 SWAPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
-BOUNDARY = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
+EQUAL = {ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
+# Of counts only: two numbers that were computed are hardly ever the same.
+BOUNDARY = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, **EQUAL}
 TURNED = {ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt}
 OPPOSITE = {"min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "argmin": "argmax", "argmax": "argmin"}
 # Calls whose arguments are words for people, or what says how something is written.
 WORDS = ("Fault", "Refused", "shown", "suggestion", "print", "warn", "PathFault", "Conflict", "round", "cast", "TypeVar", "lru_cache")
+# Arguments that check or guard, and change no number.
+SPARED = ("strict", "repr", "compare", "stacklevel", "dtype", "copy", "allow_pickle")
 TEXTS = (ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.ListComp)
 
 
@@ -31,6 +48,15 @@ def is_text(node: ast.expr) -> bool:
     if isinstance(node, ast.BinOp):
         return is_text(node.left) or is_text(node.right)
     return isinstance(node, TEXTS) or (isinstance(node, ast.Constant) and not isinstance(node.value, int | float))
+
+
+def counts(node: ast.expr) -> bool:
+    """Whether an expression is a whole number for sure: written as one, or a length, or a sum of these with anything."""
+    if isinstance(node, ast.BinOp):
+        return counts(node.left) or counts(node.right)
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Name) and node.func.id in ("len", "int", "round")
+    return isinstance(node, ast.Constant) and isinstance(node.value, int)
 
 
 def otherwise(node: ast.expr) -> Iterator[tuple[str, ast.expr]]:
@@ -49,7 +75,7 @@ def otherwise(node: ast.expr) -> Iterator[tuple[str, ast.expr]]:
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not) and not isinstance(node.operand, ast.Constant):
         yield "sign", node.operand
     elif isinstance(node, ast.Compare) and len(node.ops) == 1:
-        for table in (BOUNDARY, TURNED):
+        for table in (BOUNDARY, TURNED) if counts(node.left) or counts(node.comparators[0]) else (TURNED, EQUAL):
             if type(node.ops[0]) in table:
                 yield "comparison", ast.Compare(node.left, [table[type(node.ops[0])]()], node.comparators)
     elif isinstance(node, ast.BoolOp):
@@ -83,6 +109,14 @@ class Finder(ast.NodeVisitor):
         for part in (*node.args.defaults, *(one for one in node.args.kw_defaults if one is not None), *node.body):
             self.visit(part)
         self.function = before
+
+    def visit_ClassDef(self, node: ast.ClassDef) -> None:
+        for part in node.body:  # and not its decorators
+            self.visit(part)
+
+    def visit_keyword(self, node: ast.keyword) -> None:
+        if node.arg not in SPARED:
+            self.generic_visit(node)
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
         if node.value is not None:
@@ -118,8 +152,8 @@ class Finder(ast.NodeVisitor):
 
 
 def every(source: Path, package: str, modules: tuple[str, ...] = ()) -> list[Mutant]:
-    """All faults of a package below ``source``, or of some of its modules (such as ``turns``), in the order of the text."""
-    found: list[Mutant] = []
+    """All faults of some modules of a package below ``source`` (such as ``turns``), in the order of the text; ``MODULES`` unless said."""
+    modules, found = modules or MODULES[package], []
     for file in sorted((source / package).rglob("*.py")):
         if file.stem == "__init__" or (modules and file.stem not in modules):
             continue

@@ -16,7 +16,7 @@ from mutations.reach import ROOT, Reach
 
 SOURCE = ROOT / "src" / "vfife"
 FEW = 25  # tests of the first look at a fault
-LONGEST = 60.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
+LONGEST = 20.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
 # s of processor time that a look may take: a fault can make a loop endless. Four times what was recorded, and some to begin with.
 SLACK, TIMES = 30.0, 4.0
 WARM = ("hypothesis", "llvmlite.binding", "numpy", "pytest", "rich.console", "scipy.interpolate", "scipy.special", "scipy.stats", "typer.testing")
@@ -28,7 +28,7 @@ class Copy:
 
     base: Path
     reach: Reach
-    red: dict[str, bool] = field(default_factory=dict)
+    red: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         for library in WARM:
@@ -47,28 +47,23 @@ class Copy:
         cached.unlink(missing_ok=True)
         try:
             file.write_text(mutant.applied(whole))
-            few, more = tests[:FEW], within(tests[FEW:], LONGEST)
-            return self.look(few, file, whole) or (self.look(more, file, whole) if more else "")
+            return self.look(tests[:FEW]) or self.look(within(tests[FEW:], LONGEST))
         finally:
             file.write_text(whole)
 
-    def look(self, tests: Sequence[tuple[str, float]], file: Path, whole: str) -> str:
-        """The first of these tests that fails with a fault and holds without it, or nothing."""
-        names = [name for name, _ in tests if not self.red.get(name, False)]
-        limit = SLACK + TIMES * sum(seconds for _, seconds in tests)
-        while names:
-            failed = run(self.base, names, limit)
-            if failed not in names:  # none, or the whole look
-                return failed
-            if failed not in self.red:
-                faulty = file.read_text()
-                file.write_text(whole)
-                self.red[failed] = bool(run(self.base, [failed], limit))
-                file.write_text(faulty)
-            if not self.red[failed]:
-                return failed
-            names.remove(failed)
-        return ""
+    def look(self, tests: Sequence[tuple[str, float]]) -> str:
+        """The first of these tests that fails, or nothing; they held without any fault when they were recorded."""
+        names = [name for name, _ in tests if name not in self.red]
+        return run(self.base, names, SLACK + TIMES * sum(seconds for _, seconds in tests)) if names else ""
+
+    def fail_anyway(self, tests: Collection[str]) -> set[str]:
+        """Those of some tests that fail without any fault now, which are left out from now on."""
+        left, found = {name for name in tests if "::" in name}, set()
+        while left and (failed := run(self.base, sorted(left), LONGEST * TIMES)) in left:
+            left.remove(failed)
+            found.add(failed)
+        self.red |= found
+        return found
 
 
 def within(tests: Sequence[tuple[str, float]], longest: float) -> list[tuple[str, float]]:

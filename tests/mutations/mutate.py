@@ -227,19 +227,22 @@ def main() -> int:
 
 def of_package(package: str, seed: int, count: int, modules: tuple[str, ...]) -> list[Mutant]:
     """Draw faults of a package and print which are seen; return those that are not, whose differences are printed too."""
-    known, alive, same = equivalent(), [], 0
+    known, seen = equivalent(), {}
     with tempfile.TemporaryDirectory() as folder:
         copy = Copy(Path(folder), Reach())
         mutants = faults.drawn(SOURCE, package, seed, count, modules)
-        for number, mutant in enumerate(mutants):
-            is_same = mutant.label in known
-            said = "equivalent" if is_same else copy.judged(mutant)
-            same, alive = same + is_same, alive + ([] if said else [mutant])
-            print(f"{number:3d} {said or 'NOT SEEN'}\n    {mutant.kind}, line {mutant.line}: {mutant.label}", flush=True)
+        left = list(mutants)
+        while left:
+            for mutant in left:
+                seen[mutant] = "equivalent" if mutant.label in known else copy.judged(mutant)
+                print(f"{seen[mutant] or 'NOT SEEN'}\n    {mutant.kind}, line {mutant.line}: {mutant.label}", flush=True)
+            red = copy.fail_anyway(set(seen.values()))
+            left = [mutant for mutant, said in seen.items() if said in red]
+    alive, same = [mutant for mutant, said in seen.items() if not said], sum(said == "equivalent" for said in seen.values())
     for mutant in alive:
         print(difference(mutant))
-    seen = len(mutants) - same - len(alive)
-    print(f"{package}, seed {seed}: {len(mutants)} drawn, {seen} seen, {same} equivalent, {len(alive)} not seen", flush=True)
+    told = f"{len(mutants) - same - len(alive)} seen, {same} equivalent, {len(alive)} not seen"
+    print(f"{package}, seed {seed}: {len(mutants)} drawn, {told}", flush=True)
     return alive
 
 
