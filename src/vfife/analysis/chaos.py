@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.elementwise import cos, sincos
+from ..numerics.elementwise import sincos
 
 Array = NDArray[np.float64]
 
@@ -83,22 +83,21 @@ def apart(points: Array, shift: int | None = None, longest: int = LONGEST) -> fl
 def zero_one(series: Array, seed: int = 0) -> float:
     """The 0-1 test for chaos (Gottwald and Melbourne 2009): near 0 for a regular series, near 1 for a chaotic one; shape (points,).
 
-    Of a hundred angles c the median correlation of the mean square displacement of (sum phi cos jc, sum phi sin jc), its oscillating part taken
-    off, with time. The series has to be sampled so seldom that its points look unrelated: once a turn, not a hundred times.
+    Of a hundred angles c the median correlation of the mean square displacement of (sum phi cos jc, sum phi sin jc) with time, phi being the
+    series less its mean, which would make that displacement oscillate. The series has to be sampled so seldom that its points look unrelated:
+    once a turn, not a hundred times.
     """
     phi = np.asarray(series, dtype=float)
     if np.ptp(phi) <= 1e-9 * np.abs(phi).max(initial=0.0):
         return 0.0
-    phi = phi / np.ptp(phi)
+    phi = (phi - phi.mean()) / np.ptp(phi)  # a mean far above what varies would hide it: the oscillating part is its square
     count, most = len(phi), max(2, len(phi) // SHARE)
     j, shifts = np.arange(1, count + 1), np.arange(1, most + 1)
     found = []
-    mean = float(phi.mean())
     for c in math.pi / 5.0 + 3.0 * math.pi / 5.0 * np.random.default_rng(seed).random(ANGLES):
         s, e = sincos(c * j)
         p, q = np.cumsum(phi * e), np.cumsum(phi * s)
         square = np.array([_ways(p, n, count - most) + _ways(q, n, count - most) for n in shifts])
-        square -= mean * mean * (1.0 - cos(shifts * c)) / (1.0 - cos(c))
         found.append(correlation(shifts, square))
     return float(np.median(found))
 
