@@ -31,7 +31,9 @@ def test_each_contact_that_began_has_its_speed_loss_and_depth() -> None:
     found = impacts(record)
     first, second = found.entries
     assert (first.count, second.count, found.count, found.alone) == (1, 2, 3, 1)
-    assert (first.since, first.time) == pytest.approx((10 * STEP, 20 * STEP)) and (second.since, second.time) == pytest.approx((30 * STEP, 40 * STEP))
+    assert (first.since, first.time) == pytest.approx((10 * STEP, 20 * STEP)) and (second.since, second.time) == pytest.approx(
+        (30 * STEP, 40 * STEP)
+    )
     assert (first.speed, second.speed) == pytest.approx((0.2, 0.35))
     assert (found.before, first.energy, second.energy) == pytest.approx((0.01, 0.05, 0.14))
     assert (first.depth, second.depth) == (5e-6, 1e-6) and first.crank is None

@@ -1,0 +1,115 @@
+"""Readers of records that a test writes: turns laid over each other, reductions, spectra, flags, sentences about files."""
+
+from __future__ import annotations
+
+import math
+import sqlite3
+
+import numpy as np
+import pytest
+
+import vfife
+from made_records import made_record
+from support import four_bar
+from vfife.errors import VfifeError
+from vfife.results import tables
+from vfife.results.channels import channels, entities
+from vfife.results.reductions import Reductions, joined, turn_of
+from vfife.results.spectra import PARTS, length_of, sampled
+from vfife.results.view import View
+
+SPEED, OUTPUTS, TURNS = 100.0, 40, 12
+TURN = math.tau / SPEED
+STEP = TURN / (4 * OUTPUTS)
+
+
+def made(turns: int = TURNS, rounding: float = 0.0, **blocks):
+    """A crank that turns evenly, four steps between outputs, its angle but for a rounding error (rad)."""
+    steps = np.arange(0, turns * OUTPUTS + 1) * 4
+    angle = SPEED * STEP * steps + rounding
+    return made_record(four_bar("", speed=SPEED), {"driven_torque": np.sin(angle), **blocks, "particle_theta": angle}, steps, turns=turns, step=STEP,
+                       outputs=OUTPUTS)  # fmt: skip
+
+
+@pytest.mark.parametrize("rounding", [-1e-9, 0.0, 1e-9])
+def test_the_latest_turns_begin_at_a_whole_turn_of_the_crank(rounding: float) -> None:
+    """A begin that rounding puts just before a whole turn is that turn: angles go from one output to 360 degrees."""
+    record = made(rounding=rounding)
+    found = View(record).turns
+    assert found.turn.values.tolist() == list(range(TURNS - 7, TURNS + 1)) or found.turn.values[0] <= TURNS - 7
+    assert found.crank_angle.values == pytest.approx(360.0 / OUTPUTS * np.arange(1, OUTPUTS + 1), abs=1e-6)
+    first = int(found.turn.values[0])
+    assert found.time.values[0, 0] == pytest.approx((first - 1) * TURN + TURN / OUTPUTS) and found.time.values[-1, -1] == pytest.approx(
+        TURNS * TURN
+    )
+    with pytest.raises(VfifeError, match="no turns to lay over each other"):
+        _ = View(made_record(four_bar("", speed=SPEED), {}, np.arange(10) * 4, turns=1, step=STEP, outputs=OUTPUTS)).turns
+
+
+def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
+    record = made(turns=3)
+    assert turn_of(record) == 2 * OUTPUTS
+    found = Reductions(["max(crank.torque)", "mean(crank.torque)", "rms(crank.torque)", "range(no.such)", "C.force.max"]).over([record])
+    assert found == {"max(crank.torque)": pytest.approx(1.0), "mean(crank.torque)": pytest.approx(0.0, abs=1e-9),
+                     "rms(crank.torque)": pytest.approx(math.sqrt(0.5), rel=1e-9)}  # fmt: skip
+    two = made_record(four_bar("", speed=SPEED), {"driven_torque": [1.0, 3.0]}, [0, 4], turns=1, step=STEP, outputs=OUTPUTS)
+    assert Reductions(["mean(crank.torque)"]).over([two]) == {"mean(crank.torque)": 2.0}
+    start = made_record(four_bar("", speed=SPEED), {}, [0], turns=1, step=STEP, outputs=OUTPUTS)
+    assert Reductions(["max(crank.torque)"]).over([start]) == {}
+    assert joined([np.array([1.0, 2.0]), np.array([2.0, 3.0])]).tolist() == [1.0, 2.0, 3.0]
+
+
+def test_a_series_is_sampled_after_the_start() -> None:
+    view = View(made(turns=3))
+    one = sampled(view, "crank.torque")
+    assert len(one.values) == 3 * OUTPUTS and (one.spacing, one.start) == pytest.approx((4 * STEP, 4 * STEP)) and one.turn == pytest.approx(TURN)
+    assert one.values == pytest.approx(np.sin(SPEED * 4 * STEP * np.arange(1, 3 * OUTPUTS + 1)), abs=1e-9)
+    assert (length_of(one, None, 2.0), length_of(one, TURN, None), length_of(one, None, None)) == (2 * OUTPUTS, OUTPUTS, None)
+    for said, what in (((0.1, 1.0), "not both"), ((None, 0.0), "above 0"), ((None, math.inf), "above 0")):
+        with pytest.raises(VfifeError, match=what):
+            length_of(one, *said)
+    uneven = made(turns=3)
+    uneven.steps = uneven.steps.copy()
+    uneven.steps[2:] += 4
+    with pytest.raises(VfifeError, match="at even times"):
+        sampled(View(uneven), "crank.torque")
+
+
+def test_a_spectrogram_has_sixteen_windows_side_by_side_unless_said() -> None:
+    found = vfife.spectrogram(np.sin(np.arange(1600.0)), 1e-3, start=5.0)
+    assert found.length == 1600 // PARTS == 100
+    assert found.times[0] == pytest.approx(5.0 + 0.0495) and found.times[1] - found.times[0] == pytest.approx(0.025)
+
+
+def test_the_crank_is_the_first_driven_body_and_modes_have_their_numbers() -> None:
+    view = View(made(turns=1))
+    assert view.crank == "crank" and view.crank_angle is not None and view.crank_angle[-1] == pytest.approx(360.0)
+    loose = View(made_record(four_bar(), {}, np.arange(5), turns=1, step=1e-7))
+    mode = loose.data["mode"]
+    assert mode.attrs["flag_values"].tolist() == [0, 1, 2] and mode.attrs["flag_meanings"].split()[2] == "continuous_contact"
+
+
+def test_particles_are_named_after_their_bodies_and_the_ground_is_none() -> None:
+    record = made(turns=1)
+    assert entities(record)["particle"] == ["crank", "coupler", "follower"]
+    theta = channels(record, View(record).ledger)["particle_theta"]
+    assert theta.values.shape == (OUTPUTS + 1, 3)
+    assert theta.values[:, 0] == pytest.approx(SPEED * STEP * 4 * np.arange(OUTPUTS + 1))
+
+
+def test_rows_of_tables_are_sealed_and_counted(tmp_path) -> None:
+    connection = sqlite3.connect(tmp_path / "one.sqlite")
+    tables.complete(connection)
+    assert tables.insert(connection, "turns", 3, 40, b"four") == 8 + 8 + 4
+    assert tables.insert(connection, "events", 1, 7, "now", "it began") == 8 + 8 + 3 + 8
+    assert tables.sound(connection, "turns", 3) == (3, 40, b"four") and tables.sound(connection, "turns", 4) is None
+    connection.execute("UPDATE turns SET last = 41")
+    assert tables.sound(connection, "turns", 3) is None, "its seal is that of another row"
+    assert not tables.has(connection, "none")
+
+
+def test_sentences_about_files_that_cannot_be_written() -> None:
+    assert "bytes were to be written" not in tables.unwritten("/nowhere/run.sqlite", "disk I/O error")
+    assert "1,234 bytes were to be written, " in tables.unwritten("/nowhere/run.sqlite", "disk I/O error", 1234)
+    assert "you may not write" in tables.unwritten("/nowhere/run.sqlite", "attempt to write a readonly database")
+    assert (tables.missing(3, 4), tables.missing(3, 5)) == ("output 3", "outputs 3 to 4")
