@@ -11,10 +11,13 @@ import pytest
 from made_records import STEP, made_record
 from support import four_bar, journal_in_bearing
 from vfife.analysis.chaos import ALIKE, apart, exponent, period, zero_one
+from vfife.analysis.forces import normals
 from vfife.analysis.impact import nothing_remembered, presliding
 from vfife.analysis.impacts import impacts
 from vfife.analysis.pressure import line_pressure, mean_pressure
 from vfife.laws import Coulomb, Pair
+from vfife.model.mechanism import Mechanism
+from vfife.model.wear import Wear
 
 STEPS = np.arange(0, 60, 10)
 
@@ -44,6 +47,8 @@ def test_a_contact_that_has_begun_at_the_start_and_one_that_never_does() -> None
     at_once = impacts(struck([2, 2, 2, 2, 2, 2], [0.5] * 6, [0.0, 0.1, 0.2, 0.2, 0.2, 0.2], [3e-6] * 6))
     (one,) = at_once.entries
     assert (one.count, one.since, one.time, one.speed) == (2, 0.0, 0.0, 0.25) and one.energy == pytest.approx(0.2) and at_once.before == 0.0
+    soon = impacts(struck([0, 1, 1, 1, 1, 1], [0] + [0.5] * 5, [0.02, 0.1, 0.2, 0.2, 0.2, 0.2], [3e-6] * 6))
+    assert soon.before == pytest.approx(0.02) and soon.entries[0].energy == pytest.approx(0.18), "a part of a run begins with what was lost"
     never = impacts(struck([0] * 6, [0] * 6, [0.0, 0.0, 0.1, 0.2, 0.2, 0.3], [-1] * 6))
     assert never.entries == () and never.before == pytest.approx(0.3) and never.count == never.alone == 0
     assert impacts(made_record(four_bar(""), {}, STEPS)).entries == ()
@@ -71,6 +76,23 @@ def test_what_hardly_moves_is_regular() -> None:
     for share in (1e-8, 1e-3, 1.0):
         assert zero_one(1.0 + share * noise) == pytest.approx(zero_one(noise), abs=1e-4) and zero_one(1.0 + share * noise) > 0.99
         assert abs(zero_one(1.0 + share * np.cos((math.sqrt(5.0) - 1.0) * math.pi * np.arange(400)))) < 0.1
+
+
+def test_worn_surfaces_lean_by_their_slope_over_the_eccentricity() -> None:
+    """h = h_0 + a cos + b sin around the bearing: n leans by h'/e, e the eccentricity or half of the clearance where that is less."""
+    mean, a, b, clearance = 4e-6, 3e-6, -2e-6, 5e-4
+    m = Mechanism("worn", gravity=(0.0, 0.0))
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("journal", mass=1.0, inertia=1e-4)
+    wear = Wear(bearing=1e-15, bearing_profile=(mean, a, b))
+    m.clearance("J", "ground.O", "journal.center", clearance=clearance, bearing_radius=0.01, axial_length=0.02, wear=wear)
+    angle = np.array([0.3, 2.0, -1.1, 0.3])
+    away = clearance * np.array([0.7, 0.6, 0.9, 0.2])
+    x, y = away * np.cos(angle), away * np.sin(angle)
+    record = made_record(m, {"particle_x": np.stack([0.0 * x, x], axis=1), "particle_y": np.stack([0.0 * y, y], axis=1)}, STEPS[:4])
+    lean = (-a * np.sin(angle) + b * np.cos(angle)) / np.maximum(away, 0.5 * clearance)
+    n, t = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    assert pytest.approx((n - lean * t) / np.sqrt(1.0 + lean**2), rel=1e-9) == normals(record)[:, 0].T
 
 
 def test_line_contact_of_hertz_and_its_limit() -> None:

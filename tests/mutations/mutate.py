@@ -215,10 +215,10 @@ def main() -> int:
     ask.add_argument("--seed", type=int, default=11)
     ask.add_argument("--count", type=int, help="faults of each package; 100 of the kernels and 40 of any other unless said")
     ask.add_argument("--quick", action="store_true", help="only the quick tests of the kernels")
-    ask.add_argument("--record", action="store_true", help="record anew which test runs which line")
+    ask.add_argument("--record", nargs="*", metavar="TESTS", help="record anew which test runs which line, of all or of some files of tests")
     given = ask.parse_args()
-    if given.record:
-        record()
+    if given.record is not None:
+        record(given.record)
     packages = given.package or ["kernels", *PACKAGES]
     alive = [one for package in packages if package != "kernels" for one in of_package(package, given.seed, given.count or 40, tuple(given.module))]
     code = of_kernels(given.seed, given.count or 100, given.quick) if "kernels" in packages else 0

@@ -7,8 +7,10 @@ import re
 import subprocess
 import sys
 from collections import defaultdict
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from mutations.faults import PACKAGES
 from mutations.mutants import Mutant
@@ -21,38 +23,58 @@ LEFT_OUT = ("results/test_killed_processes.py", "results/test_large_files.py", "
 DURATION = re.compile(r"^([0-9.]+)s (?:call|setup)\s+(\S.*)$")
 
 
-def record() -> None:
-    """Run the parts of the suite once under coverage, which takes some ten minutes, and keep what each test runs and how long it takes."""
+def record(tests: Sequence[str] = ()) -> None:
+    """Run the parts of the suite once under coverage, which takes some ten minutes, and keep what each test runs and how long it takes.
+
+    ``tests``: only these files or folders, what is known of others staying as it is.
+    """
     FOLDER.mkdir(exist_ok=True)
     source = ",".join(f"src/vfife/{package}" for package in PACKAGES)
     (FOLDER / "coveragerc").write_text(f"[run]\nsource = {source}\ndata_file = {FOLDER}/coverage\n")
     line = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "--durations=0", "-vv"]
     line += ["--cov", f"--cov-config={FOLDER}/coveragerc", "--cov-context=test", "--cov-report="]
-    line += [f"tests/{part}" for part in PARTS] + [f"--ignore=tests/{file}" for file in LEFT_OUT]
+    line += tests or [*(f"tests/{part}" for part in PARTS), *(f"--ignore=tests/{file}" for file in LEFT_OUT)]
     done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
-    keep(done.stdout)
+    found, file = measured(done.stdout), FOLDER / "reach.json"
+    if tests and file.exists():
+        found = merged(json.loads(file.read_text()), found, tests)
+    file.write_text(json.dumps(found))
 
 
-def keep(said: str) -> None:
-    """Write what was recorded into one file: durations (s) of tests that passed, and per source file the tests of each line."""
+def measured(said: str) -> dict[str, Any]:
+    """What a run recorded: ``names`` of tests that passed, what they ``took`` (s), and per source file the places of tests by line."""
     from coverage import CoverageData
 
     took: dict[str, float] = defaultdict(float)
     red = {line.split(" ", 1)[1].split(" - ")[0] for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))}
     for line in said.splitlines():
-        if (found := DURATION.match(line)) and found[2] not in red:
+        if found := DURATION.match(line):
             took[found[2]] += float(found[1])
     data = CoverageData(str(FOLDER / "coverage"))
     data.read()
     names = sorted(one for one in {context.rsplit("|", 1)[0] for context in data.measured_contexts()} if one and one not in red)
     place, lines = {name: k for k, name in enumerate(names)}, {}
     for file in data.measured_files():
-        by_line = data.contexts_by_lineno(file)
         at = Path(file).resolve().relative_to(ROOT / "src" / "vfife").as_posix()
         lines[at] = {
-            line: sorted({place[name] for one in contexts if (name := one.rsplit("|", 1)[0]) in place}) for line, contexts in by_line.items()
+            str(line): sorted({place[name] for one in contexts if (name := one.rsplit("|", 1)[0]) in place})
+            for line, contexts in data.contexts_by_lineno(file).items()
         }
-    (FOLDER / "reach.json").write_text(json.dumps({"names": names, "took": [took.get(name, 0.0) for name in names], "lines": lines}))
+    return {"names": names, "took": [took.get(name, 0.0) for name in names], "lines": lines}
+
+
+def merged(old: dict[str, Any], new: dict[str, Any], tests: Sequence[str]) -> dict[str, Any]:
+    """The old recording with what is new of some files in the place of what it had of them."""
+    gone = {k for k, name in enumerate(old["names"]) if name.startswith(tuple(tests))}
+    count, lines = len(old["names"]), old["lines"]
+    for of_file in lines.values():
+        for line, places in of_file.items():
+            of_file[line] = [k for k in places if k not in gone]
+    for file, of_file in new["lines"].items():
+        own = lines.setdefault(file, {})
+        for line, places in of_file.items():
+            own[line] = own.get(line, []) + [count + k for k in places]
+    return {"names": old["names"] + new["names"], "took": old["took"] + new["took"], "lines": lines}
 
 
 class Reach:
@@ -64,11 +86,13 @@ class Reach:
         return {file: {int(line): tests for line, tests in lines.items()} for file, lines in self.recorded["lines"].items()}
 
     @cached_property
-    def recorded(self) -> dict:
+    def recorded(self) -> dict[str, Any]:
+        """All of it."""
         if not (FOLDER / "reach.json").exists():
             print("recording which test runs which line (some ten minutes) ...", flush=True)
             record()
-        return json.loads((FOLDER / "reach.json").read_text())
+        found: dict[str, Any] = json.loads((FOLDER / "reach.json").read_text())
+        return found
 
     def tests(self, mutant: Mutant, text: str) -> list[tuple[str, float]]:
         """Tests that run the lines of a fault and how long each takes (s): those of its own package first, quick ones before slow ones.

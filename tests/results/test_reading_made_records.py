@@ -27,8 +27,8 @@ def made(turns: int = TURNS, rounding: float = 0.0, **blocks):
     """A crank that turns evenly, four steps between outputs, its angle but for a rounding error (rad)."""
     steps = np.arange(0, turns * OUTPUTS + 1) * 4
     angle = SPEED * STEP * steps + rounding
-    return made_record(four_bar("", speed=SPEED), {"driven_torque": np.sin(angle), **blocks, "particle_theta": angle}, steps, turns=turns, step=STEP,
-                       outputs=OUTPUTS)  # fmt: skip
+    blocks = {"driven_torque": np.sin(angle), **blocks, "particle_theta": angle}
+    return made_record(four_bar("", speed=SPEED), blocks, steps, turns=turns, step=STEP, outputs=OUTPUTS)
 
 
 @pytest.mark.parametrize("rounding", [-1e-9, 0.0, 1e-9])
