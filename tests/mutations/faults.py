@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import ast
 import copy
-import random
+import hashlib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -165,6 +166,11 @@ def every(source: Path, package: str, modules: tuple[str, ...] = ()) -> list[Mut
 
 
 def drawn(source: Path, package: str, seed: int, count: int, modules: tuple[str, ...] = ()) -> list[Mutant]:
-    """Some of them, the same for the same text and seed."""
-    all_of_them = every(source, package, modules)
-    return random.Random(f"{seed} {package}").sample(all_of_them, min(count, len(all_of_them)))
+    """Some of them: those whose labels have the least hashes with the seed, so that a change of the text elsewhere leaves the draw as it is."""
+    seen: Counter[str] = Counter()
+    ranked = []
+    for one in every(source, package, modules):
+        seen[one.label] += 1
+        ranked.append((hashlib.sha256(f"{seed} {one.label} {seen[one.label]}".encode()).hexdigest(), one))
+    ranked.sort(key=lambda pair: pair[0])
+    return [one for _, one in ranked[:count]]
