@@ -9,12 +9,14 @@ import pytest
 
 from made_records import STEP, made_record
 from support import four_bar
-from vfife.analysis.energy import ledger
+from vfife.analysis.energy import ledger, too_open
 from vfife.analysis.ground import ground_load, largest_shaking
 from vfife.analysis.losses import losses, lost, mean_power
 from vfife.analysis.machine import driving
+from vfife.analysis.measures import last_turn
 from vfife.analysis.wear import rubbed
 from vfife.laws import Coulomb
+from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
 
@@ -121,3 +123,82 @@ def test_what_turns_evenly_is_rubbed_at_the_angle_of_the_middle_of_each_interval
     own = speed if side == "journal" else 0.0
     assert part.angle == pytest.approx(direction - own * 0.5 * (TIME[1:] + TIME[:-1]), rel=1e-12)
     assert part.work == pytest.approx(5.0 * np.diff(TIME), rel=1e-12) and part.spread == pytest.approx(0.0, abs=1e-3)
+
+
+def beam(strain: str = "reference") -> Mechanism:
+    """An elastic link of two elements on a pin."""
+    m = Mechanism("beam", gravity=(0.0, 0.0))
+    m.point("O", 0.0, 0.0)
+    m.link("l", length=0.6, mass=1.2, angle=0.0, model="elastic", elements=2, section=Section.square(4e-4), strain=strain)
+    m.revolute("A", "ground.O", "l.start")
+    return m
+
+
+def test_strain_energy_is_that_of_pull_and_end_moments() -> None:
+    """N^2 l/(2 E A) + l/(6 E I) (m_1^2 - m_1 m_2 + m_2^2) of each element; side 20 mm, so I = a^4/12."""
+    pull, first, second = np.array([300.0, -200.0]), np.array([5.0, 1.0]), np.array([-2.0, 4.0])
+    shares = TIME[:, None] / TIME[-1]
+    blocks = {"frame_axial_force": shares * pull, "frame_moment_1": shares * first, "frame_moment_2": shares * second}
+    young, area, length = 207e9, 4e-4, 0.3
+    energy = pull**2 * length / (2.0 * young * area)
+    energy += length / (6.0 * young * area**2 / 12.0) * (first**2 - first * second + second**2)
+    record = made_record(beam(), blocks, STEPS, step=1e-6)
+    assert ledger(record).terms["strain"] == pytest.approx(energy.sum() * shares[:, 0] ** 2, rel=1e-9)
+
+
+def test_strain_energy_on_the_present_length_is_the_integral_of_the_force() -> None:
+    """N = E A ln(l/l_0) over l from l_0: E A (l ln(l/l_0) - l + l_0), for small strains and for large ones."""
+    young, area, length = 207e9, 4e-4, 0.3
+    for strain in (1e-5, 0.3, 0.8, -0.7):
+        pull = young * area * strain
+        present = length * math.exp(strain)
+        blocks = {"frame_axial_force": np.full(2, pull), "reference_length": np.full(2, present)}
+        record = made_record(beam("current"), blocks, STEPS[:2], step=1e-6)
+        series = strain**2 / 2.0 - strain**3 / 6.0 + strain**4 / 24.0  # of e - 1 + exp(-e)
+        wanted = present * (series if abs(strain) < 1e-3 else strain - 1.0 + math.exp(-strain))
+        assert ledger(record).terms["strain"] == pytest.approx(2.0 * young * area * wanted, rel=1e-9)
+
+
+def test_weight_works_over_the_height_of_every_mass() -> None:
+    """A driven body falls with its centre: m g (h_0 - h), h that of the centre at its angle; a free one by its particle."""
+    m = Mechanism("falling", gravity=(2.0, -10.0))
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("crank", mass=3.0, inertia=0.1, center=(0.1, 0.2), pins={"axis": (0.0, 0.0)})
+    m.point_mass("b", mass=0.5)
+    m.revolute("A", "ground.O", "crank.axis")
+    m.drive("crank", speed=40.0)
+    angle, x, y = 40.0 * TIME, 3.0 * TIME, -7.0 * TIME
+    nothing = 0.0 * TIME
+    blocks = {
+        "particle_theta": np.stack([nothing, angle, nothing], axis=1), "particle_x": np.stack([nothing, nothing, x], axis=1),
+        "particle_y": np.stack([nothing, nothing, y], axis=1),
+    }  # fmt: skip
+    record = made_record(m, blocks, STEPS)
+    across, height = 0.1 * np.cos(angle) - 0.2 * np.sin(angle), 0.1 * np.sin(angle) + 0.2 * np.cos(angle)
+    wanted = 3.0 * (2.0 * (across - 0.1) - 10.0 * (height - 0.2)) + 0.5 * (2.0 * x - 10.0 * y)
+    assert ledger(record).terms["external"] == pytest.approx(wanted, rel=1e-12)
+
+
+def test_a_ledger_is_open_by_what_is_left_over() -> None:
+    """Kinetic energy of 9 J appears from nothing: the residual is that at the end, the error its share of the largest energy."""
+    m = Mechanism("mass", gravity=(0.0, 0.0))
+    m.point_mass("b", mass=2.0, velocity=(1.0, 0.0, 0.0))
+    after = np.linspace(1.0, math.sqrt(10.0), len(STEPS))
+    record = made_record(m, {"particle_u": np.stack([0.0 * after, after], axis=1)}, STEPS)
+    found = ledger(record)
+    assert found.residual[0] == 0.0 and found.residual[-1] == pytest.approx(9.0) and found.error == pytest.approx(0.9)
+    assert found.largest == pytest.approx(10.0) and too_open(record)
+    still = made_record(m, {"particle_u": np.stack([0.0 * after, 1.0 + 0.0 * after], axis=1)}, STEPS)
+    assert ledger(still).error == 0.0 and not too_open(still)
+    assert not too_open(made_record(m, {}, [0])) and too_open(made_record(m, {"particle_u": np.array([[0.0, 1.0], [0.0, 3.0]])}, [0, 5]))
+
+
+def test_the_last_turn_is_that_which_ends_with_the_run() -> None:
+    """Steps of a hundredth of a turn, an output each ten: the last ten intervals, also where the run began within a turn; else all of it."""
+    m = four_bar("", speed=math.tau / 0.1)
+    record = made_record(m, {}, np.arange(0, 260, 10), turns=3, step=1e-3)
+    assert np.flatnonzero(last_turn(record)).tolist() == list(range(16, 26))
+    exact = made_record(m, {}, np.arange(0, 101, 10), turns=1, step=1e-3)
+    assert np.flatnonzero(last_turn(exact)).tolist() == list(range(1, 11))
+    assert last_turn(made_record(m, {}, np.arange(0, 91, 10), turns=1, step=1e-3)).all()
+    assert last_turn(made_record(m, {}, [0], turns=1, step=1e-3)).tolist() == [True]

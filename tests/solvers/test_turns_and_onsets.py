@@ -1,0 +1,171 @@
+"""Turns compared, starts in blocks, onsets within their step: arithmetic of numbers that a test writes."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support import four_bar
+from vfife.assembly.assemble import assemble
+from vfife.solvers import repeating, sectioning
+from vfife.solvers.nearby import steps_of_turn, weights
+from vfife.solvers.orbits import LANES, Orbits, Start
+from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
+from vfife.solvers.strikes import PER_CONTACT, WIDE, Strikes
+
+
+def test_two_turns_are_apart_by_the_worst_quantity() -> None:
+    """The largest difference over the largest absolute value of both; zeros do not count; what is small is compared with its least."""
+    before = np.array([[1.0, 10.0, 0.0], [-4.0, 20.0, 0.0]])
+    after = np.array([[1.5, 10.0, 0.0], [-3.0, 25.0, 0.0]])
+    assert distance(before, after) == pytest.approx(1.0 / 4.0) == distance(after, before)
+    assert distance(before, after, np.array([10.0, 0.0, 0.0])) == pytest.approx(5.0 / 25.0)
+    assert distance(before, before) == 0.0 == distance(np.zeros((2, 2)), np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize(
+    ("turn", "step", "every", "count"), [(0.1, 1e-4, 10, 100), (0.1, 1e-4, 11, None), (None, 1e-4, 10, None), (1e-4, 1e-3, 1, None)]
+)
+def test_a_turn_holds_a_whole_number_of_outputs_or_none(turn: float | None, step: float, every: int, count: int | None) -> None:
+    choice: Any = SimpleNamespace(turn=turn, step=step, outputs_every=every)
+    assert whole_outputs(choice) == count
+    if count:
+        choice.turn = turn * (1.0 + 1e-8)
+        assert whole_outputs(choice) is None, "by a hundred-millionth is not"
+
+
+class Plain:
+    """A comparison by the largest difference."""
+
+    def distance(self, before: np.ndarray, after: np.ndarray) -> float:
+        return float(np.abs(before - after).max())
+
+
+@pytest.mark.parametrize(
+    ("values", "found"),
+    [
+        ([5.0, 1.0, 1.0], (1, 3)),
+        ([1.0, 1.0], (1, 2)),
+        ([1.0], None),
+        ([9.0, 1.0, 2.0, 1.0, 2.0], (2, 4)),
+        ([1.0, 2.0, 1.0, 3.0], None),
+        ([9.0, 1.0, 2.0, 1.0], None),
+        ([*range(8)] * 2, (8, 9)),
+        ([*range(9)] * 2, None),
+    ],
+)
+def test_the_shortest_period_counts_from_the_first_turn_that_repeats(values: list[float], found: tuple[int, int] | None) -> None:
+    """A period of p turns is seen when as many turns as it has repeat the ones p before; up to eight."""
+    turns = [np.array([[float(one)]]) for one in values]
+    assert repeated_since(turns, Plain(), 0.01) == found  # type: ignore[arg-type]
+
+
+def test_small_forces_are_compared_with_a_tenth_of_the_largest_and_noise_with_what_carries() -> None:
+    assembly = assemble(four_bar("C"), 1e-6, turns=1, force_step=True)
+    kept = np.arange(assembly.layout.rows, dtype=np.uint32)
+    comparison = Comparison(assembly, kept)
+    size = np.zeros(len(comparison.rows))
+    families = comparison.families
+    size[families["squares"]] = 9.0
+    size[families["squares"][0]] = 1e6  # 1 kN
+    size[families["accelerations"]] = 50.0
+    least = comparison.least(size)
+    assert least[families["squares"]] == pytest.approx(1e4) and least[families["accelerations"][0]] >= 5.0
+    assert least[families["moments"]] == pytest.approx(repeating.OVER_NOISE * repeating.NOISE * 1e3)
+    assert least[families["accelerations"][0]] == pytest.approx(max(5.0, repeating.OVER_NOISE * repeating.ROUNDING / 1e-12))
+    assert least[families["contact_normal_force"]] == pytest.approx(0.0)
+
+
+# ------------------------------------------------------------------------------------------------------------------ starts
+
+
+def test_members_begin_a_turn_before_and_at_the_phase_of_all() -> None:
+    orbits = Orbits(100, 5, 2)
+    begins = [orbits.begins(Start(0, lambda: None, ahead)) for ahead in (0.0, 0.25, 0.999, 1.0, -0.25)]  # type: ignore[arg-type,return-value]
+    assert begins == [101, 126, 101, 101, 176]
+
+
+def test_members_as_far_before_the_phase_go_side_by_side() -> None:
+    orbits = Orbits(100, 5, 2)
+    starts = [Start(k, lambda: None, 0.5 * (k % 2)) for k in range(11)]  # type: ignore[arg-type,return-value]
+    found = [[one.number for one in block] for block in orbits.blocks(starts)]
+    assert found == [[0, 2, 4, 6], [8, 10], [1, 3, 5, 7], [9]] and LANES == 4
+
+
+def test_pieces_of_a_section_end_where_turns_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten turns before those that are looked at a difference begins; no piece has more than fifty turns, and none crosses an end."""
+    runner = SimpleNamespace(kept=np.zeros(3))
+    monkeypatch.setattr(sectioning, "Nearby", lambda *_: SimpleNamespace(pace=SimpleNamespace()))
+    monkeypatch.setattr(sectioning, "plain_runner", lambda *_: runner)
+    assembly: Any = SimpleNamespace(choice=SimpleNamespace(turn=0.1, step=1e-3))
+    assert steps_of_turn(assembly) == 100
+    one = sectioning.Sectioning(assembly, None, 0.25, 180, 75)  # type: ignore[arg-type]
+    assert one.cuts == [(0, 50), (50, 65), (65, 75), (75, 125), (125, 175), (175, 180)]
+    assert (one.begins, one.before, one.dropped) == (126, 65, 75)
+    few = sectioning.Sectioning(assembly, None, 1.0, 8, 4)  # type: ignore[arg-type]
+    assert few.cuts == [(0, 4), (4, 8)] and few.before == 0 and few.begins == 101
+
+
+def test_differences_count_by_kinetic_energy_and_by_a_radian_of_the_crank() -> None:
+    assembly = assemble(four_bar("C", speed=50.0), 1e-6, turns=1, force_step=True)
+    found, layout = weights(assembly), assembly.layout
+    mass = assembly.bodies["coupler"].mass
+    p = assembly.bodies["coupler"].particles[0]
+    root, inertia = math.sqrt(mass), math.sqrt(1.0 / assembly.state[layout["particle_inverse_inertia"]][p])
+    for axis, rate, size in (("x", "u", root), ("y", "v", root), ("theta", "w", inertia)):
+        assert found[layout[f"particle_{rate}"]][p] == pytest.approx(size, rel=1e-12)
+        assert found[layout[f"particle_{axis}"]][p] == pytest.approx(50.0 * size, rel=1e-12)
+    crank = assembly.bodies["crank"].particles[0]
+    assert found[layout["particle_u"]][crank] == 0.0 == found[layout["contact_memory"]].sum()
+
+
+# ------------------------------------------------------------------------------------------------------------------ onsets
+
+
+def struck() -> Strikes:
+    assembly = assemble(four_bar("BC", speed=50.0), 1e-6, turns=1, force_step=True)
+    return Strikes.of(assembly, (0, 1))
+
+
+def test_an_onset_lies_within_its_step_where_the_penetration_passes_zero() -> None:
+    """From -3 to 1 um: three quarters into the step; the crank, the place and the speed are those there."""
+    one = struck()
+    rows = np.zeros((4, 1 + 2 * WIDE))
+    rows[:, 0] = [1.0, 1.1, 1.3, 1.6]  # crank
+    own = rows[:, 1 + WIDE :]  # of the second contact
+    own[:, 0], own[:, 1], own[:, 2] = [5, 5, 6, 6], [2.0, 2.0, 2.3, 2.3], [-9e-6, -3e-6, 1e-6, 2e-6]
+    start = len(PER_CONTACT)
+    own[:, start + 3], own[:, start + 4] = [0.0, 1.0, 5.0, 5.0], [0.0, 2.0, 2.0, 2.0]  # the journal's body moves to x = 4 at the onset
+    ((contact, time, crank, place, speed, count),) = one._onsets(rows, 100, 1)
+    assert (contact, count) == (1.0, 1.0) and speed == pytest.approx(0.3)
+    assert time == pytest.approx((100 + 1 + 0.75) * one.assembly.choice.step, rel=1e-12)
+    assert crank == pytest.approx(1.1 + 0.75 * 0.2, rel=1e-12)
+    layout, state = one.assembly.layout, one.assembly.state
+    pins = {side: [state[layout.row(f"contact_{side}_{axis}", 1)] for axis in "xy"] for side in ("bearing", "journal")}
+    x, y = 4.0 + pins["journal"][0] - pins["bearing"][0], 2.0 + pins["journal"][1] - pins["bearing"][1]
+    assert place == pytest.approx(math.atan2(y, x) % math.tau, rel=1e-9)
+    assert one._onsets(rows, 100, 0).shape == (0, 6), "the first contact did not begin"
+
+
+def test_an_onset_without_a_passage_lies_in_the_middle_of_its_step() -> None:
+    """A contact that ended and began again within a step: its penetration is above zero at both ends, and there were two."""
+    one = struck()
+    rows = np.zeros((2, 1 + 2 * WIDE))
+    rows[:, 1], rows[:, 2], rows[:, 3] = [1, 3], [0.1, 0.7], [1e-6, 2e-6]
+    ((_, time, _, _, speed, count),) = one._onsets(rows, 0, 0)
+    assert time == pytest.approx(0.5 * one.assembly.choice.step) and speed == pytest.approx(0.3) and count == 2.0
+
+
+def test_the_rows_of_an_onset_are_those_of_its_contact_and_bodies() -> None:
+    one = struck()
+    layout, topology = one.assembly.layout, one.assembly.topology
+    assert len(one.rows) == 1 + 2 * WIDE and one.rows[0] == layout.row("particle_theta", topology.driven[0])
+    for k in (0, 1):
+        own = one.rows[1 + WIDE * k : 1 + WIDE * (k + 1)]
+        assert own[:3].tolist() == [layout.row(name, k) for name in PER_CONTACT]
+        assert own[5] == layout.row("particle_theta", topology.contact_bearing[k])
+        assert own[8] == layout.row("particle_theta", topology.contact_journal[k])
