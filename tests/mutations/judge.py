@@ -15,8 +15,8 @@ from mutations.mutants import Mutant
 from mutations.reach import ROOT, Reach
 
 SOURCE = ROOT / "src" / "vfife"
-FEW = 25  # tests of the first look at a fault
-LONGEST = 20.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
+FEW = 16  # tests of the first look at a fault
+LONGEST = 10.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
 # s of processor time that a look may take: a fault can make a loop endless. Four times what was recorded, and some to begin with.
 SLACK, TIMES = 10.0, 4.0
 WARM = ("hypothesis", "llvmlite.binding", "numpy", "pytest", "rich.console", "scipy.interpolate", "scipy.special", "scipy.stats", "typer.testing")

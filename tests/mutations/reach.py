@@ -97,7 +97,8 @@ class Reach:
     def tests(self, mutant: Mutant, text: str) -> list[tuple[str, float]]:
         """Tests that run the lines of a fault and how long each takes (s): those of its own package first, quick ones before slow ones.
 
-        Of a constant of a module, which runs when it is imported, those of all its lines.
+        Tests of one file come together, for reading a file takes time too. Of a constant of a module, which runs when it is imported, those of all
+        its lines.
         """
         lines = self.known.get(mutant.file.replace(".", "/") + ".py", {})
         first = mutant.line
@@ -107,7 +108,7 @@ class Reach:
             found = {test for tests in lines.values() for test in tests}
         own = f"tests/{mutant.file.split('.')[0]}/"
         names, took = self.recorded["names"], self.recorded["took"]
-        return sorted(((names[k], took[k]) for k in found), key=lambda one: (took_class(one[1]), not one[0].startswith(own), one[1], one[0]))
+        return sorted(((names[k], took[k]) for k in found), key=lambda one: (took_class(one[1]), not one[0].startswith(own), one[0]))
 
 
 def took_class(seconds: float) -> int:
