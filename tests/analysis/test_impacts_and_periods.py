@@ -14,8 +14,8 @@ from vfife.analysis.chaos import ALIKE, apart, exponent, period, zero_one
 from vfife.analysis.forces import normals
 from vfife.analysis.impact import nothing_remembered, presliding
 from vfife.analysis.impacts import impacts
-from vfife.analysis.pressure import line_pressure, mean_pressure
-from vfife.laws import Coulomb, Pair
+from vfife.analysis.pressure import largest_pressures, line_pressure, mean_pressure
+from vfife.laws import Coulomb, LuGre, Pair
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
 
@@ -118,3 +118,10 @@ def test_strokes_go_to_and_fro_about_the_start() -> None:
     assert len(place) == 1 + 400 * 9 and place[0] == force[0] == 0.0
     assert [place[400 * k] for k in (1, 3, 5, 7, 9)] == pytest.approx([1e-6, -1e-6, 1e-6, -1e-6, 1e-6])
     assert force[1:] == pytest.approx(-10.0 * np.sign(np.diff(place)))
+    law, pair = LuGre(), Pair(0.01, 2e-4, 0.02)
+    assert presliding(law, pair, 50.0, 1e-6)[1].tolist() == presliding(law, pair, 50.0, 1e-6, 1e-4)[1].tolist(), "0.1 mm/s unless said"
+
+
+def test_pressure_and_sliding_of_a_single_output_have_no_mean() -> None:
+    found = largest_pressures(made_record(journal_in_bearing(), {}, [0]), np.ones(1, dtype=bool))
+    assert "J.pressure_velocity.max" in found and "J.pressure_velocity.mean" not in found

@@ -97,6 +97,16 @@ def test_particles_are_named_after_their_bodies_and_the_ground_is_none() -> None
     assert theta.values[:, 0] == pytest.approx(SPEED * STEP * 4 * np.arange(OUTPUTS + 1))
 
 
+def test_forces_of_joints_have_their_size_and_directions() -> None:
+    """(3, -4) N in every ideal joint of a crank at rest: 5 N, of the pivot too."""
+    steps = np.arange(3) * 4
+    blocks = {"joint_fx": np.full(3, 3.0), "joint_fy": np.full(3, -4.0), "joint_moment": np.full(3, 0.5)}
+    found = channels(record := made_record(four_bar("", speed=SPEED), blocks, steps, turns=1, step=STEP), View(record).ledger)
+    k = entities(record)["joint"].index("C")
+    numbers = [float(found[f"joint_{name}"].values[1, k]) for name in ("force", "force_x", "force_y", "moment")]
+    assert numbers == [5.0, 3.0, -4.0, 0.5]
+
+
 def test_rows_of_tables_are_sealed_and_counted(tmp_path) -> None:
     connection = sqlite3.connect(tmp_path / "one.sqlite")
     tables.complete(connection)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import time
 
 import numpy as np
 import pytest
@@ -153,3 +154,10 @@ def test_a_table_of_angles_starts_where_it_says():
     m.revolute("A", "ground.O", "crank.start")
     m.drivers["crank"] = AngleTable(body="crank", times=(0.0, 1.0), values=(0.1, 0.4))
     assert equilibrium(assemble(m)).block("particle_theta")[:, 1] == pytest.approx([0.1, 0.4])
+
+
+def test_progress_tells_the_seconds_since_the_analysis_began():
+    heard, began = [], time.perf_counter()
+    vfife.simulate(beam(0.5, 1.0), progress=heard.append)
+    whole = time.perf_counter() - began
+    assert heard and all(0.0 <= one.seconds <= whole for one in heard) and heard[-1].share == 1.0

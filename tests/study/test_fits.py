@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from vfife.fields.refused import Refused
-from vfife.study.fits import CLEAR, FINE_STEPS, GRADES, STEPS, TIGHT, WIDE, fit, tolerance, zone
+from vfife.study.fits import CLEAR, FINE_STEPS, GRADES, STEPS, TIGHT, WIDE, fit, step_of, tolerance, zone
 
 # Diameter in mm, zone, lower and upper deviation in µm, as tables of makers print them.
 SHAFTS = """
@@ -180,10 +180,17 @@ def test_the_running_fit_of_a_20_mm_pin() -> None:
     assert [round(1e6 * tolerance(grade, 0.02), 6) for grade in (12, 15, 18)] == [210, 840, 3300]
 
 
+FINE_ENDS = [3, 6, 10, 14, 18, 24, 30, 40, 50, 65, 80, 100, 120, 140, 160, 180, 200, 225, 250, 280, 315, 355, 400, 450, 500]  # mm, ISO 286-1
+
+
 def test_steps_end_where_the_standard_says() -> None:
     """Up to and including: 30 mm has the tolerance of the step from 18, a hair more has that of the next."""
     assert [1e6 * tolerance(7, size) for size in (0.03, 0.030001)] == pytest.approx([21, 25])
     assert [1e6 * zone("c11", size).high for size in (0.05, 0.0501)] == pytest.approx([-130, -140])
+    for steps, read in ((STEPS, lambda size: step_of(size)), (FINE_STEPS, lambda size: step_of(size, FINE_STEPS))):
+        ends = [3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500] if steps is STEPS else FINE_ENDS
+        assert [read(end / 1e3) for end in ends] == list(range(len(ends)))
+        assert [read((end + 0.01) / 1e3) for end in ends[:-1]] == list(range(1, len(ends)))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,88 @@
+"""What derivatives are put together from: pairs of records, spans of outputs, tables of functions; numbers that a test writes."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support import four_bar
+from vfife.assembly.assemble import assemble
+from vfife.solvers import tangents
+from vfife.solvers.record import Columns, recorded_rows
+from vfife.solvers.tangents import Neighbours, changes, displaced, jacobian, rates, spans
+
+
+def test_a_derivative_is_the_difference_of_both_sides_over_what_they_are_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two numbers apart by 0.5 and 0.1, two displaced runs each: means of sums and differences."""
+    pairs = [[(3.0, 1.0), (5.0, 2.0)], [(3.2, 0.8), (4.0, 3.0)]]
+    monkeypatch.setattr(tangents, "tangents", lambda *_: pairs)
+    monkeypatch.setattr(tangents, "comparable", lambda *_: True)
+    both: Any = [SimpleNamespace(apart=0.5), SimpleNamespace(apart=0.1)]
+    values, slopes = jacobian(None, both, lambda x: np.array([x, 10.0 * x]))  # type: ignore[arg-type,return-value]
+    assert values == pytest.approx([2.75, 27.5])
+    assert slopes == pytest.approx(np.array([[5.0, 17.0], [50.0, 170.0]]))
+    monkeypatch.setattr(tangents, "comparable", lambda *_: False)
+    with pytest.raises(ValueError, match="take two runs"):
+        jacobian(None, both, lambda x: x)  # type: ignore[arg-type,return-value]
+
+
+@pytest.mark.parametrize(
+    ("turn", "steps", "whole", "found"),
+    [
+        (0.1, 3000, False, [(10, 300)]),
+        (0.1, 3000, True, [(2000, 1), (1000, 1)]),
+        (0.1, 1000, True, [(1000, 1)]),
+        (0.1, 600, True, [(600, 1)]),
+        (None, 600, True, [(600, 1)]),
+        (0.1, 1001, True, [(1, 1), (1000, 1)]),
+    ],
+)
+def test_outputs_are_all_or_the_last_turn_and_what_comes_before(turn: float | None, steps: int, whole: bool, found: list[tuple[int, int]]) -> None:
+    choice = SimpleNamespace(turn=turn, step=1e-4, steps=steps, outputs_every=10, outputs=steps // 10)
+    assert spans(SimpleNamespace(choice=choice), whole) == found  # type: ignore[arg-type]
+
+
+def test_both_sides_of_a_run_lie_half_of_the_distance_away_and_extremes_are_sizes() -> None:
+    assembly = assemble(four_bar("C"), 1e-6, turns=1, force_step=True)
+    seen = Columns(assembly.layout, recorded_rows(assembly))
+    rng = np.random.default_rng(5)
+    rows, slopes = rng.normal(size=(3, len(seen.kept))), rng.normal(size=(3, len(seen.kept)))
+    up, down = tangents._pair(Neighbours(assembly, assembly, 0.2), np.array([0, 5, 10]), seen, rows, slopes)
+    size = np.isin(seen.kept, assembly.layout.of("extreme"))
+    for side, sign in ((up, 1.0), (down, -1.0)):
+        wanted = rows + sign * 0.1 * slopes
+        assert side.rows[:, ~size] == pytest.approx(wanted[:, ~size], rel=1e-14)
+        assert side.rows[:, size] == pytest.approx(np.maximum(wanted[:, size], 0.0), rel=1e-14) and side.steps.tolist() == [0, 5, 10]
+
+
+def function(period: float, starts: list[float], rows: list[list[float]]) -> np.ndarray:
+    """The table of a function: its pieces, a period with its kinks or none, where they start, seven coefficients of each."""
+    head = [float(len(starts))] if not period else [-float(len(starts)), period, 0.0]
+    return np.array([*head, *starts, *(value for row in rows for value in (row + [0.0] * 7)[:7])])
+
+
+@pytest.mark.parametrize("period", [0.0, 4.0])
+def test_tables_of_functions_have_their_derivatives(period: float) -> None:
+    """f = 1 + 2 x + 3 x^2 and 7 - x^3: rates 2 + 6 x and -3 x^2; f' is what a later start takes away."""
+    pieces = [[1.0, 2.0, 3.0], [7.0, 0.0, 0.0, -1.0]]
+    table = np.concatenate([[99.0], function(period, [0.0, 2.0], pieces)])
+    assembly: Any = SimpleNamespace(tables=table, topology=SimpleNamespace(function_start=(1,)))
+    found = rates(assembly)[-14:].reshape(2, 7)
+    derived = np.array([[2.0, 6.0, 0, 0, 0, 0, 0], [0.0, 0.0, -3.0, 0, 0, 0, 0]])
+    assert found == pytest.approx(derived) and rates(assembly)[:-14].tolist() == table[:-14].tolist()
+    up, down = table.copy(), table.copy()
+    up[-14], down[-14] = 1.3, 0.7  # the constant of the first piece, by 0.6
+    first = len(table) - 14 - 2
+    up[first + 1], down[first + 1] = 2.1, 1.9  # the second begins later by 0.2
+    sides: Any = SimpleNamespace(up=SimpleNamespace(tables=up), down=SimpleNamespace(tables=down), apart=0.5)
+    change = changes(assembly, sides)[-14:].reshape(2, 7)
+    assert change == pytest.approx(np.array([[1.2, 0, 0, 0, 0, 0, 0], -0.4 * derived[1]]))
+
+
+def test_displaced_runs_are_spread_in_a_step_and_in_its_parts() -> None:
+    """Four runs and eight parts: at 0, 2 1/4, 4 1/2 and 6 3/4 of the parts."""
+    assert displaced(4, 8) == pytest.approx((0.0, 2.25 / 8.0, 4.5 / 8.0, 6.75 / 8.0))
+    assert displaced(1, 8) == (0.0,) and displaced(3, 8)[1] == pytest.approx((2.0 + 1.0 / 3.0) / 8.0)
