@@ -102,6 +102,13 @@ def test_means_are_over_whole_periods() -> None:
     assert found.period == 3 and (found.last - found.first + 1) % 3 == 0 and found.first > found.since - 1 > 3  # type: ignore[operator]
 
 
+def test_means_are_over_a_hundred_turns_at_the_most() -> None:
+    regular, wild = say(np.ones(250)), say(logistic(3.9, 300))
+    assert (regular.motion, regular.first, regular.last) == ("periodic", 151, 250)
+    assert (wild.motion, wild.first, wild.last) == ("not periodic", 201, 300)
+    assert say(logistic(3.9, 150)).first == 76, "the second half"
+
+
 def bounces(acceleration: float, restitution: float, count: int) -> np.ndarray:
     """Speeds after each landing of a ball that bounces high on a table which goes up and down, the map of Holmes, J. Sound Vib. 84 (1982):
     in units in which the table's period is 2 pi and the time of flight is the speed.

@@ -1,0 +1,98 @@
+"""Pieces of the limits of the step, each by hand: corners, mobilities, periods of contacts, rows of constraints, arms."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
+from vfife.assembly.stability import (
+    _bent,
+    at_once,
+    constraint_rows,
+    contact_limits,
+    contact_periods,
+    demands,
+    held,
+    joint_mobility,
+    turning_error,
+)
+from vfife.model.mechanism import Mechanism
+
+
+def started(m: Mechanism) -> Assembly:
+    return assemble(m, 1e-7, duration=1e-3, force_step=True)
+
+
+@pytest.mark.parametrize("turn", [0.0, math.pi, 0.3, -1.2, math.pi / 2.0])
+def test_elements_meet_at_an_angle_where_they_are_not_in_line(turn: float) -> None:
+    """Two in a row, the second turned: only the particle between them has a corner, and none where it goes straight on or back."""
+    c, s = math.cos(0.4 + turn), math.sin(0.4 + turn)
+    layout: Any = {"reference_cosine": np.array([0, 1]), "reference_sine": np.array([2, 3])}
+    state = np.array([math.cos(0.4), c, math.sin(0.4), s])
+    corner = abs(math.sin(turn)) > 1e-9
+    assert _bent(layout, state, np.array([[0, 1], [1, 2]]), 4).tolist() == [False, corner, False, False]
+
+
+def loose(offset: tuple[float, float] = (0.3, -0.4)) -> Assembly:
+    """A body of 2 kg and 0.5 kg m^2 whose pin off its centre has play in a bearing on the ground."""
+    m = Mechanism("loose", gravity=(0.0, 0.0))
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("b", mass=2.0, inertia=0.5, pins={"p": offset})
+    m.clearance("J", "ground.O", "b.p", clearance=1e-4, bearing_radius=0.01, axial_length=0.02)
+    return started(m)
+
+
+def test_a_contact_meets_the_mass_and_the_arm_of_its_body() -> None:
+    """1/m + r^2/I with r = 0.5 m; a stiffness k on it has half a period of pi/sqrt(k mobility) and the stable step 2/sqrt(k mobility)."""
+    one = loose()
+    parts = one.layout, one.state, one.topology
+    mobility = joint_mobility(*parts, 0)
+    assert mobility == pytest.approx(1.0 / 2.0 + 0.25 / 0.5, rel=1e-12)
+    touch: Any = SimpleNamespace(name="J", joint=SimpleNamespace(name="J"), touching=SimpleNamespace(normal=(1.0, 0.0)))
+    assert contact_periods([touch], [(4e6, mobility)]) == [("J", pytest.approx(math.pi / math.sqrt(4e6 * mobility), rel=1e-12))]
+    assert contact_periods([touch], [(4e6, 0.0)]) == [("J", math.inf)]
+    load = demands(*parts, held(*parts, [4e6]))
+    ((name, step),) = contact_limits([touch], *parts, load)
+    stable = 2.0 / math.sqrt(4e6 * mobility)
+    assert name == "contact of joint J" and 0.5 * stable < step <= stable
+
+
+def test_corners_on_one_wall_share_its_stiffness() -> None:
+    touches: Any = [
+        SimpleNamespace(joint=SimpleNamespace(name=name), touching=SimpleNamespace(normal=normal))
+        for name, normal in (("g", (0.0, 1.0)), ("g", (0.0, 1.0)), ("g", (0.0, -1.0)), ("J", (0.0, 1.0)))
+    ]
+    assert at_once(touches, [(6.0, 0.0)] * 4) == [3.0, 3.0, 6.0, 6.0]
+
+
+def pendulum(angle: float = 0.7) -> Assembly:
+    """A body of 2 kg and 0.5 kg m^2 on a pin 0.5 m from its centre."""
+    m = Mechanism("pendulum", gravity=(0.0, 0.0))
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("b", mass=2.0, inertia=0.5, angle=angle, pins={"p": (0.3, -0.4)})
+    m.revolute("A", "ground.O", "b.p")
+    return started(m)
+
+
+def test_rows_of_a_pin_are_its_lever_wherever_the_body_is_turned() -> None:
+    """x: (1, 0, -r_y), y: (0, 1, r_x), r from the body's particle to the pin; not turned unless said."""
+    one = pendulum()
+    parts = one.layout, one.state, one.topology
+    theta = float(one.state[one.layout["particle_theta"]][1])
+    for turn, rows in ((0.0, constraint_rows(*parts, [0, 1])), (0.4, constraint_rows(*parts, [0, 1], 0.4))):
+        c, s = math.cos(theta + turn), math.sin(theta + turn)
+        rx, ry = 0.3 * c + 0.4 * s, 0.3 * s - 0.4 * c
+        assert np.abs(rows[:, 3:]) == pytest.approx(np.abs(np.array([[1.0, 0.0, -ry], [0.0, 1.0, rx]])), abs=1e-12)
+        assert rows[0, 3] * rows[0, 5] == pytest.approx(-ry, abs=1e-12) and rows[1, 4] * rows[1, 5] == pytest.approx(rx, abs=1e-12)
+
+
+def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration() -> None:
+    """r^2 m/I = 0.25 2/0.5."""
+    one = pendulum()
+    assert turning_error(one.layout, one.state, one.topology) == pytest.approx(1.0, rel=1e-4)
