@@ -22,6 +22,8 @@ from vfife.assembly.stability import (
     joint_mobility,
     turning_error,
 )
+from vfife.laws import Material
+from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism
 
 
@@ -90,6 +92,24 @@ def test_rows_of_a_pin_are_its_lever_wherever_the_body_is_turned() -> None:
         rx, ry = 0.3 * c + 0.4 * s, 0.3 * s - 0.4 * c
         assert np.abs(rows[:, 3:]) == pytest.approx(np.abs(np.array([[1.0, 0.0, -ry], [0.0, 1.0, rx]])), abs=1e-12)
         assert rows[0, 3] * rows[0, 5] == pytest.approx(-ry, abs=1e-12) and rows[1, 4] * rows[1, 5] == pytest.approx(rx, abs=1e-12)
+
+
+@pytest.mark.parametrize("release", ["none", "start", "end", "both"])
+@pytest.mark.parametrize("elements", [1, 3])
+def test_limits_of_elements_go_with_the_root_of_mass_over_stiffness(release: str, elements: int) -> None:
+    """A million times the mass and a quarter of Young's modulus: two thousand times the step, whichever ends are released."""
+
+    def limits(mass: float, modulus: float) -> list[float]:
+        m = Mechanism("beam", gravity=(0.0, 0.0))
+        m.point("O", 0.0, 0.0)
+        steel = Material(youngs_modulus=modulus)
+        section = Section.square(4e-4)
+        m.link("l", length=0.6, mass=mass, model="elastic", elements=elements, section=section, material=steel, release=release)
+        m.revolute("A", "ground.O", "l.start")
+        return [value for _, value in started(m).choice.limits]
+
+    light, heavy = limits(1.0, 2e11), limits(1e6, 0.5e11)
+    assert light and heavy == pytest.approx([2e3 * value for value in light], rel=1e-9)
 
 
 def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration() -> None:

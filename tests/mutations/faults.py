@@ -99,7 +99,7 @@ class Finder(ast.NodeVisitor):
 
     def __init__(self, module: str, text: str) -> None:
         self.module, self.function, self.found = module, "", []
-        self.bytes, self.starts = text.encode(), [0]
+        self.bytes, self.starts, self.lines = text.encode(), [0], text.splitlines()
         for line in self.bytes.splitlines(keepends=True):
             self.starts.append(self.starts[-1] + len(line))
 
@@ -149,7 +149,8 @@ class Finder(ast.NodeVisitor):
         first, last = (len(self.bytes[: self.starts[line - 1] + column].decode()) for line, column in places)
         before, after = ast.unparse(node), ast.unparse(ast.fix_missing_locations(new))
         if before != after:
-            self.found.append(Mutant(self.module, self.function, node.lineno, kind, before, after, (first, last)))
+            text = self.lines[node.lineno - 1].strip()
+            self.found.append(Mutant(self.module, self.function, node.lineno, kind, before, after, (first, last), text))
 
 
 def every(source: Path, package: str, modules: tuple[str, ...] = ()) -> list[Mutant]:

@@ -15,11 +15,15 @@ from mutations.mutants import Mutant
 from mutations.reach import ROOT, Reach
 
 SOURCE = ROOT / "src" / "vfife"
-FEW = 16  # tests of the first look at a fault
+FEW, MORE = 16, 40  # tests of the first look at a fault and of the second: what so many that run the line do not see wants a test of its own
 LONGEST = 10.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
 # s of processor time that a look may take: a fault can make a loop endless. Four times what was recorded, and some to begin with.
 SLACK, TIMES = 10.0, 4.0
-WARM = ("hypothesis", "llvmlite.binding", "numpy", "pytest", "rich.console", "scipy.interpolate", "scipy.special", "scipy.stats", "typer.testing")
+# What most tests load, once for all forks.
+WARM = (
+    "hypothesis", "llvmlite.binding", "numpy", "pandas", "pytest", "rich.console", "scipy.integrate", "scipy.interpolate", "scipy.optimize",
+    "scipy.special", "scipy.stats", "typer.testing", "xarray",
+)  # fmt: skip
 
 
 @dataclass
@@ -47,7 +51,7 @@ class Copy:
         cached.unlink(missing_ok=True)
         try:
             file.write_text(mutant.applied(whole))
-            return self.look(tests[:FEW]) or self.look(within(tests[FEW:], LONGEST))
+            return self.look(tests[:FEW]) or self.look(within(tests[FEW : FEW + MORE], LONGEST))
         finally:
             file.write_text(whole)
 

@@ -26,6 +26,12 @@ class Mutant:
     before: str
     after: str
     span: tuple[int, int]
+    text: str = ""
+
+    @property
+    def place(self) -> str:
+        """The label with the line of the text, which tells two faults of one function apart."""
+        return f"{self.label} | {self.text}"
 
     @property
     def label(self) -> str:

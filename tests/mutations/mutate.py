@@ -202,7 +202,10 @@ class Suite:
 
 
 def equivalent() -> set[str]:
-    """Faults that change no result, from their list: one a line, the reason after a tab."""
+    """Faults that change no result, from their list: one a line, the reason after a tab.
+
+    Those of the kernels stand there by their labels, those of other packages with the line of the text too.
+    """
     lines = (TESTS / "mutations" / "equivalent.txt").read_text().splitlines()
     return {line.split("\t")[0] for line in lines if line and not line.startswith("#")}
 
@@ -234,8 +237,8 @@ def of_package(package: str, seed: int, count: int, modules: tuple[str, ...]) ->
         left = list(mutants)
         while left:
             for mutant in left:
-                seen[mutant] = "equivalent" if mutant.label in known else copy.judged(mutant)
-                print(f"{seen[mutant] or 'NOT SEEN'}\n    {mutant.kind}, line {mutant.line}: {mutant.label}", flush=True)
+                seen[mutant] = "equivalent" if mutant.place in known else copy.judged(mutant)
+                print(f"{seen[mutant] or 'NOT SEEN'}\n    {mutant.kind}, line {mutant.line}: {mutant.place}", flush=True)
             red = copy.fail_anyway(set(seen.values()))
             left = [mutant for mutant, said in seen.items() if said in red]
     alive, same = [mutant for mutant, said in seen.items() if not said], sum(said == "equivalent" for said in seen.values())

@@ -20,6 +20,7 @@ FOLDER = ROOT / ".mutations"  # ignored by git
 PARTS = ("analysis", "assembly", "kinematics", "physics", "results", "solvers", "study")  # of the suite
 # They start processes of their own, whose lines nobody sees, or write gigabytes.
 LEFT_OUT = ("results/test_killed_processes.py", "results/test_large_files.py", "results/test_threads.py", "study/test_cluster.py")
+NEAR = 12  # lines after that of a default, in which the function lies that it belongs to
 DURATION = re.compile(r"^([0-9.]+)s (?:call|setup)\s+(\S.*)$")
 
 
@@ -104,8 +105,9 @@ class Reach:
         first = mutant.line
         last = first + text[slice(*mutant.span)].count("\n")
         found = {test for line in range(first, last + 1) for test in lines.get(line, [])}
-        if not found and not mutant.function:
-            found = {test for tests in lines.values() for test in tests}
+        if not found:  # a default or a constant, which nobody runs but the import
+            near = range(first, last + NEAR) if mutant.function else lines
+            found = {test for line in near for test in lines.get(line, [])}
         own = f"tests/{mutant.file.split('.')[0]}/"
         names, took = self.recorded["names"], self.recorded["took"]
         return sorted(((names[k], took[k]) for k in found), key=lambda one: (took_class(one[1]), not one[0].startswith(own), one[0]))

@@ -37,6 +37,17 @@ def far():
     return wear(loose_pin(Wear(bearing=10.0 * SOFT, journal=10.0 * HARD)), 1.6e6, block=1, settle=1, step=5e-6)
 
 
+def test_a_profile_from_the_start_keeps_its_harmonics():
+    """(mean, a_1, b_1, a_2, b_2) of surfaces that have lost nothing since; what was lost evenly is added to the mean."""
+    own = loose_pin(Wear(bearing=SOFT, journal=HARD, bearing_profile=(5e-6, 1e-6, 2e-6, 3e-6, 4e-6)))
+    found = surfaces_of(own)
+    (cosines, sines), (other, _) = profiles(found, np.stack([np.zeros(PLACES), np.full(PLACES, 7e-6)]), 4)
+    assert cosines == pytest.approx([5e-6, 1e-6, 3e-6, 0.0], abs=1e-18) and sines == pytest.approx([0.0, 2e-6, 4e-6, 0.0], abs=1e-18)
+    assert other == pytest.approx([7e-6, 0.0, 0.0, 0.0], abs=1e-18)
+    (few, _), _ = profiles(found, np.zeros((2, PLACES)), 2)
+    assert few == pytest.approx([5e-6, 1e-6], abs=1e-18)
+
+
 def volume_rate(found) -> np.ndarray:
     """Volume a turn, over that of the new machine."""
     return found.rate.sum(axis=(1, 2)) / found.rate[0].sum()
