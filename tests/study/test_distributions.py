@@ -46,6 +46,14 @@ def test_the_clearance_of_a_fit_is_that_of_pairs_of_parts() -> None:
     assert found.without == 0.0
 
 
+@pytest.mark.parametrize("name", ["H8/f7", "H7/g6", "H11/c11", "H7/k6"])
+def test_the_probability_below_a_quantile_is_its_share(name: str) -> None:
+    """Quantiles have ten digits, so that probabilities have nine."""
+    found, u = of_fit(name, 0.02, cut=True), np.array([1e-4, 0.03, 0.2, 0.5, 0.7, 0.95, 0.9999])
+    below = found._below(2.0 * found.quantile(u))
+    assert below == pytest.approx(found.without + u * (1.0 - found.without), abs=2e-9)
+
+
 def test_two_alike_parts_with_little_cut_are_nearly_a_normal_one() -> None:
     """The variance of a difference is the sum of the variances, each (1 - 6 φ(3)/(2 Φ(3) - 1)) σ²; quantiles show it."""
     found = of_fit("H7/f7", 0.02)

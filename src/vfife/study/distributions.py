@@ -194,7 +194,8 @@ class Clearance(Distribution):
             high[open_] = np.where(have < target, high[open_], here)
             with np.errstate(divide="ignore", invalid="ignore"):
                 new = here - (have - target) / slope
-            at[open_] = np.where((new > low[open_]) & (new < high[open_]), new, 0.5 * (low[open_] + high[open_]))
+            inside = (new >= low[open_]) & (new <= high[open_])  # ends too: a quantile may be a point of the table, or found already
+            at[open_] = np.where(inside, new, 0.5 * (low[open_] + high[open_]))
             open_ = open_[np.abs(at[open_] - here) > 1e-14 * d[-1]]
             if not len(open_):
                 break
