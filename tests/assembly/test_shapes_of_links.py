@@ -81,6 +81,8 @@ def test_a_turning_rod_is_pulled_by_what_is_beyond() -> None:
     stretched = 0.3 * (1.0 + pull / (207e9 * 4e-4))
     assert np.diff(radius) == pytest.approx(stretched, rel=1e-12)
     assert block(found, "frame_moment_1") == pytest.approx([0.0, 0.0], abs=1e-9)
+    w, u, v = (block(found, f"particle_{name}")[1:] for name in "wuv")
+    assert w == pytest.approx([speed] * 3, rel=1e-9) and (u[0], v[0]) == (0.0, 0.0)
     assert np.hypot(block(found, "particle_u")[3], block(found, "particle_v")[3]) == pytest.approx(speed * radius[2], rel=1e-9)
 
 

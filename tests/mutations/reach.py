@@ -6,7 +6,7 @@ import json
 import re
 import subprocess
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
@@ -95,11 +95,16 @@ class Reach:
         found: dict[str, Any] = json.loads((FOLDER / "reach.json").read_text())
         return found
 
+    @cached_property
+    def sizes(self) -> Counter[int]:
+        """How many lines each test runs."""
+        return Counter(test for lines in self.known.values() for tests in lines.values() for test in tests)
+
     def tests(self, mutant: Mutant, text: str) -> list[tuple[str, float]]:
         """Tests that run the lines of a fault and how long each takes (s): those of its own package first, quick ones before slow ones.
 
-        Tests of one file come together, for reading a file takes time too. Of a constant of a module, which runs when it is imported, those of all
-        its lines.
+        Those that run few lines in all come first, for they are about these. Of a
+        constant of a module, which runs when it is imported, those of all its lines.
         """
         lines = self.known.get(mutant.file.replace(".", "/") + ".py", {})
         first = mutant.line
@@ -109,8 +114,9 @@ class Reach:
             near = range(first, last + NEAR) if mutant.function else lines
             found = {test for line in near for test in lines.get(line, [])}
         own = f"tests/{mutant.file.split('.')[0]}/"
-        names, took = self.recorded["names"], self.recorded["took"]
-        return sorted(((names[k], took[k]) for k in found), key=lambda one: (took_class(one[1]), not one[0].startswith(own), one[0]))
+        names, took, size = self.recorded["names"], self.recorded["took"], self.sizes
+        ranked = sorted(found, key=lambda k: (took_class(took[k]), not names[k].startswith(own), size[k], names[k]))
+        return [(names[k], took[k]) for k in ranked]
 
 
 def took_class(seconds: float) -> int:
