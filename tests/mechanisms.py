@@ -125,3 +125,19 @@ def beads() -> Mechanism:
     m.rigid_body("bob", mass=1.0, inertia=0.01, position=(0.0, -1.0), velocity=(1.0, 0.0, 1.0))
     m.distance("rope", "ground.O", "bob.center", length=1.0)
     return m
+
+
+def snapping() -> Mechanism:
+    """A damped block on a line, pushed off by a spring too long for its place: it comes to rest on one of two sides. A crank turns beside it."""
+    m = Mechanism("snapping")
+    m.point("O", 2.0, 0.0)
+    m.point("P", 0.0, 0.0)
+    m.point("Q", 0.0, 1.0)
+    m.point("R", 0.0, 0.0)
+    m.link("crank", length=0.1, mass=0.1)
+    m.revolute("O", "ground.O", "crank.start")
+    m.drive("crank", speed=20.0)
+    m.rigid_body("block", mass=1.0, inertia=0.01, position=(0.3, 0.0), velocity=(1.0, 0.0, 0.0), pins={"pin": (0.0, 0.0)})
+    m.slider("guide", "ground.P", "block.pin")
+    m.spring("spring", "ground.Q", "block.pin", stiffness=800.0, damping=100.0, free_length=1.1)
+    return m

@@ -87,3 +87,19 @@ def test_what_repeats_but_for_rounding_has_period_one():
     for seed in range(6):
         noise = np.random.default_rng(seed).uniform(-1.0, 1.0, (50, 2))
         assert verdict(np.array([1.4e-6, 152.0]) * (1.0 + np.array([1e-8, 2e-6]) * noise)).kind == "period 1"
+
+
+@pytest.mark.parametrize("turns", [30, 200])
+def test_no_period_is_told_beside_a_positive_exponent(turns):
+    """Points of period 3 while a small difference grows e-fold every other turn: one of the two is wrong, so neither is told."""
+    points = np.resize([1.0, 3.0, 2.0], turns)
+    found = verdict(points, exponent(np.full(turns, 0.5)))
+    assert found.kind == "not decided" and found.period is None
+    assert "+0.5 per turn" in found.evidence and "a small difference grows" in found.evidence
+
+
+def test_a_sheared_difference_grows_and_leaves_a_period():
+    """A difference that grows as the turns do, not exponentially: its exponent ln(n)/n is positive, and zero within its uncertainty."""
+    logs = np.log1p(1.0 / np.arange(1.0, 61.0))
+    found = verdict(np.resize([1.0, 3.0], 60), exponent(logs))
+    assert found.exponent.low > 0.0 and found.kind == "period 2"

@@ -13,6 +13,7 @@ from .chaos import Exponent, apart, period, zero_one
 Array = NDArray[np.float64]
 
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
+UNDECIDED = "not decided"  # points repeat although a small difference grows: the one excludes the other
 ENOUGH = 100  # points from which the 0-1 test is asked
 REGULAR, IRREGULAR = 0.3, 0.7  # what it says of a motion without and with chaos
 AGREEING = 2.0  # largest over smallest exponent of two halves of fewer points than that
@@ -57,6 +58,8 @@ class Verdict:
         within = f"within {100.0 * self.distance:.2g} % of the range"
         turns = "a turn" if self.period == 1 else f"{self.period} turns"
         said = [f"points {turns} apart lie {within}" if self.period else f"points come back {within} at best, up to 16 turns on"]
+        if self.kind == UNDECIDED:
+            said = [f"points come back {within}, as those of a periodic motion do, although a small difference grows: try a smaller step"]
         if self.exponent is not None:
             said.append(f"exponent {self.exponent.value:+.3g} per turn ({self.exponent.low:+.3g} and {self.exponent.high:+.3g} in its halves)")
         if self.zero_one is not None:
@@ -90,9 +93,10 @@ def rotation(points: Array) -> Rotation | None:
 def verdict(points: Array, found: Exponent | None = None, tolerance: float = 1e-3) -> Verdict:
     """What a motion is whose ``points`` are these, shape (points,) or (points, coordinates), with the exponent, where it is known.
 
-    A period is told where points repeat within ``tolerance`` of their range, three times over. What has none is chaotic where a small difference
-    grows more than e-fold in each half of the turns (of fewer than 100 points, about as fast in both), not settled where it dies as fast or the
-    halves do not agree; in between, the 0-1 test decides, or, of fewer than 100 points, whether they lie on a closed curve.
+    A period is told where points repeat within ``tolerance`` of their range, three times over, unless a small difference grows more than e-fold in
+    each half of the turns: then nothing is decided. What has no period is chaotic where a difference grows so (of fewer than 100 points, about as
+    fast in both halves), not settled where it dies as fast or the halves do not agree; in between, the 0-1 test decides, or, of fewer than 100
+    points, whether they lie on a closed curve.
     """
     points = np.asarray(points, dtype=float)
     points = points.reshape(len(points), -1)
@@ -100,12 +104,14 @@ def verdict(points: Array, found: Exponent | None = None, tolerance: float = 1e-
         return Verdict(DIVERGED, None, float("nan"), found)
     repeats = period(points, tolerance)
     distance = apart(points, repeats)
+    # The exponent of a motion that neither attracts nor repels converges to zero as ln(n)/n, so one below 2/n is not known to be positive.
+    margin = 0.0 if found is None else 2.0 / max(len(found.running), 2)
+    grows = found is not None and found.low > margin
     if repeats is not None:
-        return Verdict(f"period {repeats}", repeats, distance, found)
+        return Verdict(UNDECIDED, None, distance, found) if grows else Verdict(f"period {repeats}", repeats, distance, found)
     test = zero_one(points[:, 0]) if len(points) >= ENOUGH else None
     turning = rotation(points)
-    margin = 0.0 if found is None else 2.0 / max(len(found.running), 2)
-    if found is not None and found.low > margin and (len(points) >= ENOUGH or found.high <= AGREEING * found.low):
+    if found is not None and grows and (len(points) >= ENOUGH or found.high <= AGREEING * found.low):
         kind = CHAOTIC
     elif found is not None and not (found.high >= -margin and found.low >= -margin and found.value <= margin):
         kind = UNSETTLED

@@ -60,7 +60,7 @@ def basins(
             raise ValueError(f"--over: this is given {len(over)} times; {how}")
         x, y = (number_range(mechanism, text, starts=True) for text in over)
         size, some, left = quantity_at("--step", step), counts(count), drop_of(drop, turns)
-        steps = turning_steps(models_along(mechanism, (x, y)), size, companions)
+        steps = turning_steps(models_along(mechanism, (x, y)), size)
         made_in = TURNED if any(path == "start.crank" for path, *_ in (x, y)) else MADE
         work = Work(some[0] * some[1], "start", turns, left, steps, 4, len(of or (1, 1)) + 1, companions, exponents, made=made_in, brief=BRIEF)
         given = {

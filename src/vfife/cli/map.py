@@ -89,7 +89,7 @@ def sweep(
         path, low, high = swept = number_range(mechanism, over)
         starts, size, left = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step), drop_of(drop, turns)
         lanes, chains = (4, 1) if starts else (2, 2)
-        steps = turning_steps(models_along(mechanism, (swept,)), size, companions)
+        steps = turning_steps(models_along(mechanism, (swept,)), size)
         work = Work(count * max(len(starts), 1), "value", turns, left, steps, lanes, (len(of or (1, 1)) + 1) * chains, companions, brief=BRIEF)
         given = {
             "path": path, "low": low, "high": high, "count": count, "turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0,

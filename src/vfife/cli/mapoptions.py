@@ -17,11 +17,19 @@ Drop = Annotated[
     int | None, typer.Option("--drop", metavar="N", min=0, help="So many of them are not looked at.", show_default="two thirds of them")
 ]
 Of = Annotated[
-    list[str] | None, typer.Option("--of", metavar="SERIES", help="What is looked at once a turn.", show_default="penetration, force_max")
+    list[str] | None,
+    typer.Option(
+        "--of",
+        metavar="SERIES",
+        help="What is looked at once a turn.",
+        show_default="penetration, force_max of a joint with play; else a place or speed",
+    ),
 ]
 Phase = Annotated[float, typer.Option("--phase", metavar="DEG", min=0.0, max=360.0, help="How far beyond its start the crank is looked at.")]
 STEP = "Time step; a turn has a whole number of them."
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="automatic, the finer one of both ends")]
+Step = Annotated[
+    str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="the finest that a run finds at the ends and in the middle")
+]
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.map", help="Where to keep it.", show_default="runs/MODEL.map")]
 Figured = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE.png")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All points as a table.", show_default=False)]
@@ -43,12 +51,12 @@ def quantity_at(option: str, text: str | None) -> float | None:
     return None if text is None else positive(option, text, "s")
 
 
-def turning_steps(models: Sequence[Mechanism], step: float | None, companions: int = 0) -> int:
+def turning_steps(models: Sequence[Mechanism], step: float | None) -> int:
     """Steps of a turn, as they will be taken; 0 where no crank turns, which is told when a map is begun. Raises ModelError for a step too large."""
     from ..model.functions import turn_of
     from ..study.maps.looks import step_count
 
-    return 0 if any(turn_of(model) is None for model in models) else step_count(models, step, companions)
+    return 0 if any(turn_of(model) is None for model in models) else step_count(models, step, search=True)
 
 
 def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:

@@ -11,7 +11,7 @@ import typer
 
 from ..results.header import WEAR_APPLICATION, head_with
 from .mapmaking import places
-from .mapoptions import Step
+from .mapoptions import STEP
 from .options import LawsOption, SetOption, positive, read_model
 from .run import Quiet
 from .signals import NOW
@@ -32,6 +32,7 @@ Tolerance = Annotated[float, typer.Option("--tolerance", metavar="SHARE", help="
 Harmonics = Annotated[
     int, typer.Option("--harmonics", metavar="N", min=0, max=MOST_HARMONICS, help="Of the worn profiles that clearances follow; 0: they do not.")
 ]
+Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="automatic")]
 Play = Annotated[str | None, typer.Option("--clearance", metavar="LENGTH", help="Play of a joint that ends its life.", show_default=False)]
 Force = Annotated[str | None, typer.Option("--force", metavar="FORCE", help="Force of a joint that ends its life.", show_default=False)]
 Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.wear", help="Where to keep it.", show_default="runs/MODEL.wear")]

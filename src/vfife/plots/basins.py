@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..study.maps.basins import Basins
 
 PERIODIC = (BLUE, ORANGE, GREEN, SKY, PURPLE, "#F0E442", "#5B4B3A")
-OTHERS = {"chaotic": VERMILION, "quasi-periodic": "#44AA99", "not settled": GREY, "diverged": INK}
+OTHERS = {"chaotic": VERMILION, "quasi-periodic": "#44AA99", "not settled": GREY, "not decided": "#DDAA33", "diverged": INK}
 
 
 def colours(found: Basins) -> list[str]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import vfife
+from mechanisms import snapping
 from vfife.analysis.attractors import attractors
 from vfife.analysis.verdict import verdict
 from vfife.errors import ModelError
@@ -16,24 +17,7 @@ from vfife.study.maps.beside import Companion, packed, sampled, told, unpacked
 from vfife.study.maps.bifurcation import bifurcation
 from vfife.study.maps.kept import load_map
 
-SPEED = 20.0
 LOOSE = "examples/slider_crank_loose_pin.toml"
-
-
-def snapping() -> vfife.Mechanism:
-    """A damped block on a line, pushed off by a spring too long for its place: it comes to rest on one of two sides. A crank turns beside it."""
-    m = vfife.Mechanism("snapping")
-    m.point("O", 2.0, 0.0)
-    m.point("P", 0.0, 0.0)
-    m.point("Q", 0.0, 1.0)
-    m.point("R", 0.0, 0.0)
-    m.link("crank", length=0.1, mass=0.1)
-    m.revolute("O", "ground.O", "crank.start")
-    m.drive("crank", speed=SPEED)
-    m.rigid_body("block", mass=1.0, inertia=0.01, position=(0.3, 0.0), velocity=(1.0, 0.0, 0.0), pins={"pin": (0.0, 0.0)})
-    m.slider("guide", "ground.P", "block.pin")
-    m.spring("spring", "ground.Q", "block.pin", stiffness=800.0, damping=100.0, free_length=1.1)
-    return m
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,8 @@ from ...results.mapfile import MapFile
 from ...solvers.orbits import Orbits, Start
 from ...solvers.record import recorded_rows
 from .beside import SAMPLE, Companion, alike, packed, sampled, started_companions, told, unpacked
-from .looks import chosen_series, kept_in, law_words, left_out, looked, models_along, refuse_idle, refuse_large_frame, seed, step_count, tupled
+from .looks import chosen_series, kept_in, law_words, left_out, models_along, refuse_idle, seed, step_count, tupled
+from .probe import looked, refuse_large_frame
 from .starts import Starts, unit_of_start
 
 if TYPE_CHECKING:
@@ -217,7 +218,7 @@ def planned(
     if x[0] == y[0]:
         raise ModelError([Fault("y", "this is the number that x is", x[0], "two numbers", "name another one")], mechanism.name)
     text = dump(mechanism)
-    steps = step_count(models_along(mechanism, (x, y)), step, companions)
+    steps = step_count(models_along(mechanism, (x, y)), step, search=True)
     first = Starts(mechanism, steps).at({})
     refuse_large_frame(first)
     chosen, _ = chosen_series(first, series)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.chaos import exponent
-from ...analysis.verdict import CHAOTIC, DIVERGED, QUASI, UNSETTLED, verdict
+from ...analysis.verdict import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, verdict
 from ...assembly.assembled import Assembly
 from ...errors import VfifeError
 from ...solvers.nearby import ALIGNED, Nearby, plain_runner, steps_of_turn
@@ -20,12 +20,13 @@ from ...solvers.pace import Pace
 from ...solvers.record import recorded_rows
 from ...solvers.restepped import restepped
 from ...solvers.tangents import Neighbours
-from .looks import looked, stepped
+from .looks import stepped
+from .probe import looked
 
 Array = NDArray[np.float64]
 RATIOS = (0.8, 2.0)  # steps in a turn for each of the map
 SAMPLE = 5  # members that are gone through again, unless said
-WORDS = (CHAOTIC, QUASI, UNSETTLED, DIVERGED)
+WORDS = (CHAOTIC, QUASI, UNSETTLED, DIVERGED, UNDECIDED)  # map files hold their places
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,8 @@ from ...solvers.tangents import Neighbours
 from ..nearby import nearby
 from .beside import SAMPLE, Companion, carried_companions, packed, sampled, started_companions
 from .diagram import WHAT, Bifurcation, Legs, Swept
-from .looks import chosen_series, kept_in, left_out, looked, models_along, refuse_idle, refuse_large_frame, seed, step_count, stepped, unit_at
+from .looks import chosen_series, kept_in, left_out, models_along, refuse_idle, seed, step_count, stepped, unit_at
+from .probe import looked, refuse_large_frame
 from .starts import Starts
 
 Array = NDArray[np.float64]
@@ -51,9 +52,10 @@ def bifurcation(
     """Sweeps the number at ``path`` from ``low`` to ``high`` (SI) and back in ``count`` values, the state carried on from one to the next.
 
     At each ``turns`` turns, of which ``dropped`` are not looked at, two thirds unless said. ``series``: what is looked at once a turn, by its name
-    in ``result.series``; the penetration and the largest force of the first contact unless said. ``step`` (s): the finer automatic one of both
-    ends unless said; a turn has a whole number of them, the same for all values. With ``starts`` each value begins anew from each of them: ``{}``
-    is the model's own, ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.basins` says which numbers there are).
+    in ``result.series``; the penetration and the largest force of a contact, or a place or speed, that vary, unless said. ``step`` (s): the finest
+    that a run of ten turns finds at both ends and in the middle, unless said; a turn has a whole number of them, the same for all values. With
+    ``starts`` each value begins anew from each of them: ``{}`` is the model's own, ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another
+    (:func:`~vfife.basins` says which numbers there are).
     ``companions``: so many values are gone through again, with 1.25 times and half the step. With a ``file`` what is known is kept in it after
     each value, and the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for a number that cannot be swept so, HeldError
     where another process writes the file.
@@ -83,7 +85,7 @@ def planned(
     """What is asked, and the model at each value, stepped alike."""
     text = dump(mechanism)
     refuse_idle(mechanism, turns, dropped)
-    steps = step_count(models_along(mechanism, ((path, float(values[0]), float(values[-1])),)), step, companions)
+    steps = step_count(models_along(mechanism, ((path, float(values[0]), float(values[-1])),)), step, search=True)
     every = assembled(text, path, values.tolist(), steps)
     chosen, units = chosen_series(every[0], series)
     own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)

@@ -6,7 +6,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from itertools import takewhile
+from itertools import product, takewhile
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -23,19 +23,16 @@ from ...modelfile import dump, loads
 from ...modelfile.numbers import numbers
 from ...modelfile.override import PathFault, resolve
 from ...modelfile.read import raw_of
-from ...result import Result
 from ...results.askedfile import AskedFile
-from ...results.channels import entities
 from ...results.lock import Lock
 from ...results.mapfile import MapFile
 from ...results.view import View, standing
 from ...simulation import prepare
 from ...solvers.arguments import Asked
-from ...solvers.record import Record
 from ...solvers.sweeping import carried_on
 from ...solvers.tangents import Neighbours
-from ...solvers.transient import choose_loop
 from ..places import held_at
+from .probe import default_series, run_step
 
 Array = NDArray[np.float64]
 Own = TypeVar("Own", bound=AskedFile)
@@ -43,7 +40,7 @@ DROPPED = 2 / 3  # of the turns, that are not looked at unless said
 NEAR = 1e-6  # of a number, by which the difference begins that is watched
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")  # numbers that move no pin, the first first
 MOST_COUNTS = 16
-COUNTS: OrderedDict[tuple[tuple[str, ...], float | None, int], int] = OrderedDict()  # steps in a turn, as they were found
+COUNTS: OrderedDict[tuple[tuple[str, ...], float | None, bool], int] = OrderedDict()  # steps in a turn, as they were found
 
 
 def stepped(model: Mechanism, steps: int) -> Assembly:
@@ -52,9 +49,11 @@ def stepped(model: Mechanism, steps: int) -> Assembly:
 
 
 def models_along(mechanism: Mechanism, ranges: Sequence[tuple[str, float, float]]) -> list[Mechanism]:
-    """The model with all numbers of ``ranges`` (path, from, to) at their lower, and at their upper ends; itself where there are none of it."""
+    """The model in the middle of ``ranges`` (path, from, to) and at every corner of them; itself where none of them is of the model."""
     text, own = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
-    return [loads(text, set=[(one[0], one[end]) for one in own]) for end in (1, 2)] if own else [mechanism]
+    paths = [path for path, _, _ in own]
+    places = [*product(*((low, high) for _, low, high in own)), tuple(0.5 * (low + high) for _, low, high in own)]
+    return [loads(text, set=list(zip(paths, place, strict=True))) for place in places] if own else [mechanism]
 
 
 def refuse_idle(mechanism: Mechanism, turns: int, dropped: int) -> None:
@@ -68,32 +67,25 @@ def refuse_idle(mechanism: Mechanism, turns: int, dropped: int) -> None:
         raise ModelError(faults, mechanism.name)
 
 
-def refuse_large_frame(assembly: Assembly) -> None:
-    """Raises ModelError for what is too large to be stepped as a straight line."""
-    if choose_loop(assembly, "auto") != "generated":
-        fault = Fault("body", "a frame of so many elements is not swept", "", "", "use fewer elements")
-        raise ModelError([fault], assembly.mechanism.name)
-
-
 def left_out(dropped: int | None, turns: int, share: float = DROPPED) -> int:
     """Turns that are not looked at, of so many: a share of them unless said, so that one is left."""
     return turns - max(1, round((1.0 - share) * turns)) if dropped is None else dropped
 
 
-def step_count(models: Sequence[Mechanism], step: float | None, companions: int = 0) -> int:
-    """Steps in a turn, enough for all models: with ``companions``, which look whether they will do, as few as a run tries first.
+def step_count(models: Sequence[Mechanism], step: float | None, search: bool = False) -> int:
+    """Steps in a turn, enough for all models: those of ``step`` (s), else of the automatic step; with a ``search`` of the step that a run finds.
 
     Raises ModelError for a step that is too large for one of them. What was found for models of the same text is known: a command asks for its
     forecast first.
     """
-    key = tuple(dump(model) for model in models), step, min(companions, 1)
+    key = tuple(dump(model) for model in models), step, search
     if (found := COUNTS.get(key)) is not None:
         return found
     counts = []
     for model in models:
         if step is not None:
             refuse_large(model, step)
-        size = prepare(model, Asked(turns=1.0, companions=min(companions, 1))).assembly.choice.step if step is None else step
+        size = step if step is not None else run_step(model) if search else prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step
         counts.append(math.ceil((turn_of(model) or 0.0) / size * (1.0 - 1e-9)))
     COUNTS[key] = max(counts)
     if len(COUNTS) > MOST_COUNTS:
@@ -124,14 +116,6 @@ def refuse_unknown(where: str, names: Sequence[str], known: Sequence[str], what:
         raise ModelError(wrong, model)
 
 
-def default_series(assembly: Assembly) -> tuple[str, ...]:
-    """Where journals are in their bearings, and the largest force of a turn; without contacts the first link's speed."""
-    joints = list(dict.fromkeys(assembly.contact_joints))
-    if joints:
-        return tuple(f"{joints[0]}.{what}" for what in ("penetration", "force_max"))
-    return (f"{list(assembly.bodies)[-1]}.angular_velocity",)
-
-
 def unit_at(mechanism: Mechanism, path: str) -> str:
     """Unit of the number at a path. Raises ValueError where there is none."""
     raw = raw_of(dump(mechanism), mechanism.name)
@@ -150,20 +134,6 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
 def unit_of(start: View, series: str) -> str:
     """Unit of a series."""
     return start.channels[start.series.place(series)[0]].unit
-
-
-def looked(assembly: Assembly, kept: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int) -> Array:
-    """What series are once a turn, of rows recorded then, shape (turns, kept): shape (turns, series)."""
-    found = np.zeros((len(rows), len(series)))
-    if not len(rows):
-        return found
-    result = Result(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, kept))
-    for j, name in enumerate(series):
-        variable, entity, label = result.series.place(name)
-        values = result.channels[variable].values
-        place = entities(result.record)[entity].index(str(label)) if entity is not None else 0
-        found[:, j] = values[:, place] if entity is not None else values
-    return found
 
 
 def seed(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbours:

@@ -24,15 +24,14 @@ from .looks import (
     kept_in,
     law_words,
     left_out,
-    looked,
     refuse_idle,
-    refuse_large_frame,
     refuse_unknown,
     seed,
     step_count,
     stepped,
     tupled,
 )
+from .probe import looked, refuse_large_frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,13 +120,14 @@ def poincare_section(
     """The Poincaré section of a mechanism's motion: ``turns`` turns, of which ``dropped`` are not looked at, a third unless said.
 
     ``series``: what is looked at once a turn, at a ``phase`` (1) of it, by its name in ``result.series``; the penetration and the largest force of
-    the first contact unless said. ``joints`` with play: of these every contact that begins. ``step`` (s): the automatic one unless said, a whole
-    number of them in a turn. With a ``file`` what is known is kept in it every fifty turns, and the same call goes on there, to the bit. Ctrl-C
-    leaves what is complete. Raises ModelError for what cannot be looked at so, HeldError where another process writes the file.
+    a contact, or a place or speed, that vary, unless said. ``joints`` with play: of these every contact that begins. ``step`` (s): the one that a
+    run of ten turns finds unless said, a whole number of them in a turn. With a ``file`` what is known is kept in it every fifty turns, and the
+    same call goes on there, to the bit. Ctrl-C leaves what is complete. Raises ModelError for what cannot be looked at so, HeldError where another
+    process writes the file.
     """
     dropped = left_out(dropped, turns, DROPPED)
     refuse_idle(mechanism, turns, dropped)
-    steps = step_count([mechanism], step)
+    steps = step_count([mechanism], step, search=True)
     first = stepped(mechanism, steps)
     refuse_large_frame(first)
     chosen, units = chosen_series(first, series)

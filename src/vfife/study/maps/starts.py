@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -68,7 +69,7 @@ class Starts:
         """The model at a start: that of its own, but for the ``numbers``. Raises VfifeError where there is none, as with a journal outside.
 
         With numbers of the start joints are closed around eccentric journals; velocities are those of the driven motion with the journals going
-        on in their bearings as they are told; elastic links begin without forces.
+        on in their bearings as they are told, and what bodies have by a velocity of their own beyond that; elastic links begin without forces.
         """
         own = {path: value for path, value in numbers.items() if path.startswith("start.") and path.rpartition(".")[2] in (*AXES, "crank")}
         rest = [(path, value) for path, value in numbers.items() if path not in own]
@@ -81,6 +82,8 @@ class Starts:
         near = self.turned(model, time, alone=bool(rest))
         ends = [self.position(model, time + sign * NEAR * turn, near, at, rate, sign * NEAR * turn) for sign in (-1.0, 0.0, 1.0)]
         velocity = (ends[2] - ends[0]) / (2.0 * NEAR * turn)
+        if any(any(body.velocity) for body in model.bodies.values()):
+            velocity = velocity + self.own_velocity(model, time, near)
         given = Given(ends[1], velocity, frozenset(model.bodies))
         return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, given=given)
 
@@ -113,6 +116,13 @@ class Starts:
                 position = ideal_motion(model, nearest + (time - nearest) * k / parts, position).position
             known[time] = position
         return known[time]
+
+    @staticmethod
+    def own_velocity(model: Mechanism, time: float, near: Array) -> Array:
+        """By how much ``body.*.velocity`` changes the velocities at a time (s) near a position, shape (bodies + 1, 3), in m/s and rad/s."""
+        still = {name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in model.bodies.items()}
+        with_own, without = ideal_motion(model, time, near), ideal_motion(dataclasses.replace(model, bodies=still), time, near)
+        return with_own.velocity - without.velocity
 
     @staticmethod
     def position(model: Mechanism, time: float, near: Array, at: Mapping[str, Array], rate: Mapping[str, Array], after: float) -> Array:

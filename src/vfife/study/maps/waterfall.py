@@ -25,7 +25,8 @@ from ...simulation import prepare
 from ...solvers.arguments import Asked
 from ...solvers.ensemble import placed
 from ...solvers.streaming import stepped
-from .looks import kept_in, law_words, refuse_large_frame, refuse_unknown, tupled, unit_at, unit_of
+from .looks import kept_in, law_words, refuse_unknown, tupled, unit_at, unit_of
+from .probe import refuse_large_frame
 from .spectral import Spectral
 
 if TYPE_CHECKING:
