@@ -20,7 +20,7 @@ from limit import COMPILER, ask, build
 from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 
 from vfife import load_model
-from vfife.codegen.native import widest
+from vfife.codegen.native import stream_lanes
 from vfife.codegen.runner import Runner
 from vfife.solvers.record import recorded_rows
 from vfife.study.engine import Wanted, run_members
@@ -31,6 +31,7 @@ WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.
 TURNS = 4
 ASSEMBLED = 1000
 CORES = os.cpu_count() or 1
+LANES = stream_lanes(3)  # case c has three contacts
 
 
 def clearances(count: int) -> list[dict[str, float | str]]:
@@ -96,12 +97,12 @@ def pool(part: Part) -> float:
 
 
 def c_lanes(part: Part, steps: int) -> float:
-    """ns per step and simulation of the C program with vfife's step and ledger, as many lanes as registers hold; the best of three."""
+    """ns per step and simulation of the C program with vfife's step and ledger, in as many lanes as members; the best of three."""
     if shutil.which(COMPILER) is None:
         part.notes.append(f"study: no C compiler here ({COMPILER})")
         return math.nan
     with tempfile.TemporaryDirectory() as folder:
-        program = build(Path(folder))[f"ledger_{widest() if widest() >= 4 else 1}"]
+        program = build(Path(folder))[f"ledger_{LANES if LANES >= 4 else 1}"]
         return min(ask(program, steps)["ns"] for _ in range(3))
 
 
@@ -118,7 +119,7 @@ def measure(options: Options) -> Part:
     best["c"] = c_lanes(part, 200_000) * 1e-9
     each = best["core"] / study.steps
     part.ratios = {
-        f"study.core_over_one_lane_{widest()}_lanes": best["lane"] / each,
+        f"study.core_over_one_lane_{LANES}_lanes": best["lane"] / each,
         "study.two_cores_over_one": best["core"] / best["two"],
         "study.grid_20_by_10": best["grid"] / 3.0,
         "study.assembly": best["assembly"] / 1e-4,
@@ -138,8 +139,8 @@ def measure(options: Options) -> Part:
     count = len(study.numbers)
     rows: list[tuple[Any, ...]] = [
         ("one lane, one core", None, 1e-6 / best["lane"]),
-        (f"study, {widest()} lanes, one core", count / best["core"], 1e-6 * study.steps / best["core"]),
-        (f"study, {widest()} lanes, {CORES} cores", count / best["all"], 1e-6 * study.steps / best["all"]),
+        (f"study, {LANES} lanes, one core", count / best["core"], 1e-6 * study.steps / best["core"]),
+        (f"study, {LANES} lanes, {CORES} cores", count / best["all"], 1e-6 * study.steps / best["all"]),
         (f"20 clearances by 10 speeds, ten turns, {CORES} cores: {best['grid']:.2f} s", 200 / best["grid"], 1e-6 * whole.steps / best["grid"]),
         ("C program's lanes, one core", None, 1e-6 / best["c"]),
         (f"fastest peer, {CORES} processes", peers / TURNS, None),

@@ -9,6 +9,13 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
+from support import four_bar
+from vfife.codegen import native
+from vfife.codegen.streams import Stream
+from vfife.solvers import streaming
+from vfife.solvers.ensemble import advance, placed
 from vfife.solvers.streaming import Waiting
 
 LONG = 30.0  # s, after which a test has failed
@@ -93,3 +100,30 @@ def test_many_threads_take_each_member_once() -> None:
     for one in threads:
         one.join(LONG)
     assert sorted(taken.get_nowait() for _ in range(400)) == list(range(400)) and taken.empty()
+
+
+@pytest.mark.parametrize("features, contact, without", [("+sse2", 2, 2), ("+sse2,+avx", 4, 4), ("+sse2,+avx,+avx512f", 4, 8)])
+def test_lanes_of_a_stream_follow_from_processor_and_contacts(features, contact, without, monkeypatch) -> None:
+    monkeypatch.setattr(native, "processor", lambda: ("some", features))
+    assert [native.stream_lanes(count) for count in (0, 1, 6)] == [without, contact, contact]
+
+
+@pytest.mark.parametrize("joints, wanted, found", [("C", None, 4), ("", None, 8), ("C", 8, 8), ("", 2, 2)])
+def test_members_with_contact_have_four_lanes_where_there_are_eight(joints, wanted, found, monkeypatch) -> None:
+    """Also those without contact where so many share one thread; what is asked for is done. Bits are the same in all."""
+    monkeypatch.setattr(native, "widest", lambda: 8)
+    seen: list[int] = []
+
+    class Seen(Stream):
+        def __init__(self, topology: Any, lanes: int, *more: Any) -> None:
+            seen.append(lanes)
+            super().__init__(topology, lanes, *more)
+
+    monkeypatch.setattr(streaming, "Stream", Seen)
+    members = [placed(four_bar(joints, clearance=2e-4 * (1 + 0.05 * k)), 1e-5, 1, 20) for k in range(8)]
+    rows = [one.last.rows.tobytes() for one in advance(members, lanes=wanted, workers=1)]
+    assert seen == [found]
+    assert rows == [one.last.rows.tobytes() for one in advance(members, lanes=1, workers=1)]
+    seen.clear()
+    advance(members[:2], workers=1)
+    assert seen == [2], "no more than there are members"

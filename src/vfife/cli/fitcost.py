@@ -19,14 +19,14 @@ def forecast(task: Task, place: Path) -> dict[str, Any]:
     """Runs that are left, those that are kept, steps of each, seconds, bytes; estimates, and called so. Raises VfifeError as assembling does."""
     import numpy as np
 
-    from ..codegen.native import widest
+    from ..codegen.native import stream_lanes
     from ..results.tables import free_bytes
     from ..study.identification.sought import numbers_at
     from .cost import LIBRARIES, MEMORY, estimate
     from .forecast import MADE, SHARED
 
     one = task.curves().members.assembled(numbers_at(task.sought, np.full(len(task.sought), 0.5)))
-    alone, cores, lanes = estimate(one), os.cpu_count() or 1, widest()
+    alone, cores, lanes = estimate(one), os.cpu_count() or 1, stream_lanes(len(one.topology.contact_bearing))
     kept = known(task, place)
     left = max(task.runs - kept, 0)
     values, at_once = task.misfit.count, task.starts * (2 * len(task.sought) + 1)

@@ -53,13 +53,13 @@ def expected(
 
     Members of which a turn holds no whole number of outputs, as a step that is given may have it, go into no lanes.
     """
-    from ..codegen.native import widest
+    from ..codegen.native import stream_lanes
     from ..errors import VfifeError
     from ..results.tables import free_bytes
     from ..study.member import streams
     from .cost import estimate
 
-    seconds, steps, unfit = [0.0], [0], set()
+    seconds, steps, contacts, unfit = [0.0], [0], 0, set()
     for one in chosen:
         try:
             assembly = member(base, one, asked)
@@ -67,9 +67,10 @@ def expected(
             continue
         seconds.append(estimate(assembly)["seconds"])
         steps.append(assembly.choice.steps)
+        contacts = max(contacts, len(assembly.topology.contact_bearing))
         if not streams(assembly) and not assembly.choice.automatic and assembly.choice.turn is not None:
             unfit.add(assembly.choice.turn)
-    cores, lanes = os.cpu_count() or 1, 1 if unfit else widest()
+    cores, lanes = os.cpu_count() or 1, 1 if unfit else stream_lanes(contacts)
     each, count = sum(seconds), max(len(seconds) - 1, 1)
     free = free_bytes(target)
     first, more = BYTES

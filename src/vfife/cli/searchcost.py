@@ -40,7 +40,7 @@ def told_of_search(plan: Plan, base: Mechanism, search: Search, target: Path, ye
 
 def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | str]], base: Mechanism) -> float:
     """Time (s) of the members that derivatives lead to, each with derivatives of its own: two runs, and its steps with derivatives."""
-    from ..codegen.native import widest
+    from ..codegen.native import CONTACT_LANES
     from ..errors import VfifeError
     from ..study.refining import refuses
     from .cost import estimate
@@ -55,7 +55,7 @@ def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | st
             assembly = member(base, one, plan.asked)
         except VfifeError:  # told when it is run
             continue
-        directions = EACH * paths * (DISPLACED if assembly.contacts else 1) / widest()
+        directions = EACH * paths * (DISPLACED if assembly.contacts else 1) / CONTACT_LANES
         alone: float = estimate(assembly)["seconds"]
         return search.refine * alone * (3.0 + directions)
     return 0.0

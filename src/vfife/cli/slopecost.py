@@ -22,7 +22,7 @@ def told_of(
 ) -> None:  # fmt: skip
     """The forecast: a run, and its steps with derivatives by each number; and the end of what nobody can mean."""
     from ..assembly.assemble import assemble
-    from ..codegen.native import widest
+    from ..codegen.native import CONTACT_LANES
     from ..errors import VfifeError
     from ..modelfile import dump
     from ..modelfile.numbers import numbers
@@ -35,7 +35,7 @@ def told_of(
     except (VfifeError, ValueError, ArithmeticError):  # told when it is run
         return
     count = sum(any(fnmatchcase(path, pattern) for pattern in to) for path, value in numbers(dump(mechanism)) if value)
-    cores, lanes = os.cpu_count() or 1, widest()
+    cores, lanes = os.cpu_count() or 1, CONTACT_LANES
     alone, displaced = estimate(assembly), runs or 2 if assembly.contacts else 1
     seconds = alone["seconds"] * (1.0 + EACH * count * displaced / (lanes * cores))
     said = f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has derivatives"

@@ -61,14 +61,15 @@ def waterfall(
     """
 
     def understood(mechanism: Mechanism) -> Question:
-        from ..codegen.native import widest
+        from ..codegen.native import stream_lanes
         from ..study.maps.waterfall import about_steps, last_of
         from ..study.maps.waterfall import waterfall as made
 
         path, low, high = number_range(mechanism, over)
         size, taken = quantity_at("--step", step), last_of(last, turns)
         steps, kept = about_steps(mechanism, path, low, high, size), max(len(of or ()), 1) * (highest * taken + 1) / taken
-        work = Work(count, "run", turns, turns - taken, steps, max(widest(), 3), kept, grown=False, brief=Brief(20, turns, "--count 20"))
+        lanes, brief = max(stream_lanes(len(mechanism.contacts)), 3), Brief(20, turns, "--count 20")
+        work = Work(count, "run", turns, turns - taken, steps, lanes, kept, grown=False, brief=brief)
         given = {
             "path": path, "low": low, "high": high, "count": count, "turns": turns, "last": taken, "series": of or (), "outputs": outputs,
             "highest": highest, "window": window, "step": size,

@@ -64,6 +64,24 @@ def widest() -> int:
     return 8 if "+avx512f" in features else 4 if "+avx" in features else 2
 
 
+# Lanes of a step with contact, on every processor. Eight are not faster on all that have AVX-512: a step of the
+# four-bar took 1.2 times as long in eight lanes as in four on one of two processors. On the other it took 0.74 times
+# as long with one contact, 0.82 with three, 1.0 with six, and 1.09 with one contact beside four elastic elements.
+CONTACT_LANES = 4
+
+
+def stream_lanes(contacts: int) -> int:
+    """Count the lanes of a stream of simulations of one topology on this machine.
+
+    Without contacts eight lanes were faster wherever they were measured: members took 1.2 to 1.5 times the processor
+    time in four lanes with ideal joints, 1.13 to 1.22 times with elastic links (``benchmarks/lanes.py``). Results have
+    the same bits in any number of lanes.
+
+    ``contacts``: contacts of the topology (1). Returns 8 with AVX-512 without contacts, else 4, or 2 without AVX.
+    """
+    return min(widest(), CONTACT_LANES) if contacts else widest()
+
+
 def machine(effort: int = EFFORT) -> Any:
     """LLVM's code generator for this processor."""
     name, features = processor()

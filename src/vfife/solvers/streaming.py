@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import bounds, limited_rows
-from ..codegen.native import widest
+from ..codegen.native import stream_lanes
 from ..codegen.ondevice import MEMBERS, DeviceStream
 from ..codegen.streams import Starter, Stream
 from .record import recorded_rows
@@ -143,8 +143,8 @@ def stepped(
 ) -> Iterator[Ending]:  # fmt: skip
     """Steps members, ``count`` of them or so, and gives each when it has ended, what had ended before as it is; with ``stop`` set, no more.
 
-    ``lanes``: side by side in one vector register, as many as this machine's hold if not given, or as there are members that may share one, which
-    are ``alike``, all of them if not given; ``workers``: threads, one a core if not given.
+    ``lanes``: side by side in one vector register, :func:`~vfife.codegen.native.stream_lanes` if not given, or as many as there are members that
+    may share one, which are ``alike``, all of them if not given; ``workers``: threads, one a core if not given.
     ``device``: "cuda" has a card step them, by one thread, as many side by side as it can. ``tick`` is called now and then while nothing ends.
     """
     if device == "cuda":
@@ -154,8 +154,7 @@ def stepped(
     workers = max(1, min(workers or os.cpu_count() or 1, count))
     share = max(1, -(-(alike or count) // workers))
     waiting = Waiting(iter(members), found, share, AHEAD if workers > 1 else 0)
-    wide = lanes or min(widest(), 1 << (share - 1).bit_length())
-    arguments = waiting, found, wide, lambda: ended.is_set() or stop.is_set(), DeviceStream if device == "cuda" else Stream
+    arguments = waiting, found, lanes, lambda: ended.is_set() or stop.is_set(), DeviceStream if device == "cuda" else Stream
     threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
     for thread in threads:
         thread.start()
@@ -179,7 +178,7 @@ def stepped(
             thread.join()
 
 
-def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool], streaming: type[Stream | DeviceStream]) -> None:
+def _work(waiting: Waiting, found: Found, lanes: int | None, halted: Callable[[], bool], streaming: type[Stream | DeviceStream]) -> None:
     """One thread: lanes of one kind after the other, until no member is left."""
     try:
         while not halted() and (first := waiting.next(None)) is not None:
@@ -192,15 +191,18 @@ def _work(waiting: Waiting, found: Found, lanes: int, halted: Callable[[], bool]
 class Lanes:
     """The lanes of a thread, and who is in them."""
 
-    def __init__(self, shared: Kind, first: Member, waiting: Waiting, found: Found, lanes: int, streaming: type[Stream | DeviceStream]) -> None:
+    def __init__(
+        self, shared: Kind, first: Member, waiting: Waiting, found: Found, lanes: int | None, streaming: type[Stream | DeviceStream]
+    ) -> None:
         _, loop, tables, parts, outputs = shared
         topology = first.assembly.topology
         self.kind, self.waiting, self.found = shared, waiting, found
-        lanes = lanes if loop == "generated" else 1
+        usual = stream_lanes(len(topology.contact_bearing))
+        lanes = 1 if loop != "generated" else lanes or min(usual, 1 << (waiting.share - 1).bit_length())
         sound, limited = recorded_rows(first.assembly), limited_rows(first.assembly)
         self.stream = streaming(topology, lanes, loop, first.handed, outputs, sound, limited, tables, parts)
         self.lanes = self.stream.lanes
-        self.starter = Starter(topology, lanes if streaming is Stream else widest(), loop, tables, parts)
+        self.starter = Starter(topology, lanes if streaming is Stream else usual, loop, tables, parts)
         self.members: dict[int, Member] = {}
         self.next: dict[int, Member | None] = {lane: first if lane == 0 else None for lane in range(self.lanes)}
         for lane in range(1, min(self.lanes, waiting.share)):

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..codegen.native import widest
+from ..codegen.native import CONTACT_LANES
 from ..codegen.runner import Runner
 from .halt import Halt
 from .pace import Pace
@@ -118,7 +118,7 @@ def tangents(
     all states and extremes without them, of all outputs; ``whole``: of the last turn as one output, and of what comes before it as another, which
     is enough for extremes. Passes go side by side on all cores. Ctrl-C is heard within a quarter of a second.
     """
-    lanes = max(lanes or widest(), len(shares))
+    lanes = max(lanes or CONTACT_LANES, len(shares))  # the last bits of differences know their neighbours: the same ones on every machine
     cores, groups = os.cpu_count() or 1, lanes // len(shares)
     directions = next((few for few in DIRECTIONS if few * groups * cores >= len(every)), DIRECTIONS[-1])
     rows = recorded_rows(assembly) if kept is None else kept
