@@ -208,6 +208,7 @@ def carried(
     with sentences(str(target)), writing(str(target), kept):
         from ..study.carry import carry_out, read_back
         from ..study.cluster import joined
+        from ..study.repeating import repeat_sample
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
@@ -217,6 +218,7 @@ def carried(
             with joined(cluster, workers, run_on) as runner, opened() as file:  # a cluster that cannot be had costs no file
                 with ProgressLine(quiet) as line:
                     whole = carry_out(file, base, workers=workers, told=MemberLine(line), runner=runner, retry=retry)
+                    whole = whole and repeat_sample(file, base, workers=workers, runner=runner)
                 found = read_back(file)
     if as_json:
         from .studied import payload

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..errors import VfifeError, shown, suggestion
 from ..model.above import answered
 from ..solvers.status import Status
+from .member_errors import NOT_ESTIMATED, MemberError, member_errors
 from .studyfile import WHAT, Kept, StudyFile
 from .tally import warn_of_damage
 
@@ -65,12 +66,22 @@ class Varied:
 class Study:
     """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads xarray.
 
-    ``meta`` says what is asked, ``members`` are all that are planned, ``outcomes`` those that ended, by their places.
+    ``meta`` says what is asked, ``members`` are all that are planned, ``outcomes`` those that ended, by their places; ``repeats`` are outcomes of
+    a sample of them with another step.
     """
 
-    def __init__(self, path: Path | None, meta: Mapping[str, Any], members: Sequence[Kept], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
+    def __init__(
+        self,
+        path: Path | None,
+        meta: Mapping[str, Any],
+        members: Sequence[Kept],
+        outcomes: Mapping[int, Mapping[str, Any]],
+        repeats: Mapping[int, Mapping[str, Any]] | None = None,
+    ) -> None:
         self.path, self.meta, self.members = path, dict(meta), tuple(members)
         self.outcomes = {one.number: outcomes[one.number] for one in members if outcomes.get(one.number, {}).get("hash") == one.hash}
+        known = {} if repeats is None else repeats
+        self.repeats = {one.number: known[one.number] for one in members if known.get(one.number, {}).get("hash") == one.hash}
         self.lost = 0
         self.damage: tuple[str, ...] = ()
 
@@ -80,7 +91,7 @@ class Study:
         with StudyFile.open(path) as file:
             file.examine()
             members = file.members()
-            found = cls(Path(path), file.meta, members, file.outcomes())
+            found = cls(Path(path), file.meta, members, file.outcomes(), file.repeats())
             found.lost, found.damage = file.lost, file.damage
         warn_of_damage(found.path, "study", found.damage, "The same study run again computes what is gone.")
         return found
@@ -162,6 +173,11 @@ class Study:
             raise VfifeError(f"{self.path or 'this study'}: it has no measure {shown(measure)}: {remedy}")
         return np.array([self.outcomes[one.number]["measures"].get(measure, math.nan) for one in self.done], dtype=float)
 
+    @cached_property
+    def errors(self) -> dict[str, MemberError]:
+        """Numerical error of a member by measure, from a sample that was repeated with another step; empty where it is not estimated."""
+        return member_errors(self.members, self.outcomes, self.repeats, list(self.measures), self.meta)
+
     def parameter(self, name: str) -> Varied:
         """A parameter by its name, or by its path. Raises VfifeError for one there is not."""
         for one in self.parameters:
@@ -225,9 +241,17 @@ class Study:
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
         status[self._along] = [str(self.outcomes[one.number]["status"]) for one in self.done]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
-        found: dict[str, Any] = {name: (dims, values, {"units": units[name]}) for name, values in arrays.items()}
+        found: dict[str, Any] = {name: (dims, values, {"units": units[name], **self.said_error(name)}) for name, values in arrays.items()}
         found["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
         return xarray.Dataset(found, self._coordinates(), self.attributes)
+
+    def said_error(self, measure: str) -> dict[str, float | str]:
+        """Numerical error of a member as attributes of a measure in a file; nothing of what is no measure."""
+        if measure not in self.measures:
+            return {}
+        if (one := self.errors.get(measure)) is None:
+            return {"numerical_error": NOT_ESTIMATED}
+        return {"numerical_error": one.words, "numerical_error_typical": one.typical, "numerical_error_largest": one.most}
 
     def _coordinates(self) -> dict[str, Any]:
         found: dict[str, Any] = {}

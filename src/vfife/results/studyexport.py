@@ -41,7 +41,12 @@ def _parquet(study: Study, path: Path) -> None:
     kinds: dict[str, Any] = {"member": pyarrow.int64(), "status": pyarrow.string(), "reason": pyarrow.string()}
     kinds |= {name: pyarrow.int64() for name in ("turns", "settled")} | {name: pyarrow.float64() for name in (*study.measures, "step")}
     arrays = ((name, pyarrow.array([row[name] for row in rows], kinds.get(name))) for name in study.columns)
-    write_parquet(path, pyarrow, ((name, array, {"units": known.get(name, "1")}) for name, array in arrays), study.attributes)
+    write_parquet(path, pyarrow, ((name, array, about(study, name, known)) for name, array in arrays), study.attributes)
+
+
+def about(study: Study, name: str, known: dict[str, str]) -> dict[str, str]:
+    """What the metadata of a column say: its unit, and of a measure the numerical error of a member."""
+    return {"units": known.get(name, "1"), **{key: str(value) for key, value in study.said_error(name).items()}}
 
 
 def _netcdf(study: Study, path: Path) -> None:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 from ..errors import RunFileError, StorageError
 from . import tables
 from .header import STUDY_APPLICATION, STUDY_FORMAT, study_head
+from .member_errors import REPEATS
 from .opening import connected, new_file, readable
 from .tables import told, unwritten
 from .tally import TalliedFile
@@ -53,7 +54,7 @@ class StudyFile(TalliedFile):
     """
 
     kind: ClassVar[str] = "study"
-    rows: ClassVar[dict[str, str]] = {"members": "members", "outcomes": "outcomes"}
+    rows: ClassVar[dict[str, str]] = {"members": "members", "outcomes": "outcomes", "repeats": "repetitions"}
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
         super().__init__(path, connection)
@@ -89,12 +90,28 @@ class StudyFile(TalliedFile):
     @told
     def record(self, member: Kept, outcome: Outcome) -> None:
         """Keeps what a member came to; what comes within a quarter of a second becomes one transaction."""
+        self._record("outcomes", member, outcome)
+
+    @told
+    def begin_repeats(self, said: Mapping[str, Any]) -> None:
+        """Says how members are repeated with another step; a file that was written before there was a table for them gets one."""
+        with self._transaction():
+            for statement in tables.STUDY_SCHEMA:
+                self._connection.execute(statement)
+            self._put({REPEATS: said})
+
+    @told
+    def record_repeat(self, member: Kept, outcome: Outcome) -> None:
+        """Keeps what a member came to with another step, gathered as :meth:`record` does."""
+        self._record("repeats", member, outcome)
+
+    def _record(self, table: str, member: Kept, outcome: Outcome) -> None:
         step = outcome.step if math.isfinite(outcome.step) else 0.0
         settled = -1 if outcome.settled is None else outcome.settled
         values = json.dumps({name: value for name, value in outcome.values.items() if math.isfinite(value)})
         row = (str(outcome.status), outcome.reason or "", int(outcome.turns), int(settled), int(outcome.steps), float(step), values)
         with self._transaction(GATHER):
-            self._insert("outcomes", member.number, member.hash, *row)
+            self._insert(table, member.number, member.hash, *row)
 
     @told
     def add(self, members: Sequence[Numbers], asked: Mapping[str, Any]) -> int:
@@ -165,9 +182,17 @@ class StudyFile(TalliedFile):
     @told
     def outcomes(self) -> dict[int, dict[str, Any]]:
         """What members came to, by their places: status, reason, turns, settled, steps, step and measures."""
+        return self._outcomes("outcomes")
+
+    @told
+    def repeats(self) -> dict[int, dict[str, Any]]:
+        """What members of the sample came to with another step; none in a file that was written before there were any."""
+        return self._outcomes("repeats") if tables.has(self._connection, "repeats") else {}
+
+    def _outcomes(self, table: str) -> dict[int, dict[str, Any]]:
         names = [column.split()[0] for column in tables.STUDY["outcomes"]]
         found = {}
-        for number, row in tables.rows(self._connection, "outcomes"):
+        for number, row in tables.rows(self._connection, table):
             if row is not None:
                 one = dict(zip(names, row, strict=True))
                 one |= {"measures": json.loads(one["measures"]), "settled": None if one["settled"] < 0 else one["settled"]}

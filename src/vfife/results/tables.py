@@ -40,6 +40,7 @@ STUDY = {
         "settled INTEGER NOT NULL", "steps INTEGER NOT NULL", "step REAL NOT NULL", "measures TEXT NOT NULL",
     ),
 }  # fmt: skip
+STUDY["repeats"] = STUDY["outcomes"]  # of a sample of members, with another step
 # The same of a map file: at each value of a number the points of all chains, and the state to go on from; what is told beside it in arrays.
 MAP = {
     "meta": COLUMNS["meta"],

@@ -47,7 +47,7 @@ class TalliedFile(Transactions):
         counts = self._tally()
         there = self._connection.execute(f"SELECT 1 FROM {table} WHERE {tables.KEYS[table]} = ?", (values[0],)).fetchone()
         before = tables.sound(self._connection, table, values[0]) if there else None
-        count, seals = counts[table]
+        count, seals = counts.get(table, (0, 0))  # a file of format 1 gets a table that it lacks
         if before is not None:
             count, seals = count - 1, seals ^ number_of(seal(table, *before))
         counts[table] = count + 1, seals ^ number_of(seal(table, *values))
@@ -81,7 +81,7 @@ class TalliedFile(Transactions):
 
     def _names(self) -> dict[str, str]:
         """What the rows of each table are called."""
-        return self.rows | {"meta": "entries"}
+        return {table: name for table, name in self.rows.items() if tables.has(self._connection, table)} | {"meta": "entries"}
 
     def examine(self) -> None:
         """Compare all rows with their seals and with the tally, in one snapshot of the file, and note the damage."""
@@ -97,7 +97,7 @@ class TalliedFile(Transactions):
         if row is None and must:
             said.append(f"the number of {' and '.join(self.rows.values())} is damaged, so that some may be missing")
         if row is not None:
-            said += missing(json.loads(row[1]), found, self._names())
+            said += missing(json.loads(row[1]), found, self.rows | {"meta": "entries"})
         self.damage = tuple(said)
 
 
@@ -126,7 +126,8 @@ def counted(connection: sqlite3.Connection, table: str) -> tuple[tuple[int, int]
 def missing(tally: dict[str, Any], found: dict[str, tuple[tuple[int, int], int]], names: dict[str, str]) -> list[str]:
     """Sentences on rows that the tally has and the file has not, beyond those that are damaged."""
     said = []
-    for table, (counts, lost) in found.items():
+    for table in names:
+        counts, lost = found.get(table, ((0, 0), 0))
         known = tally.get(table, [0, "0"])
         gone = int(known[0]) - counts[0] - lost
         if gone > 0:

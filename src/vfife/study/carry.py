@@ -161,4 +161,4 @@ def taken_up(path: Path, plan: Plan, asked: Mapping[str, Any]) -> StudyFile:
 def read_back(file: StudyFile) -> Study:
     """The study of a file that is open."""
     members = file.members()
-    return Study(file.path, file.meta, members, file.outcomes())
+    return Study(file.path, file.meta, members, file.outcomes(), file.repeats())

@@ -19,6 +19,7 @@ from .carry import Runner, carry_out, opened, read_back
 from .cluster import elsewhere, joined
 from .plan import Plan
 from .planfile import of_mapping, understood
+from .repeating import repeat_sample
 
 ENDING = ".study"
 
@@ -78,7 +79,8 @@ def made(
     """A plan carried out into its file."""
     told = None if progress is None else lambda done, of, _: progress(done, of)
     with locked(path), joined(cluster, workers, otherwise) as runner, opened(path, plan, base, name, replace=force) as file:
-        carry_out(file, base, workers=workers, lanes=lanes, told=told, runner=runner, retry=retry)
+        if carry_out(file, base, workers=workers, lanes=lanes, told=told, runner=runner, retry=retry):
+            repeat_sample(file, base, workers=workers, lanes=lanes, runner=runner)
         return read_back(file)
 
 
