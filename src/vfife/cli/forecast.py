@@ -23,6 +23,9 @@ MADE = 0.03  # s that it takes to assemble a member and to read what it leaves, 
 
 def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, asked: Asked, target: Path, anew: bool = False) -> dict[str, Any]:
     """Members to compute, steps of each, seconds, bytes; estimates, and called so."""
+    from ..results.member_errors import sample_size
+    from ..study.repeating import RATIO
+
     left = list(numbers)
     if target.is_file() and not anew:
         from ..results.studied import Study
@@ -31,7 +34,9 @@ def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, asked: Asked, t
         there = {one.hash for one in Study.open(target).done}
         left = [one for one in left if hash_of(one) not in there]
     chosen = [left[k * (len(left) - 1) // max(LOOKED_AT - 1, 1)] for k in range(min(LOOKED_AT, len(left)))]
-    return expected(chosen, len(left), len(numbers) - len(left), base, asked, target)
+    found = expected(chosen, len(left), len(numbers) - len(left), base, asked, target)
+    found["seconds"] *= 1.0 + sample_size(len(numbers)) / (RATIO * max(len(left), 1))  # a sample is repeated with coarser steps
+    return found
 
 
 def sought(

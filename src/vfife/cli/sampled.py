@@ -43,7 +43,8 @@ def tolerance(
     The members have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or distributions; those that were added one by one
     do not count. Limits of confidence are those of independent draws.
     """
-    from ..report.study import quantity
+    from ..report.study import error_words, quantity
+    from ..results.member_errors import NOT_ESTIMATED
 
     found = read(file)
     with sentences(str(file)):
@@ -58,8 +59,8 @@ def tolerance(
         return
     table = grid("measure", "of all machines", "value", "not below", "not above", right=(2, 3, 4))
     for one in rows:
-        row(table, one.measure, "mean", quantity(one.mean, one.unit), "", "")
-        row(table, "", "standard deviation", quantity(one.deviation, one.unit), "", "")
+        row(table, one.measure, "mean", *(known(value, one.unit) for value in (one.mean, one.average.low, one.average.high)))
+        row(table, "", "standard deviation", quantity(one.deviation, one.unit), NOT_ESTIMATED, NOT_ESTIMATED)
         for share, at in one.quantiles.items():
             row(table, "", f"{100.0 * share:g} % are below", *(known(value, one.unit) for value in (at.value, at.low, at.high)))
         if one.bound is not None and one.failing is not None:
@@ -70,6 +71,10 @@ def tolerance(
         f"{found.model}: {counted(rows[0].machines, 'machine')}; not below and not above what stands there with {confidence:g} % confidence"
     )
     console.print(table)
+    for one in rows:
+        console.print(f"{one.measure}: {error_words(one.numerical, one.unit)}", soft_wrap=True)
+    held = "Limits hold the numerical error of members, too." if found.errors else "Limits are those of sampling alone."
+    console.print(held)
     if (other := len(found.done) - rows[0].machines) > 0:
         tell("note", f"{counted(other, 'member')} of the file left out: points, members of a search, or samples of former tolerances.")
 
@@ -86,15 +91,31 @@ def indices(file: FileArgument, measure: Measures = None, laws: LawsOption = Non
         take_laws(laws)
         every = sensitivities(found, measure or ())
     if as_json:
-        print_json(
-            {"study": found.name, "file": str(file), "measures": {one.measure: [dataclasses.asdict(two) for two in one.rows] for one in every}}
-        )
+        from ..report.study import errors_plainly
+
+        rows = {one.measure: [dataclasses.asdict(two) for two in one.rows] for one in every}
+        print_json({"study": found.name, "file": str(file), "measures": rows, "errors": errors_plainly(found)})
         return
     console = output()
     for one in every:
         console.print(index_table(one))
+        console.print(numerical_share(found, one), soft_wrap=True)
         if one.left_out:
             console.print(f"{one.left_out:,} groups of the design were left out, for a member of them has no value")
+
+
+def numerical_share(found: Study, one: Any) -> str:
+    """How much of what a measure varies by is the numerical error of members, by which its indices may be wrong."""
+    import numpy as np
+
+    from ..report.study import error_words
+
+    error = found.errors.get(one.measure)
+    said, values = error_words(error, one.unit), found.values(one.measure)
+    spread = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
+    if error is None or spread == 0.0:
+        return said
+    return f"{said} Its square is {100.0 * error.rms**2 / spread:.2g} % of the variance; margins are those of sampling alone."
 
 
 def index_table(one: Any) -> Any:
@@ -163,6 +184,8 @@ def plain(rows: Any) -> dict[str, Any]:
             "unit": one.unit,
             "count": one.count,
             "mean": one.mean,
+            "average": said(one.average),
+            "numerical": None if one.numerical is None else dataclasses.asdict(one.numerical),
             "deviation": one.deviation,
             "quantiles": {f"{share:g}": said(at) for share, at in one.quantiles.items()},
             "limit": None

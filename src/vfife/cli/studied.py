@@ -41,7 +41,7 @@ def read(file: Path) -> Study:
 
 def payload(found: Study) -> dict[str, Any]:
     """What ``--json`` prints."""
-    from ..report.study import extremes
+    from ..report.study import errors_plainly, extremes
 
     return {
         "study": found.name,
@@ -53,6 +53,7 @@ def payload(found: Study) -> dict[str, Any]:
         "wanted": found.asked["wanted"],
         "parameters": [{"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind} for one in found.parameters],
         "measures": extremes(found),
+        "errors": errors_plainly(found),
         "failed": [{"member": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in found.failed],
     }
 
@@ -77,6 +78,7 @@ def printed(found: Study, members: bool = False) -> None:
         row(varied, one.name, said_of([found.at(member)[k] for member in found.members], one.unit, one.kind, one.words), ", ".join(one.paths))
     console.print(varied)
     console.print(measured(found))
+    console.print(numerical(found))
     if members:
         console.print(every(found))
     for member, reason in found.failed[:MOST_SHOWN]:
@@ -101,6 +103,18 @@ def measured(found: Study) -> Any:
         cells = [quantity(one[key], one["unit"]) for key in ("least", "mean", "largest")]
         at = [placed(found, one[key]) for key in ("least_at", "largest_at")]
         row(table, name, cells[0], at[0], cells[1], cells[2], at[1])
+    return table
+
+
+def numerical(found: Study) -> Any:
+    """The table of numerical errors, or the words that they are not estimated."""
+    from ..report.study import error_words, errors
+
+    if not found.errors:
+        return error_words(None, "")
+    table = grid("numerical error of a member", "typically", "at most", "estimated from", right=(1, 2))
+    for one in errors(found):
+        row(table, *one)
     return table
 
 

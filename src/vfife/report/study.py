@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
+from ..results.member_errors import NOT_ESTIMATED
 from .digits import prefixed
 
 if TYPE_CHECKING:
+    from ..results.member_errors import MemberError
     from ..results.studied import Study
     from ..results.studyfile import Kept
 
@@ -29,6 +32,29 @@ def extremes(found: Study) -> dict[str, dict[str, Any]]:
             "largest_at": None if largest is None else dict(zip(names, found.at(largest[1]), strict=True)),
         }
     return told
+
+
+def errors(found: Study) -> list[tuple[str, str, str, str]]:
+    """Rows of the numerical error of a member: the measure, the error typically and at most, how it was estimated."""
+    rows = []
+    for name, unit in found.measures.items():
+        if (one := found.errors.get(name)) is None:
+            rows.append((name, NOT_ESTIMATED, "", ""))
+        else:
+            rows.append((name, quantity(one.typical, unit), quantity(one.most, unit), one.words))
+    return rows
+
+
+def error_words(one: MemberError | None, unit: str) -> str:
+    """The numerical error of a member in a line."""
+    if one is None:
+        return f"Numerical error of a member: {NOT_ESTIMATED}."
+    return f"Numerical error of a member: typically {quantity(one.typical, unit)}, at most {quantity(one.most, unit)} ({one.words})."
+
+
+def errors_plainly(found: Study) -> dict[str, Any] | None:
+    """Numerical errors of members for JSON, by measure; None where none is estimated."""
+    return {name: dataclasses.asdict(one) for name, one in found.errors.items()} or None
 
 
 def where(found: Study, member: Kept) -> str:

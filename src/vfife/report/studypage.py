@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from .. import __version__
 from .document import PAGE, figures, frame, html, model_text, place, sentences
-from .study import extremes, placed, quantity, said_of, where
+from .study import errors, extremes, placed, quantity, said_of, where
 
 if TYPE_CHECKING:
     from ..results.studied import Study
@@ -66,7 +66,10 @@ def found(study: Study) -> str:
         cells = [quantity(one[key], one["unit"]) for key in ("least", "mean", "largest")]
         lines.append((name, cells[0], placed(study, one["least_at"]), cells[1], cells[2], placed(study, one["largest_at"])))
     heads = ("measure", "least", "at", "mean", "largest", "at")
-    return html(varied, "What is varied", ("name", "values", "numbers of the model")) + html(lines, "What it came to", heads)
+    return html(varied, "What is varied", ("name", "values", "numbers of the model")) + (
+        html(lines, "What it came to", heads)
+        + html(errors(study), "Numerical error of a member", ("measure", "typically", "at most", "estimated from"))
+    )
 
 
 def failed(study: Study) -> str:

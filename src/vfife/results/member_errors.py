@@ -56,13 +56,12 @@ class MemberError:
 
         Let e be the errors of all members. The quantile functions of the exact and of the computed values differ by at
         most rms(e) in the root mean square over all shares (Wasserstein distance of order 2, members paired with
-        themselves). A difference that is alike over the smaller tail, of mass m = min(q, 1 - q), is therefore at most
-        rms / sqrt(m); and rms / sqrt(2 m) over the tail and its mirror image. No quantile moves by more than the
-        largest error.
+        themselves). A difference at q that is as large in all of the smaller tail, of mass m = min(q, 1 - q), is
+        therefore at most rms / sqrt(m). No quantile moves by more than the largest error.
 
         ``share``: q, between 0 and 1.
         """
-        return min(self.most, self.rms / math.sqrt(2.0 * min(share, 1.0 - share)))
+        return min(self.most, self.rms / math.sqrt(min(share, 1.0 - share)))
 
 
 def sample_of(members: Sequence[Kept], outcomes: Outcomes) -> list[Kept]:
@@ -72,8 +71,13 @@ def sample_of(members: Sequence[Kept], outcomes: Outcomes) -> list[Kept]:
     that was made at once.
     """
     sound = [one for one in members if one.number in outcomes and can_repeat(outcomes[one.number])]
-    count = max(LEAST_SAMPLE, math.ceil(SHARE_OF_SAMPLE * len(members)))
-    return sorted(sound, key=lambda one: hashlib.blake2b(one.hash.encode(), digest_size=16).digest())[:count]
+    ranked = sorted(sound, key=lambda one: hashlib.blake2b(one.hash.encode(), digest_size=16).digest())
+    return ranked[: sample_size(len(members))]
+
+
+def sample_size(count: int) -> int:
+    """Members that are repeated of so many."""
+    return min(count, max(LEAST_SAMPLE, math.ceil(SHARE_OF_SAMPLE * count)))
 
 
 def can_repeat(outcome: Mapping[str, Any]) -> bool:

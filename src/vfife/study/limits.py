@@ -27,6 +27,14 @@ class Bound:
         over = max(value - self.high, self.low - value)
         return over if math.isfinite(value) else math.inf
 
+    def surely_fails(self, value: float, error: float) -> bool:
+        """Whether a value is beyond the limit, to whichever side it is wrong by an ``error``; no value fails."""
+        return not math.isfinite(value) or value - error > self.high or value + error < self.low
+
+    def may_fail(self, value: float, error: float) -> bool:
+        """Whether a value is beyond the limit, or would be if it is wrong by an ``error``."""
+        return not math.isfinite(value) or value + error > self.high or value - error < self.low
+
     def words(self, unit: str) -> str:
         """The limit as a person says it."""
         said = "" if unit == "1" else f" {unit}"

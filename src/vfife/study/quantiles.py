@@ -60,6 +60,27 @@ def share(count: int, of: int, confidence: float = CONFIDENCE) -> Estimate:
     return Estimate(p, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < of else 1.0)
 
 
+def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
+    """Estimate the mean of all machines from the finite ``values`` of a sample.
+
+    The limits are z standard errors from the mean of the sample, by the central limit theorem: of skewed measures and
+    few machines they are too narrow. Infinite for fewer than two values.
+    """
+    import numpy as np
+    from scipy.special import ndtri
+
+    n = len(values)
+    if n < 2:
+        return Estimate(float(values[0]) if n else math.nan, -math.inf, math.inf)
+    middle, half = float(np.mean(values)), float(ndtri(0.5 * (1.0 + confidence)) * np.std(values, ddof=1)) / math.sqrt(n)
+    return Estimate(middle, middle - half, middle + half)
+
+
+def widened(estimate: Estimate, error: float) -> Estimate:
+    """An estimate whose limits hold a further error to both sides, too."""
+    return Estimate(estimate.value, estimate.low - error, estimate.high + error)
+
+
 def allowed_failures(of: int, failing: float, confidence: float = CONFIDENCE) -> int:
     """How many of a sample may fail where at most a share ``failing`` of all machines shall, with this confidence; -1 where it is too small.
 

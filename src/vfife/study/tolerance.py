@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from ..errors import ModelError, VfifeError
+from ..results.member_errors import MemberError
 from ..results.studied import Study
 from .designs import value_of
 from .limits import Bound, read_bounds
 from .more import base_of
 from .planfile import Written, understood
 from .points import planned
-from .quantiles import CONFIDENCE, Estimate, quantile, share
+from .quantiles import CONFIDENCE, Estimate, mean, quantile, share, widened
 
 SHARES = (0.01, 0.5, 0.95, 0.99)
 
@@ -26,7 +27,11 @@ SHARES = (0.01, 0.5, 0.95, 0.99)
 @dataclass(frozen=True)
 class Spread:
     """A measure of all machines: how many of the sample's ``machines`` have it (``count``), mean, standard deviation, quantiles by
-    their shares, and of its limit (None without one) the share of the machines that fail it; a machine that failed as a whole is among them."""
+    their shares, and of its limit (None without one) the share of the machines that fail it; a machine that failed as a whole is among them.
+
+    ``average`` is the mean with its limits. ``numerical`` is the numerical error of a member, which all limits hold;
+    None where it is not estimated: then they are those of sampling alone.
+    """
 
     measure: str
     unit: str
@@ -37,6 +42,8 @@ class Spread:
     quantiles: Mapping[float, Estimate]
     bound: Bound | None
     failing: Estimate | None
+    average: Estimate
+    numerical: MemberError | None
 
 
 def tolerance(
@@ -57,8 +64,10 @@ def tolerance(
     A spread has ``mean`` = Σ x / n and ``deviation`` = √(Σ (x - mean)² / (n - 1)) of the ``count`` machines that have the measure, its
     ``quantiles`` by share, and ``failing``, the share p = k / n of the ``machines`` beyond the limit, one without the measure among them. Each
     estimate has ``value``, ``low`` and ``high``: of a quantile these are values of the sample of such ranks that the binomial number of draws
-    below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a share those of Wilson (1927); infinite where the sample is too
-    small.
+    below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a share those of Wilson (1927), of the mean (``average``) those
+    of the central limit theorem; infinite where the sample is too small. Where the numerical error of members is estimated (``numerical``), limits
+    hold it, too: those of a quantile are wider by :meth:`~vfife.results.member_errors.MemberError.at_quantile`, those of the mean by the root mean
+    square of the error, and a machine within that of its limit counts as sound in ``low`` and as failing in ``high``.
 
     Raises VfifeError where members were chosen and not drawn or fewer than two have ended, ModelError for a limit that cannot be read, ValueError
     for a share or a confidence that is none, RunFileError for what is no study file.
@@ -90,12 +99,23 @@ def spreads(found: Study, bounds: Sequence[Bound] = (), shares: Sequence[float] 
     for measure, unit in found.measures.items():
         values = np.array([value_of(one, measure) for one in outcomes])
         kept, bound = values[np.isfinite(values)], limits.get(measure)
-        failing = None if bound is None else share(sum(bound.excess(value) > 0.0 for value in values.tolist()), len(values), confidence)
-        quantiles = {one: quantile(kept, one, confidence) for one in shares}
-        mean = float(np.mean(kept)) if len(kept) else math.nan
+        error = found.errors.get(measure)
+        failing = None if bound is None else share_that_fails(values.tolist(), bound, error, confidence)
+        quantiles = {one: widened(quantile(kept, one, confidence), error.at_quantile(one) if error else 0.0) for one in shares}
+        average = widened(mean(kept, confidence), error.rms if error else 0.0)
         deviation = float(np.std(kept, ddof=1)) if len(kept) > 1 else math.nan
-        rows.append(Spread(measure, unit, len(values), len(kept), mean, deviation, quantiles, bound, failing))
+        rows.append(Spread(measure, unit, len(values), len(kept), average.value, deviation, quantiles, bound, failing, average, error))
     return rows
+
+
+def share_that_fails(values: Sequence[float], bound: Bound, error: MemberError | None, confidence: float) -> Estimate:
+    """The share of all machines that fails a limit; machines nearer to it than their numerical error count to both sides."""
+    near, count = error.rms if error else 0.0, len(values)
+    found = [share(sum(fails), count, confidence) for fails in (
+        (bound.surely_fails(value, near) for value in values), (bound.excess(value) > 0.0 for value in values),
+        (bound.may_fail(value, near) for value in values),
+    )]  # fmt: skip
+    return Estimate(found[1].value, found[0].low, found[2].high)
 
 
 def machines(found: Study) -> tuple[list[Mapping[str, Any]], int]:
