@@ -6,26 +6,51 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal, NamedTuple
 
 from .csvtable import write_named
+
+# "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known. "unknown": neither is.
+Kind = Literal["derivative", "change", "unknown"]
 
 
 @dataclass(frozen=True)
 class Derivative:
     """By one number, ``path``, whose ``value`` the model has (SI): the derivatives of measures, in their unit over its own.
 
-    Those of a mechanism with contact are means over displaced runs; ``ranges`` says from the least to the largest of them.
+    Those of a mechanism with contact are means over displaced runs. ``ranges`` covers displaced runs, other step sizes and finite changes
+    of the number that agree with the derivative. ``changes`` are quotients in the same unit: the change of a measure when the number is
+    changed by 1 %, over that change; ``change_ranges`` covers both signs of the change and the step sizes. ``kinds`` says which of the two holds
+    (:data:`Kind`). ``runs`` is the number of displaced runs.
     """
 
     path: str
     value: float
     values: Mapping[str, float]
     ranges: Mapping[str, tuple[float, float]]
+    changes: Mapping[str, float] = field(default_factory=dict)
+    change_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    kinds: Mapping[str, Kind] = field(default_factory=dict)
+    runs: int = 1
 
     @property
     def displaced(self) -> bool:
-        """Whether it was taken of several runs."""
-        return any(low < high for low, high in self.ranges.values())
+        """Whether it was taken of several displaced runs."""
+        return self.runs > 1
+
+
+class Effect(NamedTuple):
+    """What is known of the dependence of a measure on a number: per cent of the measure for one per cent of the number, with its range.
+
+    Of kind "derivative" the value is an elasticity, of kind "change" the change for one per cent. Of kind "unknown" the value is the change that was
+    computed, which is no result: the sign is not known, or nothing was computed (NaN).
+    """
+
+    path: str
+    kind: Kind
+    value: float
+    low: float
+    high: float
 
 
 @dataclass
@@ -47,7 +72,7 @@ class Sensitivity:
 
     def __repr__(self) -> str:
         what = f"{len(self.measures)} measures of {self.mechanism!r} to {len(self.derivatives)} numbers"
-        return f"<Sensitivity of {what}; see .ranked(measure), .derivative(measure, path), .write_csv()>"
+        return f"<Sensitivity of {what}; see .effects(measure), .derivative(measure, path), .write_csv()>"
 
     def derivative(self, measure: str, path: str) -> float:
         """Derivative of a measure by a number, in their SI units. Raises KeyError where there is none."""
@@ -62,23 +87,57 @@ class Sensitivity:
         found = [(one.path, self._elastic(one, measure)) for one in self.derivatives if measure in one.values]
         return sorted(found, key=lambda item: -abs(item[1]))
 
+    def kind(self, measure: str, path: str) -> Kind:
+        """Return what is known: a derivative, the change for one per cent alone, or neither."""
+        if measure in self.doubtful:
+            return "unknown"
+        one = self._by(path)
+        if measure in one.kinds:
+            return one.kinds[measure]
+        low, high = one.ranges[measure]
+        return "derivative" if low * high >= 0.0 else "unknown"
+
+    def change(self, measure: str, path: str) -> float:
+        """Return by how many per cent a measure changed with a finite change of one per cent. Raises KeyError where there was none."""
+        one = self._by(path)
+        return self._relative(one, measure, one.changes[measure])
+
+    def change_span(self, measure: str, path: str) -> tuple[float, float]:
+        """Return the range of :meth:`change` over both signs and over step sizes. Raises KeyError where there was none."""
+        one = self._by(path)
+        low, high = sorted(self._relative(one, measure, slope) for slope in one.change_ranges[measure])
+        return low, high
+
+    def effect(self, measure: str, path: str) -> Effect:
+        """Return what is known of a measure and a number, as the command shows it."""
+        kind = self.kind(measure, path)
+        if kind == "derivative" or not self._by(path).kinds:
+            return Effect(path, kind, self.elasticity(measure, path), *self.span(measure, path))
+        if measure not in self._by(path).changes:
+            return Effect(path, kind, math.nan, -math.inf, math.inf)
+        return Effect(path, kind, self.change(measure, path), *self.change_span(measure, path))
+
+    def effects(self, measure: str) -> list[Effect]:
+        """Return what is known of a measure by every number, the largest value first."""
+        found = [self.effect(measure, one.path) for one in self.derivatives if measure in one.values]
+        return sorted(found, key=lambda one: -abs(one.value) if not math.isnan(one.value) else 0.0)
+
     def span(self, measure: str, path: str) -> tuple[float, float]:
-        """The least and the largest elasticity over displaced runs."""
+        """Return the range of an elasticity over displaced runs, step sizes and finite changes that agree with it."""
         one = self._by(path)
         low, high = sorted(self._relative(one, measure, slope) for slope in one.ranges[measure])
         return low, high
 
     def spread(self, measure: str) -> float:
-        """How far displaced runs lie apart in the elasticities of a measure, as a share of the largest: what its derivatives are known within."""
-        spans = [self.span(measure, path) for path, _ in self.ranked(measure)]
-        largest = max((abs(elastic) for _, elastic in self.ranked(measure)), default=0.0)
-        widest = max((high - low for low, high in spans), default=0.0)
-        return widest / largest if widest and math.isfinite(largest) else 0.0
+        """Return the widest range of an effect of a measure that is not "unknown", as a share of the largest effect."""
+        effects = [one for one in self.effects(measure) if one.kind != "unknown" and math.isfinite(one.value)]
+        largest = max((abs(one.value) for one in effects), default=0.0)
+        widest = max((one.high - one.low for one in effects), default=0.0)
+        return widest / largest if widest and largest else 0.0
 
     def known(self, measure: str, path: str) -> bool:
-        """Whether all displaced runs agree on its sign, and the run's companions on the measure."""
-        low, high = self._by(path).ranges[measure]
-        return measure not in self.doubtful and low * high >= 0.0
+        """Return whether the derivative holds: its sign is known, finite changes agree with it and companions with the measure."""
+        return self.kind(measure, path) == "derivative"
 
     def _by(self, path: str) -> Derivative:
         return next(one for one in self.derivatives if one.path == path)
@@ -90,17 +149,25 @@ class Sensitivity:
         size = self.measures[measure]
         return one.value / size * slope if size else math.copysign(math.inf, slope) if slope else 0.0
 
-    def rows(self) -> list[dict[str, str | float | bool]]:
-        """A map for every measure and number, for tables."""
-        return [
-            {
-                "measure": measure, "value": self.measures[measure], "number": path, "model": self._by(path).value,
-                "derivative": self.derivative(measure, path), "elasticity": elastic,
-                "from": self.span(measure, path)[0], "to": self.span(measure, path)[1], "meaningless": not self.known(measure, path),
-            }
-            for measure in self.measures for path, elastic in self.ranked(measure)
-        ]  # fmt: skip
+    def rows(self) -> list[dict[str, str | float | bool | None]]:
+        """Return a map for every measure and number, for tables. What was not computed is None."""
+        return [self._row(measure, path) for measure in self.measures for path, _ in self.ranked(measure)]
+
+    def _row(self, measure: str, path: str) -> dict[str, str | float | bool | None]:
+        low, high = self.span(measure, path)
+        change: float | None = None
+        least: float | None = None
+        most: float | None = None
+        if measure in self._by(path).changes:
+            change, (least, most) = self.change(measure, path), self.change_span(measure, path)
+        return {
+            "measure": measure, "value": self.measures[measure], "number": path, "model": self._by(path).value,
+            "derivative": self.derivative(measure, path), "elasticity": self.elasticity(measure, path), "from": low, "to": high,
+            "meaningless": not self.known(measure, path), "kind": self.kind(measure, path), "change": change, "change_from": least,
+            "change_to": most,
+        }  # fmt: skip
 
     def write_csv(self, path: str | Path) -> None:
-        """Writes :meth:`rows` as a table of commas."""
-        write_named(path, ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"], self.rows())
+        """Write :meth:`rows` as a table of commas."""
+        former = ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"]
+        write_named(path, [*former, "kind", "change", "change_from", "change_to"], self.rows())

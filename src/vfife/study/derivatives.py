@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from statistics import fmean
 from types import MappingProxyType
 
-from ..analysis.measures import OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
+from ..analysis.measures import MOMENT, OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
 from ..analysis.ranges import over_tries, ranged
 from ..analysis.wanted import BY_TURN, INFLUENCE
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.numbering import Numbering
+from ..assembly.timestep import size_of
 from ..errors import Fault, ModelError, VfifeError, suggestion
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
@@ -26,15 +29,20 @@ from ..simulation import simulate
 from ..solvers.arguments import Arguments
 from ..solvers.companions import SENSITIVE, measured_rows
 from ..solvers.progress import Progress
-from ..solvers.record import Record
+from ..solvers.record import Record, recorded_rows
 from ..solvers.status import Status
-from ..solvers.tangents import Pairs, comparable, displaced, tangents
+from ..solvers.tangents import Neighbours, Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
+from ..solvers.variants import StepSize, step_sizes
+from .finite_changes import WIDE, FiniteChanges, assembled, finite_changes
+from .finite_changes import compared as checked
+from .finite_changes import references as ideal_changes
 from .neighbours import Way, beside, neighbours
 from .wanted import known_measures
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
+NO_CHANGE = 1e-6  # per cent by one per cent: rounding of a finite change, of which a billionth of the measure is a hundred-thousandth
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
 MOST_RUNS = 8  # that go side by side in the widest vector
@@ -81,32 +89,107 @@ def sensitivity(
     known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
     whole = {name: value for found in known.values() for name, value in found.items()}
     whole |= compared(record, whole, reference)
+    whole = silent_moments(record.assembly, whole) | whole
     names = matching("of", [one for one in LARGEST if fits(one, whole)] or ["*"] if of is None else of, whole)
     relative = any(name.endswith(INFLUENCE) for name in names)
-    every = tuple(one for one in OVER_TURN if names.keys() & known[one].keys() or (relative and one in PEAKS))
+    every = tuple(one for one in OVER_TURN if names.keys() & known[one].keys() or (relative and one in PEAKS)) or PEAKS
     ways, refused = neighbours(text, chosen, record.assembly)
-    ideals = references(text, ways, result) if relative else {}
     count = runs if runs is not None and record.assembly.contacts else 1 if record.companions is None else DISPLACED
-    found = [
-        derivatives(way, pair, names, every, ideals.get(way.path, (reference, reference)))
-        for way, pair in paired(record.assembly, ways, count, every)
-    ]
-    nothing = rounding(whole, {name: max((abs(one.value * one.values.get(name, 0.0)) for one in found), default=0.0) for name in names})
+    question = Question(text, result, names, every, count, relative)
+    found = question.derivatives(ways)
+    nothing = rounding(whole, {name: max((size_of_change(one, name) for one in found), default=0.0) for name in names}, floors(record.assembly, whole))
     asked, names = frozenset(names), {name: value for name, value in names.items() if name not in nothing}
     told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every), nothing & asked)
-    told.derivatives = [one for one in found if any(abs(told.elasticity(name, one.path)) > NOTHING for name in names if name in one.values)]
+    told.derivatives = [one for one in found if any(matters(told, name, one.path) for name in names if name in one.values)]
     return told
 
 
-def rounding(measures: Mapping[str, float], changes: Mapping[str, float] = MappingProxyType({})) -> frozenset[str]:
+def size_of_change(one: Derivative, name: str) -> float:
+    """By how much of a measure (SI) all of a number would change it: the finite change where there is one, as a derivative may be meaningless."""
+    return abs(one.value * one.changes.get(name, one.values.get(name, 0.0)))
+
+
+def matters(found: Sensitivity, name: str, path: str) -> bool:
+    """Whether a measure depends on a number at all."""
+    has_change = name in next(one for one in found.derivatives if one.path == path).changes
+    return abs(found.elasticity(name, path)) > NOTHING or (has_change and abs(found.change(name, path)) > NO_CHANGE)
+
+
+@dataclass(frozen=True)
+class Question:
+    """What derivatives are taken of: a run, measures of its last turn, and how many displaced runs they are means over."""
+
+    text: str
+    result: Result
+    names: Mapping[str, float]
+    every: tuple[Measure, ...]
+    count: int
+    relative: bool
+
+    def derivatives(self, ways: list[Way]) -> list[Derivative]:
+        """By each number: tangents of the run's step with displaced runs, tangents at other step sizes, and finite changes at all of them."""
+        base, reference = self.result.record.assembly, None if self.result.reference is None else self.result.reference.measures
+        ideals = references(self.text, ways, self.result) if self.relative else {}
+        sizes = step_sizes(base)
+        found: dict[str, Derivative] = {}
+        slopes: dict[str, dict[str, list[float]]] = {}
+        for k, size in enumerate(sizes):
+            near = [Way(way.path, way.value, Neighbours(size.of(way.near.up), size.of(way.near.down), way.near.apart)) for way in ways]
+            for way, pairs in paired(size.of(base), near if k else ways, 1 if k else self.count, self.every):
+                one, several = derivatives(way, pairs, self.names, self.every, ideals.get(way.path, (reference, reference)))
+                found.setdefault(way.path, one)
+                for name, values in several.items():
+                    slopes.setdefault(way.path, {}).setdefault(name, []).extend(values)
+        changes = self.changes({way.path: way.value for way in ways}, sizes)
+        largest: dict[str, float] = {}
+        for way in ways:
+            for name in self.names:
+                central = changes.central(name, way.path, way.value, WIDE)
+                largest[name] = max(largest.get(name, 0.0), abs(central[0] * way.value) if central else 0.0)
+        return [checked(found[way.path], slopes[way.path], changes, largest) for way in ways if way.path in slopes]
+
+    def changes(self, chosen: Mapping[str, float], sizes: Sequence[StepSize]) -> FiniteChanges:
+        """Measures of the model and of it with each number changed."""
+        record = self.result.record
+        base, variants = record.assembly, assembled(self.text, chosen, record.assembly)
+        reference, ideals = None, {}
+        if self.result.reference is not None:
+            reference = self.result.reference.measures
+            if self.relative:
+                ideal = self.result.reference.record.assembly
+                ideals = ideal_changes(self.text, chosen, ideal, lambda one: over_turn(one, last_turn(one), PEAKS))
+        rows = measured_rows(base) if set(self.every) <= set(BY_TURN) else recorded_rows(base)
+        return finite_changes(base, variants, sizes, rows, lambda one, own: _measured(one, self.every, own), ideals, reference)
+
+
+def silent_moments(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:
+    """Moments of ideal joints that are exactly zero, which a run leaves out. Rounding decides whether they are: no command may depend on it."""
+    return {name: 0.0 for one in assembly.ideals if (name := f"{one}{MOMENT}") not in whole}
+
+
+def floors(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:
+    """Scales of moments (N m) and angular accelerations (rad/s^2) that the largest force of a mechanism makes on its largest arm.
+
+    Rounding of a force leaves that much, times the precision, of moments and of turning that are zero; the largest measure of the same unit may be
+    such a remainder itself.
+    """
+    force = max((value for name, value in whole.items() if name.endswith(".force.max")), default=0.0)
+    moment = force * size_of(assembly.mechanism)
+    inertia = min((body.inertia for body in assembly.bodies.values() if body.inertia > 0.0), default=math.inf)
+    return {"N m": moment, "rad/s^2": moment / inertia}
+
+
+def rounding(
+    measures: Mapping[str, float], changes: Mapping[str, float] = MappingProxyType({}), scales: Mapping[str, float] = MappingProxyType({})
+) -> frozenset[str]:
     """Measures that are what rounding leaves of nothing, beside the largest of their unit: forces beside forces, moments beside torques.
 
     ``changes``: by how much of a measure (SI) all of a number would change it, at the most; what crosses zero is no rounding. Influence is that
-    of its measure; shares and counts have nothing to stand beside.
+    of its measure; shares and counts have nothing to stand beside. ``scales`` are sizes by unit that are known otherwise (:func:`floors`).
     """
     sizes = {name: max(abs(value), changes.get(name, 0.0)) for name, value in measures.items()}
     units = {name: unit_of(name) for name in measures}
-    largest: dict[str, float] = {}
+    largest = dict(scales)
     for name, size in sizes.items():
         largest[units[name]] = max(largest.get(units[name], 0.0), size)
     small = {name for name, size in sizes.items() if units[name] not in PURE and size <= ROUNDING * largest[units[name]]}
@@ -186,8 +269,8 @@ def paired(assembly: Assembly, ways: list[Way], count: int, every: tuple[Measure
 
 def derivatives(
     way: Way, pairs: Pairs, names: Mapping[str, float], every: tuple[Measure, ...], ideals: tuple[Reference, Reference] = (None, None)
-) -> Derivative:
-    """The change of measures between two records, by that of the number: the mean over displaced runs, and from the least to the largest.
+) -> tuple[Derivative, dict[str, list[float]]]:
+    """The change of measures between two records, by that of the number: the mean over displaced runs, and that of each run.
 
     Where an onset or a reversal falls in its step adds an error of either sign, which a mean over places in the step takes off.
     """
@@ -198,7 +281,8 @@ def derivatives(
             if name in up and name in down:
                 found.setdefault(name, []).append((up[name] - down[name]) / way.near.apart)
     middle = {name: fmean(values) for name, values in found.items()}
-    return Derivative(way.path, way.value, middle, {name: (min(values), max(values)) for name, values in found.items()})
+    ranges = {name: (min(values), max(values)) for name, values in found.items()}
+    return Derivative(way.path, way.value, middle, ranges, runs=len(pairs)), found
 
 
 def _measured(record: Record, every: tuple[Measure, ...], reference: Reference) -> dict[str, float]:

@@ -77,7 +77,8 @@ def placed(text: str, path: str, was: float, value: float, assembly: Assembly, *
         mechanism = mechanism.ideal() if ideal else mechanism
     elif path.startswith("joint.") and path.split(".")[1] in assembly.contacts:
         with suppress(ValueError):  # numbers of play reach the rows of their contact alone, in most mechanisms
-            return refitted(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
+            if all(name in mechanism.contacts for name in assembly.contacts):  # a block in a guide has four contacts with names of their own
+                return refitted(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
     return alike(mechanism, assembly)
 
 
