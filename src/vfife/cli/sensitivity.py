@@ -15,7 +15,7 @@ from .targets import refuse_inputs
 from .terminal import grid, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
-    from ..results.derivatives import Sensitivity
+    from ..results.derivatives import Effect, Sensitivity
 
 Of = Annotated[
     list[str] | None,
@@ -31,7 +31,11 @@ Runs = Annotated[
 ]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False)]
-WIDE = 0.05  # of the largest elasticity of a measure: from which on it is told how far displaced runs lie apart
+WIDE = 0.05  # of the largest effect on a measure: width of a range from which on there is a note
+NOTES = {
+    "change": "* change for 1 %: the derivative does not describe it.",
+    "unknown": "? sign not known: changes of 1 % differ with their direction or with the size of the step.",
+}
 ENDINGS = (".png", ".svg", ".pdf")
 
 
@@ -54,9 +58,12 @@ def sensitivity(
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
-    """Which number matters? The derivative of every measure by every number of the model, from one run that carries its derivatives along.
+    """Which number matters? The derivative of every measure by every number of the model, checked by finite changes of the number.
 
-    Told are elasticities: by how many per cent a measure changes with one per cent of a number. Measures are of the last turn.
+    Shown are elasticities: by how many per cent a measure changes with one per cent of a number. Measures are of the last turn. Each number is also
+    changed by 1 % and 0.1 %, both ways, and all of it is repeated with steps 1.4, 1.7 and 2 times as long. The range of an elasticity covers what
+    these runs differ by. Where finite changes contradict the derivative, the change for 1 % and its range stand in its place; where the sign is not
+    known, a question mark.
     """
     with sentences(str(model)):
         for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",))):
@@ -88,6 +95,14 @@ def sensitivity(
         show(found, top)
 
 
+def cells(one: Effect) -> tuple[str, str]:
+    """The value of an effect and its range, which is left out where it has the same digits."""
+    span = f"{one.low:.3g}, {one.high:.3g}" if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1 else ""
+    if one.kind == "unknown":
+        return "?", span
+    return f"{one.value:+.3g}{' *' if one.kind == 'change' else ''}", span
+
+
 def show(found: Sensitivity, top: int) -> None:
     """A table for people: of each measure the numbers that matter most."""
     from rich.text import Text
@@ -95,19 +110,19 @@ def show(found: Sensitivity, top: int) -> None:
     console = output()
     title = f"{found.mechanism}: what its measures depend on"
     table = grid("measure", "value", "number", "per cent by 1 %", "from, to", title=title, right=(1, 3, 4))
+    shown: set[str] = set()
     for name, value in found.measures.items():
         if name in found.doubtful:
             row(table, name, f"{value:.5g}", "companions part", "?", "")
             continue
-        ranked = [item for item in found.ranked(name) if item[1]][:top]
-        for k, (path, elastic) in enumerate(ranked):
-            low, high = found.span(name, path)
-            span = f"{low:.3g}, {high:.3g}" if high > low else ""
-            mark = "" if found.known(name, path) else " ?"
-            row(table, name if k == 0 else "", f"{value:.5g}" if k == 0 else "", path, f"{elastic:+.3g}{mark}", span)
+        effects = [one for one in found.effects(name) if one.value][:top]
+        shown |= {one.kind for one in effects}
+        for k, one in enumerate(effects):
+            first = (name, f"{value:.5g}") if k == 0 else ("", "")
+            row(table, *first, one.path, *cells(one))
     console.print(table)
-    told = "; from, to are over displaced runs, and ? is where they differ in sign" if any(one.displaced for one in found.derivatives) else ""
-    console.print(Text(f"Measures are of the {found.part}, in SI units{told}."))
+    for text in (f"Measures are of the {found.part}, in SI units.", *(NOTES[kind] for kind in ("change", "unknown") if kind in shown)):
+        console.print(Text(text))
     if found.doubtful:
         tell("note", f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean nothing.")
     if found.rounding:
@@ -115,8 +130,8 @@ def show(found: Sensitivity, top: int) -> None:
     wide = {name: spread for name in found.measures if name not in found.doubtful and (spread := found.spread(name)) > WIDE}
     if wide:
         most = max(wide, key=wide.__getitem__)
-        what = f"displaced runs lie apart by up to {100.0 * wide[most]:.0f} % of the largest elasticity of {most}"
-        tell("note", f"{what}: a smaller --step tells it more closely.")
+        what = f"ranges are up to {100.0 * wide[most]:.0f} % of the largest effect wide ({most})"
+        tell("note", f"{what}: a smaller --step makes them narrower.")
     for path, why in found.refused.items():
         if not why.startswith("zero"):
             tell("note", f"{path}: {why}")

@@ -163,8 +163,12 @@ class Question:
 
 
 def silent_moments(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:
-    """Moments of ideal joints that are exactly zero, which a run leaves out. Rounding decides whether they are: no command may depend on it."""
-    return {name: 0.0 for one in assembly.ideals if (name := f"{one}{MOMENT}") not in whole}
+    """Moments that are exactly zero, which a run leaves out, of ideal joints that hold a turn.
+
+    Whether such a moment is 0 or 1e-45 N m is decided by rounding, on which no answer may depend.
+    """
+    holders = [name for name, turn in zip(assembly.ideals, assembly.topology.joint_turn, strict=True) if turn]
+    return {f"{one}{MOMENT}": 0.0 for one in holders if f"{one}{MOMENT}" not in whole}
 
 
 def floors(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:

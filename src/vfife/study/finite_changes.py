@@ -7,7 +7,6 @@ measure when the number is changed by 1 % and by 0.1 %, both ways, and with deri
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -27,6 +26,8 @@ SHARES = tuple(sign * share for share in (WIDE, CLOSE) for sign in (1.0, -1.0))
 CURVATURE = 0.02
 # Of the largest effect on a measure: a smaller disagreement matters to nobody, and is covered by the range.
 INSIGNIFICANT = 1e-3
+# A range whose ends are further apart than this factor is that of a motion that is nearly chaotic: it may be wider still at finer steps.
+FACTOR = 5.0
 
 Change: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
 Values: TypeAlias = Mapping[str, float]
@@ -123,12 +124,8 @@ def compared(found: Derivative, slopes: Mapping[str, Sequence[float]], changes: 
         ranges[name], holds = agreement(slopes[name], wide, close, little)
         if wide:
             quotients[name], spans[name] = wide[0], hull([widened(side) for side in sides if side])
-        if holds and known(ranges[name]):
-            kinds[name] = "derivative"
-        elif name in spans and known(spans[name]) and math.isfinite(quotients[name]):
-            kinds[name] = "change"
-        else:
-            kinds[name] = "unknown"
+        certain = bool(wide) and same_sign(spans[name]) and all(sure(widened(side)) for side in sides if side)
+        kinds[name] = "derivative" if holds and sure(ranges[name]) else "change" if certain else "unknown"
     return Derivative(found.path, found.value, found.values, ranges, quotients, spans, kinds, found.runs)
 
 
@@ -143,8 +140,6 @@ def agreement(slopes: Sequence[float], wide: Sequence[float], close: Sequence[fl
     if not wide or not close:
         return own, False
     margin = max(CURVATURE * max(abs(own[0]), abs(own[1])), little)
-    if own[1] - own[0] > 0.0 and not math.isfinite(margin):
-        return own, False
     holds = all(overlap(own, widened(one), margin) for one in (wide, close))
     if not holds:
         return own, False
@@ -169,7 +164,12 @@ def overlap(one: Span, other: Span, margin: float) -> bool:
     return one[0] - margin <= other[1] and other[0] - margin <= one[1]
 
 
-def known(span: Span) -> bool:
+def same_sign(span: Span) -> bool:
     """Return whether a range leaves no doubt about the sign, or is nothing but zero."""
     return span[0] > 0.0 or span[1] < 0.0 or span == (0.0, 0.0)
 
+
+def sure(span: Span) -> bool:
+    """Return whether a range says what sign and what order of magnitude a quantity has."""
+    small, large = sorted(map(abs, span))
+    return same_sign(span) and large <= FACTOR * small

@@ -1,7 +1,8 @@
 """The end of a search for one measure: from its best member on by derivatives, which takes a handful of members where chance takes hundreds.
 
 Sequential quadratic programming (SLSQP: Kraft, DFVLR-FB 88-28, 1988) over shares of the ways between the bounds of what varies continuously. Its
-members are those of the search: they are asked for one by one, kept, and judged by what they are, whatever derivatives said.
+members are those of the search: they are asked for one by one, kept, and judged by what they are, whatever derivatives said. Where finite changes
+contradict a derivative, the search goes on by values alone.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from .derivatives import sensitivity
 from .optimise import Ask, Found, Numbers, Search, best, judged
+from .pattern_search import Rank, pattern_search
 from .plan import Plan
 
 Array = NDArray[np.float64]
@@ -30,9 +32,20 @@ CLOSE, STANDING = 1e-7, 3  # of the way between bounds: so close to another, so 
 ENOUGH = 1e-9  # of the measure: a step that makes no more of it is the last
 
 
+# Of the largest effect on a measure: an effect that is not known leads nowhere, but one so small changes no direction.
+INSIGNIFICANT = 0.05
+
+
+class Contradiction(VfifeError):
+    """Finite changes contradict the derivatives at a point."""
+
+
 @dataclass(frozen=True)
 class Refined:
-    """Members that a search took by derivatives, and why there are none, or no more, in a sentence; empty where it came to an end."""
+    """Members that a search took by derivatives, or by values where these do not hold, and why there are none, or no more, in a sentence.
+
+    The sentence is empty where the search came to an end.
+    """
 
     members: tuple[Found, ...] = ()
     why: str = ""
@@ -60,9 +73,23 @@ def refined(search: Search, found: Sequence[Found], ask: Ask, slopes: Slopes, to
             lambda x: walk.values(x)[0], walk.start, jac=lambda x: walk.slopes_at(x)[0], method="SLSQP", bounds=[(0.0, 1.0)] * len(walk.axes),
             constraints=limits, options={"maxiter": 1000, "ftol": ENOUGH},
         )  # fmt: skip
+    except Contradiction as why:
+        return by_values(walk, " ".join(str(why).split()))
     except (Ended, VfifeError) as why:
         return Refined(tuple(walk.members), " ".join(str(why).split()))
     return Refined(tuple(walk.members), "" if last.success else f"the method ended early ({last.message})")
+
+
+def by_values(walk: _Walk, why: str) -> Refined:
+    """Go on from the best point so far without derivatives."""
+    known = list(walk.known.items())
+    ranks = walk.rank([np.frombuffer(key) for key, _ in known])
+    start = np.frombuffer(known[min(range(len(known)), key=lambda k: ranks[k])][0])
+    try:
+        pattern_search(start, walk.rank)
+    except Ended as end:
+        return Refined(tuple(walk.members), f"{why}; by values, {end}")
+    return Refined(tuple(walk.members), f"{why}; values alone led to the end")
 
 
 def nearest(search: Search, found: Sequence[Found]) -> Found | None:
@@ -154,6 +181,32 @@ class _Walk:
         left = [sign * (found[bound.measure] - end) / size - WITHIN for (bound, sign, end), size in zip(self.ends, self.sizes, strict=True)]
         return self.sign * found[self.aim] / self.scale, left
 
+    def rank(self, points: Sequence[Array]) -> list[Rank]:
+        """How good members are, evaluated side by side. Raises Ended where no more of them may be taken."""
+        new = [x for x in points if np.clip(x, 0.0, 1.0).tobytes() not in self.known]
+        room = self.search.refine - len(self.members)
+        if new and room < 1:
+            raise Ended(f"refine = {self.search.refine} members are taken; with more it goes on")
+        numbers = [self.parameters(np.clip(x, 0.0, 1.0)) for x in new[:room]]
+        batch = []
+        for x, own, values in zip(new, numbers, self.ask(numbers) if numbers else (), strict=False):
+            one = judged(self.search, self.count + len(self.members), own, values)
+            self.members.append(one)
+            self.known[np.clip(x, 0.0, 1.0).tobytes()] = one
+            batch.append(one)
+        if batch and self.told is not None:
+            self.told(batch)
+        if len(new) > room:
+            raise Ended(f"refine = {self.search.refine} members are taken; with more it goes on")
+        return [self._rank(self.known[np.clip(x, 0.0, 1.0).tobytes()]) for x in points]
+
+    def _rank(self, one: Found) -> Rank:
+        values = one.values or {}
+        if not all(math.isfinite(values.get(name, math.nan)) for name in self.measures):
+            return math.inf, math.inf
+        beyond = [max(-sign * (values[bound.measure] - end) / size, 0.0) for (bound, sign, end), size in zip(self.ends, self.sizes, strict=True)]
+        return sum(beyond), self.sign * values[self.aim] / self.scale
+
     def slopes_at(self, x: Array) -> tuple[Array, list[Array]]:
         """Derivatives of both by the shares."""
         x = np.clip(x, 0.0, 1.0)
@@ -189,8 +242,16 @@ def slopes_of(plan: Plan, base: Mechanism, search: Search, numbers_at: Callable[
         has = {one.path for one in found.derivatives}
 
         def by(name: str, path: str) -> float:
-            """Nothing where displaced runs do not agree on the sign: the number is left where it is."""
-            return found.derivative(name, path) if path in has and found.known(name, path) else 0.0
+            """The derivative, or nothing where the effect is too small to matter."""
+            if path not in has:
+                return 0.0
+            if found.kind(name, path) == "derivative":
+                return found.derivative(name, path)
+            one = found.effect(name, path)
+            largest = max((abs(other.value) for other in found.effects(name) if math.isfinite(other.value)), default=0.0)
+            if max(abs(one.low), abs(one.high)) <= INSIGNIFICANT * largest:
+                return 0.0
+            raise Contradiction(f"finite changes of {path} contradict the derivative of {name}")
 
         return {name: {one.name: sum(by(name, path) for path in one.paths) for one in varied} for name in names}
 
