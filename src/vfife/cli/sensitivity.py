@@ -31,6 +31,7 @@ Runs = Annotated[
 ]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False)]
+LEAST = 1e-6  # per cent by one per cent: smaller effects are rounding
 WIDE = 0.05  # of the largest effect on a measure: width of a range from which on there is a note
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
@@ -115,7 +116,7 @@ def show(found: Sensitivity, top: int) -> None:
         if name in found.doubtful:
             row(table, name, f"{value:.5g}", "companions part", "?", "")
             continue
-        effects = [one for one in found.effects(name) if one.value][:top]
+        effects = [one for one in found.effects(name) if max(abs(one.low), abs(one.high)) > LEAST][:top]
         shown |= {one.kind for one in effects}
         for k, one in enumerate(effects):
             first = (name, f"{value:.5g}") if k == 0 else ("", "")

@@ -1,0 +1,170 @@
+"""Derivatives beside finite changes of a number: what is a derivative, what is a change for 1 %, what is unknown; and the runs that it is judged by."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import vfife
+from sensitivities import outside
+from vfife import gallery
+from vfife.analysis.measures import PEAKS, last_turn, over_turn
+from vfife.assembly.assemble import assemble
+from vfife.results.derivatives import Derivative
+from vfife.solvers.record import recorded_rows
+from vfife.solvers.transient import run
+from vfife.solvers.variants import measures_of, step_sizes
+from vfife.study.finite_changes import FiniteChanges, agreement, compared
+from vfife.study.neighbours import alike
+from vfife.study.pattern_search import pattern_search
+
+# Every model of the gallery with contact; the block in a guide with clearance, whose contacts have names of their own, ended in a KeyError.
+WITH_CONTACT = {
+    "block_on_incline": {"duration": 0.01}, "compressor": {"turns": 0.01}, "four_bar": {"turns": 0.01}, "four_bar_case_b": {"turns": 0.02},
+    "four_bar_case_c": {"turns": 0.02}, "journal_in_bearing": {"duration": 1e-3}, "slider_crank_loose_guide": {"turns": 0.1},
+    "slider_crank_loose_pin": {"turns": 0.02},
+}  # fmt: skip
+
+
+def test_the_list_has_every_model_with_contact():
+    assert {name for name in gallery.__all__ if getattr(gallery, name)().contacts} == WITH_CONTACT.keys()
+
+
+@pytest.mark.parametrize("name", WITH_CONTACT)
+def test_every_model_with_contact_has_derivatives_by_the_numbers_of_its_joints(name):
+    found = vfife.sensitivity(getattr(gallery, name)(), None, ["joint.*"], companions=0, **WITH_CONTACT[name])
+    assert found.derivatives and found.measures
+    assert not any("cylinder.1" in why for why in found.refused.values())
+
+
+def changed(own: list[float], up: list[float], down: list[float], close: float | None = None) -> FiniteChanges:
+    """Changes of a measure "f" at some step sizes by a number "p" that is 1; those of 0.1 % a tenth, or ``close`` of the number."""
+    values: dict[tuple[str, float], list[dict[str, float] | None]] = {}
+    for share, ends in ((0.01, up), (-0.01, down)):
+        values["p", share] = [{"f": one} for one in ends]
+        near = [one + (0.1 * (end - one) if close is None else 0.1 * share * close) for one, end in zip(own, ends, strict=True)]
+        values["p", 0.1 * share] = [{"f": one} for one in near]
+    return FiniteChanges([{"f": one} for one in own], values)
+
+
+def judged(slopes: list[float], changes: FiniteChanges) -> Derivative:
+    """What is known of the measure "f"."""
+    return compared(Derivative("p", 1.0, {"f": slopes[0]}, {"f": (min(slopes), max(slopes))}), {"f": slopes}, changes, {"f": 1.0})
+
+
+def test_a_derivative_that_changes_agree_with_holds_and_its_range_covers_both():
+    found = judged([2.0, 2.02, 2.01], changed([1.0, 1.0, 1.0], [1.0205] * 3, [0.9795] * 3))
+    assert found.kinds["f"] == "derivative"
+    low, high = found.ranges["f"]
+    assert low == pytest.approx(1.98) and high == pytest.approx(2.05)  # three times the spread; the change is 2.05
+
+
+def test_a_derivative_that_changes_contradict_gives_way_to_them():
+    """A tangent that grew without end; a kink, of which each side is known."""
+    found = judged([-7.65e8, -7.6e8, -8e8], changed([1.0] * 3, [0.9987, 0.99871, 0.9986], [1.0013, 1.00132, 1.0013]))
+    assert found.kinds["f"] == "change"
+    assert found.changes["f"] == pytest.approx(-0.13) and found.change_ranges["f"][0] < -0.132 < -0.128 < found.change_ranges["f"][1]
+    found = judged([1.25, 1.25, 1.25], changed([1.0] * 3, [1.0125] * 3, [0.994] * 3))
+    assert found.kinds["f"] == "change" and found.change_ranges["f"] == pytest.approx((0.6, 1.25))
+
+
+def test_where_changes_of_a_tenth_of_a_per_cent_contradict_a_derivative_it_does_not_hold():
+    """A step of the measure beside the model: 1 % hides it, a tenth shows it."""
+    assert judged([2.0] * 3, changed([1.0] * 3, [1.02] * 3, [0.98] * 3)).kinds["f"] == "derivative"
+    assert judged([2.0] * 3, changed([1.0] * 3, [1.02] * 3, [0.98] * 3, close=5.0)).kinds["f"] == "change"
+
+
+@pytest.mark.parametrize(
+    ("slopes", "up", "down"),
+    [
+        ([3.0, 3.0, 3.0], [1.01] * 3, [1.01] * 3),  # the least of a measure: it grows both ways
+        ([3.0, 3.0, 3.0], [1.01, 1.02, 0.99], [0.99] * 3),  # step sizes do not agree on the sign
+        ([3.0, 3.0, 3.0], [1.001, 1.02, 1.03], [0.99] * 3),  # nor on the order of magnitude
+        ([1.0, -1.0, 2.0], [1.01, 1.02, 0.99], [0.99] * 3),  # nor do derivatives
+    ],
+)
+def test_where_neither_is_known_it_is_unknown(slopes, up, down):
+    assert judged(slopes, changed([1.0] * 3, up, down)).kinds["f"] == "unknown"
+
+
+def test_without_finite_changes_nothing_is_known():
+    none = FiniteChanges([{"f": 1.0}], {})
+    found = judged([2.0], none)
+    assert found.kinds["f"] == "unknown" and "f" not in found.changes
+    assert not agreement([2.0], [], [], 0.0)[1]
+
+
+def test_one_side_is_enough_where_the_number_may_go_no_other_way():
+    changes = changed([1.0], [1.02], [0.98])
+    one = FiniteChanges(changes.own, {key: value for key, value in changes.changed.items() if key[1] > 0.0})
+    assert judged([2.0], one).kinds["f"] == "derivative"
+
+
+@pytest.mark.parametrize("name", ["four_bar_case_c", "slider_crank", "slider_crank_loose_guide", "double_pendulum"])
+def test_another_step_size_is_that_of_a_mechanism_assembled_with_it(name):
+    """To the bit: state, tables, topology. Also of a neighbour."""
+    length = {"duration": 0.3} if name == "double_pendulum" else {"turns": 1.0}
+    mechanism = vfife.load(f"examples/{name}.toml")
+    base = assemble(mechanism, **length)
+    sizes = step_sizes(base)
+    assert len(sizes) == 4 and sizes[0].steps == base.choice.steps
+    ratios = sorted(max(one.steps for one in sizes) / one.steps for one in sizes)
+    assert ratios == pytest.approx([1.0, 1.4, 1.7, 2.0], rel=0.04)
+    for size in sizes:
+        found = size.of(base)
+        again = alike(mechanism, found)
+        assert found.state.tobytes() == again.state.tobytes() and found.topology == again.topology
+        assert (found.choice.steps, found.choice.step) == (again.choice.steps, pytest.approx(again.choice.step, rel=1e-12))
+        assert found.choice.step * found.choice.steps == pytest.approx(base.choice.step * base.choice.steps, rel=1e-12)
+
+
+def test_a_step_near_its_limit_is_compared_with_finer_ones():
+    """Twice the step would not be stable: half of it is the finest then."""
+    base = assemble(vfife.load("examples/four_bar_case_c.toml"), turns=0.1)
+    near = assemble(vfife.load("examples/four_bar_case_c.toml"), 0.85 * base.choice.stable, turns=0.1)
+    steps = [one.of(near).choice.step for one in step_sizes(near)]
+    assert steps[0] == near.choice.step == max(steps)
+    assert min(steps) == pytest.approx(0.5 * steps[0], rel=0.05)
+
+
+def test_variants_in_lanes_have_the_measures_of_runs_alone():
+    """Two and a half turns, whose last turn begins between two parts that a lane hands over; one that diverges has none."""
+    base = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), turns=2.5)
+    variants = [size.of(base) for size in step_sizes(base)]
+    broken = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), 40.0 * base.choice.stable, turns=2.5, force_step=True)
+
+    def look(record):
+        return over_turn(record, last_turn(record), PEAKS)
+
+    found = measures_of([(one, recorded_rows(base), look) for one in (*variants, broken)])
+    assert found[:-1] == [look(run(one)) for one in variants]
+    assert found[-1] is None
+
+
+def test_ranges_hold_the_truth_of_a_step_ten_times_smaller():
+    """A small part of what tests/verification counts: no derivative and no change that is shown without a question mark is outside."""
+    count, wrong = 0, []
+    for name, length in (("four_bar_case_b", {"turns": 0.4}), ("slider_crank_loose_guide", {"turns": 0.5}), ("slider_crank", {"turns": 1.0})):
+        more = outside(vfife.load(f"examples/{name}.toml"), 3, seed=3, **length)
+        count, wrong = count + more.shown, [*wrong, *more.wrong]
+    assert count >= 20
+    assert wrong == []
+
+
+def test_a_chaotic_motion_shows_no_derivative_that_its_changes_contradict():
+    """Tangents of this run come to -443 % by 1 % of the restitution, of one sign in both displaced runs, and were shown as they were."""
+    found = vfife.sensitivity(vfife.load("examples/slider_crank_loose_guide.toml"), ["O.force.max"], ["joint.guide.contact.restitution"], turns=1)
+    assert abs(found.elasticity("O.force.max", "joint.guide.contact.restitution")) > 100.0
+    assert not found.known("O.force.max", "joint.guide.contact.restitution")
+    (row,) = found.rows()
+    assert row["meaningless"] and row["kind"] in ("change", "unknown") and abs(row["change"]) < 50.0
+
+
+def test_a_pattern_search_finds_the_least_within_limits():
+    """A kinked valley whose least lies outside of the limit: on its edge."""
+
+    def rank(points):
+        return [(max(0.0, x + y - 1.0), abs(x - 0.9) + 2.0 * abs(y - 0.5)) for x, y in points]
+
+    found = pattern_search(np.array([0.2, 0.1]), rank)
+    assert found == pytest.approx([0.5, 0.5], abs=3e-3)
