@@ -1,4 +1,6 @@
-"""Sensitivities beside finite differences with a step ten times smaller, each model read, changed and assembled by itself."""
+"""Sensitivities beside finite differences with a step ten times smaller, each model read, changed and
+assembled by itself.
+"""
 
 from __future__ import annotations
 
@@ -19,13 +21,16 @@ from vfife.solvers.variants import measures_of
 
 FINER = 10.0
 SHARES = 0.01, -0.01, 0.001, -0.001
-# Per cent of a measure for one per cent of a number: what differences of 0.1 % leave of rounding, and what no table shows.
+# Per cent of a measure for one per cent of a number: what differences of 0.1 % leave of rounding, and what no
+# table shows.
 ROUNDING = 1e-4
 
 
 @dataclass
 class Outside:
-    """How many derivatives and changes were shown without a question mark, how many with one, and which did not hold the truth."""
+    """How many derivatives and changes were shown without a question mark, how many with one, and which
+    did not hold the truth.
+    """
 
     derivatives: int = 0
     changes: int = 0

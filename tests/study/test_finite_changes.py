@@ -1,4 +1,6 @@
-"""Derivatives beside finite changes of a number: what is a derivative, what is a change for 1 %, what is unknown; and the runs that it is judged by."""
+"""Derivatives beside finite changes of a number: what is a derivative, what is a change for 1 %, what is
+unknown; and the runs that it is judged by.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ from vfife.study.finite_changes import FiniteChanges, agreement, compared
 from vfife.study.neighbours import alike
 from vfife.study.pattern_search import pattern_search
 
-# Every model of the gallery with contact; the block in a guide with clearance, whose contacts have names of their own, ended in a KeyError.
+# Every model of the gallery with contact; the block in a guide with clearance, whose contacts have names of
+# their own, ended in a KeyError.
 WITH_CONTACT = {
     "block_on_incline": {"duration": 0.01}, "compressor": {"turns": 0.01}, "four_bar": {"turns": 0.01}, "four_bar_case_b": {"turns": 0.02},
     "four_bar_case_c": {"turns": 0.02}, "journal_in_bearing": {"duration": 1e-3}, "slider_crank_loose_guide": {"turns": 0.1},
@@ -38,7 +41,9 @@ def test_every_model_with_contact_has_derivatives_by_the_numbers_of_its_joints(n
 
 
 def changed(own: list[float], up: list[float], down: list[float], close: float | None = None) -> FiniteChanges:
-    """Changes of a measure "f" at some step sizes by a number "p" that is 1; those of 0.1 % a tenth, or ``close`` of the number."""
+    """Changes of a measure "f" at some step sizes by a number "p" that is 1; those of 0.1 % a tenth, or
+    ``close`` of the number.
+    """
     values: dict[tuple[str, float], list[dict[str, float] | None]] = {}
     for share, ends in ((0.01, up), (-0.01, down)):
         values["p", share] = [{"f": one} for one in ends]
@@ -128,7 +133,9 @@ def test_a_step_near_its_limit_is_compared_with_finer_ones():
 
 
 def test_variants_in_lanes_have_the_measures_of_runs_alone():
-    """Two and a half turns, whose last turn begins between two parts that a lane hands over; one that diverges has none."""
+    """Two and a half turns, whose last turn begins between two parts that a lane hands over; one that
+    diverges has none.
+    """
     base = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), turns=2.5)
     variants = [size.of(base) for size in step_sizes(base)]
     broken = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), 40.0 * base.choice.stable, turns=2.5, force_step=True)
@@ -137,12 +144,16 @@ def test_variants_in_lanes_have_the_measures_of_runs_alone():
         return over_turn(record, last_turn(record), PEAKS)
 
     found = measures_of([(one, recorded_rows(base), look) for one in (*variants, broken)])
-    assert found[:-1] == [look(run(one)) for one in variants]
+    alone = [look(run(one)) for one in variants]
+    assert found[:-1] == alone
     assert found[-1] is None
+    assert measures_of([(one, recorded_rows(base), look) for one in variants], whole=True) == alone
 
 
 def test_ranges_hold_the_truth_of_a_step_ten_times_smaller():
-    """A small part of what tests/verification counts: no derivative and no change that is shown without a question mark is outside."""
+    """A small part of what tests/verification counts: no derivative and no change that is shown without a
+    question mark is outside.
+    """
     count, wrong = 0, []
     for name, length in (("four_bar_case_b", {"turns": 0.4}), ("slider_crank_loose_guide", {"turns": 0.5}), ("slider_crank", {"turns": 1.0})):
         more = outside(vfife.load(f"examples/{name}.toml"), 3, seed=3, **length)
@@ -152,7 +163,9 @@ def test_ranges_hold_the_truth_of_a_step_ten_times_smaller():
 
 
 def test_a_chaotic_motion_shows_no_derivative_that_its_changes_contradict():
-    """Tangents of this run come to -443 % by 1 % of the restitution, of one sign in both displaced runs, and were shown as they were."""
+    """Tangents of this run come to -443 % by 1 % of the restitution, of one sign in both displaced runs,
+    and were shown as they were.
+    """
     found = vfife.sensitivity(vfife.load("examples/slider_crank_loose_guide.toml"), ["O.force.max"], ["joint.guide.contact.restitution"], turns=1)
     assert abs(found.elasticity("O.force.max", "joint.guide.contact.restitution")) > 100.0
     assert not found.known("O.force.max", "joint.guide.contact.restitution")

@@ -1,7 +1,9 @@
-"""What is shown of a sensitivity without a question mark, beside finite differences with a step ten times smaller.
+"""What is shown of a sensitivity without a question mark, beside finite differences with a step ten times
+smaller.
 
-Models of the gallery, and mechanisms with contact that are drawn: four-bars with one to three loose joints, slider-cranks with a loose pin or guide,
-pendulums in loose bearings, discs thrown on a slope. Of each, some numbers that are drawn as well. docs/sensitivity.md has the counts.
+Models of the gallery, and mechanisms with contact that are drawn: four-bars with one to three loose joints,
+slider-cranks with a loose pin or guide, pendulums in loose bearings, discs thrown on a slope. Of each, some
+numbers that are drawn as well. docs/sensitivity.md has the counts.
 """
 
 from __future__ import annotations

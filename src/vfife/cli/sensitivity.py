@@ -35,7 +35,7 @@ LEAST = 1e-6  # per cent by one per cent: smaller effects are rounding
 WIDE = 0.05  # of the largest effect on a measure: width of a range from which on there is a note
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
-    "unknown": "? sign not known: changes of 1 % differ with their direction or with the size of the step.",
+    "unknown": "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size of the step.",
 }
 ENDINGS = (".png", ".svg", ".pdf")
 

@@ -19,9 +19,10 @@ class Derivative:
     """By one number, ``path``, whose ``value`` the model has (SI): the derivatives of measures, in their unit over its own.
 
     Those of a mechanism with contact are means over displaced runs. ``ranges`` covers displaced runs, other step sizes and finite changes
-    of the number that agree with the derivative. ``changes`` are quotients in the same unit: the change of a measure when the number is
-    changed by 1 %, over that change; ``change_ranges`` covers both signs of the change and the step sizes. ``kinds`` says which of the two holds
-    (:data:`Kind`). ``runs`` is the number of displaced runs.
+    of the number that agree with the derivative. ``changes`` are quotients in the same unit: the change of a
+    measure when the number is changed by 1 %, over that change; ``change_ranges`` covers both signs of the
+    change and the step sizes. ``kinds`` says which of the two holds (:data:`Kind`). ``runs`` is the number of
+    displaced runs.
     """
 
     path: str
@@ -40,10 +41,11 @@ class Derivative:
 
 
 class Effect(NamedTuple):
-    """What is known of the dependence of a measure on a number: per cent of the measure for one per cent of the number, with its range.
+    """Effect of a number on a measure: per cent of the measure for one per cent of the number, with its range.
 
-    Of kind "derivative" the value is an elasticity, of kind "change" the change for one per cent. Of kind "unknown" the value is the change that was
-    computed, which is no result: the sign is not known, or nothing was computed (NaN).
+    Of kind "derivative" the value is an elasticity, of kind "change" the change for one per cent. Of kind
+    "unknown" the value is the change that was computed, which is no result: its sign or its order of magnitude
+    is not known, or nothing was computed (NaN).
     """
 
     path: str

@@ -1,8 +1,11 @@
-"""Runs of many variants of one model, side by side in lanes, of which only the measures of the last turn are kept."""
+"""Runs of many variants of one model, side by side in lanes, of which only the measures of the last turn
+are kept.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
@@ -15,21 +18,26 @@ from ..assembly.assembled import Assembly
 from ..assembly.timestep import SAFETY, coarse
 from ..kernels.topology import Topology
 from .record import Columns, Record
+from .repeating import whole_outputs
 from .streaming import stepped
 
 Array = NDArray[np.float64]
 Look = Callable[[Record], Mapping[str, float]]
 
 CHUNK = 720  # outputs that a lane hands over at a time
-# Steps of the variants as multiples of the finest one. Two sizes may agree by chance on the error of an onset; four did not in 100 mechanisms.
+# Steps of the variants as multiples of the finest one. Two sizes may agree by chance on the error of an
+# onset; four did not in 100 mechanisms.
 MULTIPLES = (1.0, 1.4, 1.7, 2.0)
-# Steps between two outputs from which on a step is made coarser between its outputs. With fewer, their number changes instead.
+# Steps between two outputs from which on a step is made coarser between its outputs. With fewer, their number
+# changes instead.
 FINE_OUTPUTS = 10
 
 
 @dataclass(frozen=True)
 class StepSize:
-    """A step of a run as the number of steps between two outputs and the number of outputs; ``topology`` has the corrections that it needs."""
+    """A step of a run as the number of steps between two outputs and the number of outputs; ``topology``
+    has the corrections that it needs.
+    """
 
     every: int
     outputs: int
@@ -42,7 +50,9 @@ class StepSize:
         return self.every * self.outputs
 
     def of(self, assembly: Assembly) -> Assembly:
-        """Return a variant of the base assembly with this step: what ``assemble`` makes with it, to the bit."""
+        """Return a variant of the base assembly with this step: what ``assemble`` makes with it, to the
+        bit.
+        """
         choice, state = assembly.choice, assembly.state.copy()
         step = choice.step * (choice.steps / self.steps)
         same = assembly.topology is self.base or assembly.topology == self.base
@@ -58,7 +68,8 @@ class StepSize:
 def step_sizes(assembly: Assembly) -> list[StepSize]:
     """Return the steps by which the error of a run is estimated; the first one is its own.
 
-    They are 1, 1.4, 1.7 and 2 times the finest. That is the step of the run, or half of it where twice the step would not be stable.
+    They are 1, 1.4, 1.7 and 2 times the finest. That is the step of the run, or half of it where twice the
+    step would not be stable.
     """
     choice = assembly.choice
     coarsest = max(MULTIPLES)
@@ -72,7 +83,9 @@ def step_sizes(assembly: Assembly) -> list[StepSize]:
 
 
 def _step_size(assembly: Assembly, multiple: float) -> StepSize:
-    """The step that is nearest to a multiple of the assembly's own and divides its length and, where it is possible, its turn."""
+    """The step that is nearest to a multiple of the assembly's own and divides its length and, where it is
+    possible, its turn.
+    """
     choice = assembly.choice
     every, outputs = choice.outputs_every, choice.outputs
     if multiple < 1.0 or every >= FINE_OUTPUTS:
@@ -90,18 +103,31 @@ def _step_size(assembly: Assembly, multiple: float) -> StepSize:
     return StepSize(every, outputs, assembly.topology, topology)
 
 
-def measures_of(variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]]) -> list[Mapping[str, float] | None]:
+def measures_of(variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]], *, whole: bool = False) -> list[Mapping[str, float] | None]:
     """Return the measures of each variant; None for one whose numbers left all bounds.
 
-    A variant is an assembly, the rows of its state that its measures need, and the function that takes measures from its record. The record
-    has the outputs of the last turn and the one before them. Ctrl-C ends it within a second.
+    A variant is an assembly, the rows of its state that its measures need, and the function that takes
+    measures from its record. The record has the outputs of the last turn and the one before them; with
+    ``whole`` as few as possible, which is enough for measures of extremes and of totals. Ctrl-C ends it
+    within a second.
     """
     columns: dict[int, Columns] = {}
-    lanes = [_Lane(k, *one, columns) for k, one in enumerate(variants)]
+    lanes = [_Lane(k, *one, columns, whole) for k, one in enumerate(variants)]
     for ended in stepped(lanes, len(lanes)) if lanes else ():
         lane = cast(_Lane, ended)
         lane.parts.clear()
     return [lane.values for lane in lanes]
+
+
+def merged_outputs(assembly: Assembly) -> int:
+    """Return how many outputs may be one, so that the last turn begins and ends with an output; all of
+    them where there are no turns.
+    """
+    choice = assembly.choice
+    if not choice.turn:
+        return choice.outputs
+    turn = whole_outputs(choice)
+    return 1 if turn is None else math.gcd(turn, choice.outputs)
 
 
 @dataclass
@@ -113,26 +139,28 @@ class _Lane:
     handed: NDArray[np.uint32]
     look: Look
     columns: dict[int, Columns]
+    whole: bool
     done: int = 0
     sound: bool = True
     values: Mapping[str, float] | None = None
     parts: list[tuple[int, Array]] = field(default_factory=list)  # the number of the first output of each part, and its rows
 
     def __post_init__(self) -> None:
-        choice = self.assembly.choice
-        self.loop, self.every = "auto", choice.outputs_every
-        turn = choice.turn / (choice.step * self.every) if choice.turn else float(choice.outputs)
-        self.oldest = max(0, int(np.floor(choice.outputs - turn - 0.5)))
+        choice, self.loop = self.assembly.choice, "auto"
+        merged = merged_outputs(self.assembly) if self.whole else 1
+        self.every, self.count = merged * choice.outputs_every, choice.outputs // merged
+        turn = choice.turn / (choice.step * self.every) if choice.turn else float(self.count)
+        self.oldest = max(0, int(np.floor(self.count - turn - 0.5)))
 
     @property
     def outputs(self) -> int:
         """Outputs up to the next look."""
-        return min(CHUNK, self.assembly.choice.outputs - self.done)
+        return min(CHUNK, self.count - self.done)
 
     @property
     def ended(self) -> bool:
         """Whether it needs no further step."""
-        return not self.sound or self.done >= self.assembly.choice.outputs
+        return not self.sound or self.done >= self.count
 
     def start(self, state: Array) -> None:
         """Keep the output of step 0."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import partial
 from statistics import fmean
 from types import MappingProxyType
 
@@ -97,7 +98,9 @@ def sensitivity(
     count = runs if runs is not None and record.assembly.contacts else 1 if record.companions is None else DISPLACED
     question = Question(text, result, names, every, count, relative)
     found = question.derivatives(ways)
-    nothing = rounding(whole, {name: max((size_of_change(one, name) for one in found), default=0.0) for name in names}, floors(record.assembly, whole))
+    nothing = rounding(
+        whole, {name: max((size_of_change(one, name) for one in found), default=0.0) for name in names}, floors(record.assembly, whole)
+    )
     asked, names = frozenset(names), {name: value for name, value in names.items() if name not in nothing}
     told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every), nothing & asked)
     told.derivatives = [one for one in found if any(matters(told, name, one.path) for name in names if name in one.values)]
@@ -158,8 +161,11 @@ class Question:
             if self.relative:
                 ideal = self.result.reference.record.assembly
                 ideals = ideal_changes(self.text, chosen, ideal, lambda one: over_turn(one, last_turn(one), PEAKS))
-        rows = measured_rows(base) if set(self.every) <= set(BY_TURN) else recorded_rows(base)
-        return finite_changes(base, variants, sizes, rows, lambda one, own: _measured(one, self.every, own), ideals, reference)
+        whole = set(self.every) <= set(BY_TURN)
+        rows = measured_rows(base) if whole else recorded_rows(base)
+        return finite_changes(
+            base, variants, sizes, rows, partial(_measured, every=self.every), ideals, reference, whole=whole
+        )  # fmt: skip
 
 
 def silent_moments(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:

@@ -1,15 +1,20 @@
 """Finite changes of the numbers of a model, and whether derivatives agree with them.
 
-A derivative of a run is that of its steps. It is worthless to a user where the motion is chaotic (it grows without end), where an impact is missed
-a hundredth of a clearance further on, or where a kink of friction lies in one step. So every derivative is compared with the change of the
-measure when the number is changed by 1 % and by 0.1 %, both ways, and with derivatives and changes at other step sizes.
+A derivative of a run is that of its steps. It is worthless to a user where the motion is chaotic (it grows
+without end), where an impact is missed a hundredth of a clearance further on, or where a kink of friction
+lies in one step. So every derivative is compared with the change of the measure when the number is changed by
+1 % and by 0.1 %, both ways, and with derivatives and changes at other step sizes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import partial
+from typing import Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
@@ -22,31 +27,45 @@ from .neighbours import placed
 
 WIDE, CLOSE = 0.01, 0.001  # of a number: the change that users have in mind, and one at which a curve is nearly straight
 SHARES = tuple(sign * share for share in (WIDE, CLOSE) for sign in (1.0, -1.0))
-# A derivative agrees with a change that lies within this share of it outside its range: the curvature of a smooth measure over 1 %.
+# A derivative agrees with a change that lies within this share of it outside its range: the curvature of a
+# smooth measure over 1 %.
 CURVATURE = 0.02
 # Of the largest effect on a measure: a smaller disagreement matters to nobody, and is covered by the range.
 INSIGNIFICANT = 1e-3
-# A range whose ends are further apart than this factor is that of a motion that is nearly chaotic: it may be wider still at finer steps.
+# A range whose ends are further apart than this factor is that of a motion that is nearly chaotic: it may be
+# wider still at finer steps.
 FACTOR = 5.0
 
 Change: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
 Values: TypeAlias = Mapping[str, float]
 Span: TypeAlias = tuple[float, float]
-Measured: TypeAlias = Callable[[Record, Values | None], Values]
+
+
+class Measured(Protocol):
+    """Measures of the last turn of a record; those against the ideal mechanism with its own as
+    ``reference``.
+    """
+
+    def __call__(self, record: Record, *, reference: Values | None) -> Values:
+        """Take them."""
 
 
 @dataclass(frozen=True)
 class FiniteChanges:
-    """Measures of a model and of its variants, at each of several step sizes; None where a run did not come to its end.
+    """Measures of a model and of its variants, at each of several step sizes; None where a run did not come
+    to its end.
 
-    ``own``: of the model itself. ``changed``: of the model with a number changed by a share. A variant that cannot be assembled is missing.
+    ``own``: of the model itself. ``changed``: of the model with a number changed by a share. A variant that
+    cannot be assembled is missing.
     """
 
     own: Sequence[Values | None]
     changed: Mapping[Change, Sequence[Values | None]]
 
     def quotients(self, measure: str, path: str, value: float, share: float) -> list[float]:
-        """Return the change of a measure over the change of the number, at each step size at which both are known; ``share`` has a sign."""
+        """Return the change of a measure over the change of the number, at each step size at which both
+        are known; ``share`` has a sign.
+        """
         found = []
         for own, other in zip(self.own, self.changed.get((path, share), ()), strict=False):
             if own is not None and other is not None and measure in own and measure in other:
@@ -54,7 +73,9 @@ class FiniteChanges:
         return found
 
     def central(self, measure: str, path: str, value: float, share: float) -> list[float]:
-        """Return central quotients at each step size, or those to one side where the number may go to one side only."""
+        """Return central quotients at each step size, or those to one side where the number may go to one
+        side only.
+        """
         up, down = (self.quotients(measure, path, value, sign * share) for sign in (1.0, -1.0))
         if not up or not down:
             return up or down
@@ -62,7 +83,9 @@ class FiniteChanges:
 
 
 def assembled(text: str, chosen: Mapping[str, float], base: Assembly) -> dict[Change, Assembly]:
-    """Return the variants of a model with each number of ``chosen`` changed by each of ``SHARES``; none where the model does not allow it."""
+    """Return the variants of a model with each number of ``chosen`` changed by each of ``SHARES``; none
+    where the model does not allow it.
+    """
     changes = [(path, value + share * abs(value), share) for path, value in chosen.items() for share in SHARES]
     made = nearby(text, chosen, [(path, value) for path, value, _ in changes], base)
     found: dict[Change, Assembly] = {}
@@ -86,32 +109,43 @@ def references(text: str, chosen: Mapping[str, float], ideal: Assembly, peaks: L
             except (VfifeError, ValueError):
                 continue
     rows = recorded_rows(ideal)
-    return dict(zip(variants, measures_of([(one, rows, peaks) for one in variants.values()]), strict=True))
+    return dict(zip(variants, measures_of([(one, rows, peaks) for one in variants.values()], whole=True), strict=True))
 
 
 def finite_changes(
-    base: Assembly, variants: Mapping[Change, Assembly], sizes: Sequence[StepSize], rows: object, measured: Measured, ideals: Mapping[Change, Values | None],
+    base: Assembly,
+    variants: Mapping[Change, Assembly],
+    sizes: Sequence[StepSize],
+    rows: NDArray[np.uint32],
+    measured: Measured,
+    ideals: Mapping[Change, Values | None],
     reference: Values | None,
-) -> FiniteChanges:  # fmt: skip
-    """Run a model and its variants at each step size, side by side. ``rows`` of the state are those that ``measured`` needs."""
+    *,
+    whole: bool,
+) -> FiniteChanges:
+    """Run a model and its variants at each step size, side by side. ``rows`` of the state are those that
+    ``measured`` needs.
+
+    ``whole``: all measures are of extremes and totals.
+    """
     keys: list[Change | None] = [None, *variants]
     tasks = []
-    for key in keys:
-        assembly = base if key is None else variants[key]
-        own = reference if key is None else ideals.get(key, reference)
-        look: Look = lambda record, own=own: measured(record, own)  # type: ignore[misc]
-        tasks += [(size.of(assembly), rows, look) for size in sizes]
-    values = measures_of(tasks)  # type: ignore[arg-type]
-    count = len(sizes)
-    each = {key: values[k * count : (k + 1) * count] for k, key in enumerate(keys)}
+    for size in sizes:  # runs with one step stay in phase: contacts begin in all lanes of a register at nearly the same time
+        for key in keys:
+            assembly = base if key is None else variants[key]
+            own = reference if key is None else ideals.get(key, reference)
+            tasks.append((size.of(assembly), rows, partial(measured, reference=own)))
+    values = measures_of(tasks, whole=whole)
+    each = {key: values[k :: len(keys)] for k, key in enumerate(keys)}
     return FiniteChanges(each[None], {key: each[key] for key in variants})
 
 
 def compared(found: Derivative, slopes: Mapping[str, Sequence[float]], changes: FiniteChanges, sizes: Mapping[str, float]) -> Derivative:
     """Return a derivative with its ranges and what is known of each measure.
 
-    ``slopes``: derivatives of each measure by displaced runs and step sizes. ``sizes``: of each measure, the largest change that one of all
-    numbers makes (measure's unit for 100 %), beside which a disagreement may be insignificant.
+    ``slopes``: derivatives of each measure by displaced runs and step sizes. ``sizes``: of each measure, the
+    largest change that one of all numbers makes (measure's unit for 100 %), beside which a disagreement may
+    be insignificant.
     """
     ranges: dict[str, Span] = {}
     quotients: dict[str, float] = {}
@@ -130,11 +164,13 @@ def compared(found: Derivative, slopes: Mapping[str, Sequence[float]], changes: 
 
 
 def agreement(slopes: Sequence[float], wide: Sequence[float], close: Sequence[float], little: float) -> tuple[Span, bool]:
-    """Return the range of a derivative, and whether changes of 1 % (``wide``) and 0.1 % (``close``) agree with it.
+    """Return the range of a derivative, and whether changes of 1 % (``wide``) and 0.1 % (``close``) agree
+    with it.
 
-    ``slopes``, ``wide`` and ``close`` are the same quantity at several step sizes. The range of each is widened on both sides by its own width.
-    They agree where these ranges overlap, or miss each other by less than the curvature of a smooth measure, or by ``little``.
-    Changes of 0.1 % scatter ten times as much with the steps as those of 1 %: they join the range only where they are as narrow.
+    ``slopes``, ``wide`` and ``close`` are the same quantity at several step sizes. The range of each is
+    widened on both sides by its own width. They agree where these ranges overlap, or miss each other by less
+    than the curvature of a smooth measure, or by ``little``. Changes of 0.1 % scatter ten times as much with
+    the steps as those of 1 %: they join the range only where they are as narrow.
     """
     own = widened(slopes)
     if not wide or not close:

@@ -1,7 +1,9 @@
-"""Pattern search: the least of a function from its values alone, where it has no derivatives that can be trusted.
+"""Pattern search: the least of a function from its values alone, where it has no derivatives that can be
+trusted.
 
-All points at one distance along each axis are evaluated, both ways; the best of them is the next centre, and where none is better the distance is
-halved (compass search: Kolda, Lewis and Torczon, SIAM Review 45, 2003, pp. 385-482).
+All points at one distance along each axis are evaluated, both ways; the best of them is the next centre, and
+where none is better the distance is halved (compass search: Kolda, Lewis and Torczon, SIAM Review 45, 2003,
+pp. 385-482).
 """
 
 from __future__ import annotations
