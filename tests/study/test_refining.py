@@ -14,7 +14,7 @@ import vfife
 from vfife.errors import VfifeError
 from vfife.study.limits import Bound
 from vfife.study.optimise import Axis, Found, Numbers, Search, Values, best, judged
-from vfife.study.refining import refined, slopes_of
+from vfife.study.refining import Contradiction, refined, slopes_of
 from vfife.study.searches import numbers_at, search_of
 
 XY = (Axis("x", -2.0, 2.0), Axis("y", 0.01, 10.0, logarithmic=True))
@@ -121,6 +121,36 @@ def test_where_derivatives_mean_nothing_or_a_member_fails_the_search_has_ended()
     assert "mean nothing" in refined(DISK, begun(DISK), valley, refusing).why
     found = refined(DISK, begun(DISK), lambda asked: [None], slopes)
     assert "failed" in found.why and len(found.members) == 1 and not found.members[0].feasible
+
+
+def contradicted(one: Numbers) -> Mapping[str, Mapping[str, float]]:
+    raise Contradiction("finite changes of x contradict the derivative of f")
+
+
+def test_where_finite_changes_contradict_derivatives_the_search_goes_on_by_values() -> None:
+    """A bent valley: a tenth of the start is reached, the limit kept, and no more members taken than there may be."""
+    search = replace(DISK, refine=400)
+    found = refined(search, begun(search), valley, contradicted)
+    (least,) = best(search, found.members)
+    start = begun(search)[0].values or {}
+    assert least.values is not None and least.values["f"] < 0.1 * start["f"] and least.values["r"] <= 1.0
+    assert "finite changes of x contradict" in found.why and "values alone" in found.why
+    few = refined(replace(DISK, refine=7), begun(DISK), valley, contradicted)
+    assert len(few.members) == 7 and "refine = 7 members" in few.why
+    assert [one.parameters for one in few.members] == [one.parameters for one in found.members[:7]]
+    assert [one.number for one in found.members] == list(range(1, len(found.members) + 1))
+
+
+def test_derivatives_of_a_chaotic_motion_are_contradicted_by_finite_changes() -> None:
+    """The largest force of a slider-crank with a loose guide by the restitution there."""
+    pytest.importorskip("optuna")
+    study = {
+        "model": "examples/slider_crank_loose_guide.toml", "measures": ["O.force.max"], "turns": 1, "optimise": {"minimise": ["O.force.max"]},
+        "vary": {"e": {"path": "joint.guide.contact.restitution", "from": 0.5, "to": 0.95}},
+    }  # fmt: skip
+    plan, base, search = search_of(study, "here")
+    with pytest.raises(VfifeError, match="contradict the derivative of O.force.max|companions part"):
+        slopes_of(plan, base, search, lambda one: dict(numbers_at(plan.parameters, one)))({"e": 0.9})
 
 
 def fastest(crank: float, rod: float) -> float:
