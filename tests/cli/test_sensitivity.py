@@ -56,6 +56,21 @@ def test_rounding_decides_no_exit_code(kernel):
     assert "rounding beside the largest of their unit: guide.moment.max" in " ".join(done.stderr.split())
 
 
+def test_a_change_stands_where_the_derivative_does_not_describe_it(command):
+    """The largest gas force is at a point of the table of pressures: more there makes it larger, less lets another point be the largest."""
+    words = ("sensitivity", EXAMPLES / "compressor.toml", "--of", "main.force.max", "--to", "load.gas.pressure.1[23]", "--turns", 1)
+    done = command(*words)
+    assert done.exit_code == 0, done.stderr
+    lines = [line.split() for line in done.stdout.splitlines() if "load.gas" in line]
+    star, low, high = lines[0][-3:]
+    assert star == "*" and float(low.rstrip(",")) < 0.8 < float(high)
+    assert lines[1][1] == "?"
+    assert "* change for 1 %" in done.stdout and "? sign or order of magnitude not known" in done.stdout
+    rows = json.loads(command(*words, "--json").stdout)["rows"]
+    assert {row["number"][-2:]: (row["kind"], row["meaningless"]) for row in rows} == {"12": ("change", True), "13": ("unknown", True)}
+    assert all(row["change_from"] <= row["change"] <= row["change_to"] for row in rows)
+
+
 def test_wide_ranges_have_a_note(command):
     """A step at which reversals of friction are over before they are seen: also one displaced run alone has a range from other step sizes."""
     words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", "--of", "C.force.max", "--to", "body.*.mass", "--turns", 1)

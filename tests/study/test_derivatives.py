@@ -18,7 +18,7 @@ from vfife.modelfile.numbered import with_number
 from vfife.modelfile.numbers import numbers
 from vfife.solvers.tangents import changes, displaced, jacobian
 from vfife.solvers.transient import run
-from vfife.study.derivatives import rounding, sensitivity
+from vfife.study.derivatives import floors, rounding, sensitivity, silent_moments
 from vfife.study.nearby import nearby
 from vfife.study.neighbours import NEAR, alike, beside, placed
 
@@ -225,6 +225,18 @@ def test_what_rounding_leaves_stands_beside_the_largest_of_its_unit():
     assert rounding(found, {"a.torque.mean": 0.1}) == nothing
     assert rounding({"guide.moment.max": 2.8e-45}) == frozenset()
     assert rounding({"guide.1.penetration.max": 1e-5, "guide.2.penetration.max": 0.0}) == {"guide.2.penetration.max"}
+
+
+def test_what_rounding_leaves_stands_beside_what_the_largest_force_may_turn():
+    """A moment that is alone in its unit, and what turns nowhere: 1e-45 of one machine and the exact 0 of another are the same."""
+    assembly = assemble(vfife.load(f"{EXAMPLES}/slider_crank.toml"), turns=1)
+    assert silent_moments(assembly, {}) == {"guide.moment.max": 0.0}
+    assert silent_moments(assembly, {"guide.moment.max": 1e-45}) == {}
+    scales = floors(assembly, {"pin.force.max": 300.0})
+    assert scales["N m"] == pytest.approx(300.0 * 0.12) and scales["rad/s^2"] > 1e4
+    for value in (0.0, 1e-45, 1e-9):
+        assert rounding({"guide.moment.max": value}, {}, scales) == {"guide.moment.max"}
+    assert rounding({"guide.moment.max": 1e-3}, {}, scales) == frozenset()
 
 
 def test_zeros_and_what_nothing_depends_on_are_left_out(case_b):

@@ -162,6 +162,19 @@ def test_ranges_hold_the_truth_of_a_step_ten_times_smaller():
     assert wrong == []
 
 
+def test_changes_of_what_play_adds_take_those_of_the_ideal_mechanism():
+    """Whole runs with the mass of the coupler 1 % up and down, each with its own reference."""
+    mechanism, length = vfife.load("examples/four_bar_case_b.toml"), {"turns": 0.4, "step": 4e-6, "companions": 0}
+    found = vfife.sensitivity(mechanism, ["C.force.lip"], ["body.coupler.mass"], **length)
+    mass, name = mechanism.bodies["coupler"].mass, "C.force.lip"
+    up, down = (
+        vfife.simulate(vfife.load_model("examples/four_bar_case_b.toml", set=[("body.coupler.mass", (1.0 + sign * 0.01) * mass)]), **length)
+        for sign in (1.0, -1.0)
+    )
+    change = 0.5 * (up.measures[name] - down.measures[name]) / found.measures[name] * 100.0
+    assert found.change(name, "body.coupler.mass") == pytest.approx(change, rel=1e-6)
+
+
 def test_a_chaotic_motion_shows_no_derivative_that_its_changes_contradict():
     """Tangents of this run come to -443 % by 1 % of the restitution, of one sign in both displaced runs,
     and were shown as they were.
