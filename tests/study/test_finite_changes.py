@@ -58,7 +58,7 @@ def judged(slopes: list[float], changes: FiniteChanges) -> Derivative:
 
 
 def test_a_derivative_that_changes_agree_with_holds_and_its_range_covers_both():
-    found = judged([2.0, 2.02, 2.01], changed([1.0, 1.0, 1.0], [1.0205] * 3, [0.9795] * 3))
+    found = judged([2.0, 2.02, 2.01], changed([1.0] * 3, [1.0205] * 3, [0.9795] * 3, close=2.0))
     assert found.kinds["f"] == "derivative"
     low, high = found.ranges["f"]
     assert low == pytest.approx(1.98) and high == pytest.approx(2.05)  # three times the spread; the change is 2.05
@@ -84,7 +84,7 @@ def test_where_changes_of_a_tenth_of_a_per_cent_contradict_a_derivative_it_does_
     [
         ([3.0, 3.0, 3.0], [1.01] * 3, [1.01] * 3),  # the least of a measure: it grows both ways
         ([3.0, 3.0, 3.0], [1.01, 1.02, 0.99], [0.99] * 3),  # step sizes do not agree on the sign
-        ([3.0, 3.0, 3.0], [1.001, 1.02, 1.03], [0.99] * 3),  # nor on the order of magnitude
+        ([30.0, 30.0, 30.0], [1.01, 1.018, 1.015], [0.99] * 3),  # nor on the order of magnitude
         ([1.0, -1.0, 2.0], [1.01, 1.02, 0.99], [0.99] * 3),  # nor do derivatives
     ],
 )
@@ -132,22 +132,32 @@ def test_a_step_near_its_limit_is_compared_with_finer_ones():
     assert min(steps) == pytest.approx(0.5 * steps[0], rel=0.05)
 
 
-def test_variants_in_lanes_have_the_measures_of_runs_alone():
-    """Two and a half turns, whose last turn begins between two parts that a lane hands over; one that
-    diverges has none.
-    """
-    base = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), turns=2.5)
+@pytest.mark.parametrize("turns", [2.5, 3.0])
+def test_variants_in_lanes_have_the_measures_of_runs_alone(turns):
+    """The last turn begins within a part that a lane hands over, or with one, and has as many outputs."""
+    base = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), turns=turns)
     variants = [size.of(base) for size in step_sizes(base)]
-    broken = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), 40.0 * base.choice.stable, turns=2.5, force_step=True)
 
     def look(record):
-        return over_turn(record, last_turn(record), PEAKS)
+        window = last_turn(record)
+        return over_turn(record, window, PEAKS) | {"outputs": float(window.sum())}
 
-    found = measures_of([(one, recorded_rows(base), look) for one in (*variants, broken)])
     alone = [look(run(one)) for one in variants]
-    assert found[:-1] == alone
-    assert found[-1] is None
-    assert measures_of([(one, recorded_rows(base), look) for one in variants], whole=True) == alone
+    assert measures_of([(one, recorded_rows(base), look) for one in variants]) == alone
+    merged = measures_of([(one, recorded_rows(base), look) for one in variants], whole=True)
+    assert [dict(one, outputs=0.0) for one in merged] == [dict(one, outputs=0.0) for one in alone]
+    assert all(one["outputs"] < alone[0]["outputs"] for one in merged)
+
+
+@pytest.mark.parametrize("times", [12.0, 40.0])
+def test_a_variant_that_diverges_has_no_measures(times):
+    """Numbers that leave their bounds and stay finite, and such that do not."""
+    base = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), turns=2.5)
+    step = times * base.choice.stable
+    broken = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), step, turns=2.5, force_step=True)
+    sound = step_sizes(base)[-1].of(base)
+    found = measures_of([(one, recorded_rows(base), lambda record: {"steps": float(len(record.steps))}) for one in (sound, broken)])
+    assert found[0] is not None and found[1] is None
 
 
 def test_ranges_hold_the_truth_of_a_step_ten_times_smaller():
