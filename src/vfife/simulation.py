@@ -25,6 +25,8 @@ from .model.validate import validate
 from .modelfile import dump
 from .result import Result
 from .results.companions import kept_companions, refuse_displaced
+from .results.cost import BRIEF, LIBRARIES, too_much, with_repetition
+from .results.cost import estimate as estimate_cost
 from .results.lock import Lock
 from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
@@ -147,6 +149,7 @@ def simulate(
     progress: Callable[[Progress], None] | None = None,
     file: RunFile | None = None,
     start: StartFrom | None = None,
+    confirm: bool = False,
 ) -> Result:
     """Simulates a mechanism.
 
@@ -158,7 +161,8 @@ def simulate(
     within the tolerance of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask for a static
     analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
     ``step``. ``file``: a run file that takes the outputs while they come, which are not kept in memory then. ``start``: a former run (or its
-    folder) to go on from, or states of bodies by name (:func:`~vfife.results.start_from.start_from`). Raises ModelError with all faults of the
+    folder) to go on from, or states of bodies by name (:func:`~vfife.results.start_from.start_from`). ``confirm``: run
+    even what takes more than an hour, or half of the memory or of the disk. Raises ModelError with all faults of the
     arguments, or of the mechanism, AssemblyError for one that cannot be assembled and StepError for too large a step.
     """
     given = Arguments("simulate")
@@ -169,12 +173,38 @@ def simulate(
     given.one_of("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
     given.one_of("file", file, (RunFile, type(None)), "a RunFile")
     given.callable("progress", progress)
+    given.one_of("confirm", confirm, (bool,), "True or False")
     given.tell()
-    return carry_out(prepare(mechanism, asked, reference, start), progress=progress, file=file)
+    check = None if confirm else partial(refuse_large, file)
+    return carry_out(prepare(mechanism, asked, reference, start, check), progress=progress, file=file)
 
 
-def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True, start: StartFrom | None = None) -> Prepared:
-    """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`."""
+def refuse_large(file: RunFile | None, assembly: Assembly, reference: Assembly | None = None, refined: bool = False) -> None:
+    """Raise ModelError for a run that takes hours, or half of the memory or of the disk.
+
+    ``reference`` runs beside it; ``refined``: a smooth or static run, which is repeated with smaller steps or other meshes.
+    """
+    cost = with_repetition(estimate_cost(assembly, reference), assembly, refined)
+    if file is not None:  # outputs go into the file while they come
+        cost["memory"] = LIBRARIES
+    else:
+        cost["disk"] = 0.0
+    if much := too_much(cost, Path() if file is None else file.path):
+        less = "or ask for less: turns, duration, outputs" + ("" if file is not None else ", or give a file for the outputs")
+        raise ModelError([Fault("run", f"it takes {much}", "", "", f"add confirm=True if that is meant, {less}")], "simulate()")
+
+
+def prepare(
+    mechanism: Mechanism,
+    asked: Asked,
+    reference: bool | Result = True,
+    start: StartFrom | None = None,
+    check: Callable[..., None] | None = None,
+) -> Prepared:
+    """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`.
+
+    ``check`` sees the ideal reference before it is run where that takes long, then the run, as :func:`refuse_large` does.
+    """
     if asked.settle is not None:
         mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, settle=asked.settle))
     validate(mechanism)
@@ -186,6 +216,8 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
         assembly, wanted = assemble(still), companions_of(mechanism, asked.companions)
         finer, about = repeated(assembly, wanted, asked.loop), {"sources": sources_of_the_step().decode()}
+        if check is not None:
+            check(assembly, None, finer)
         return Prepared(assembly, None, asked.loop, lambda _: assemble(still), refined=finer, asked=about)
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
@@ -193,7 +225,10 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     seen = outlook(mechanism, asked.turns, asked.duration) if start is None else Outlook()
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and seen.through:
-        ideal = reference_of(mechanism, asked.turns, asked.duration, former)
+        alone = ideal_of(mechanism, asked.turns, asked.duration, former)
+        if check is not None and alone is not None and estimate_cost(alone)["seconds"] > BRIEF:
+            check(alone)
+        ideal = referred(alone)
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
 
     wanted = companions_of(mechanism, asked.companions)
@@ -210,8 +245,11 @@ def prepare(mechanism: Mechanism, asked: Asked, reference: bool | Result = True,
     companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
     if before is None and begin != CONTACT_STEPS and not companions and assembly.choice.automatic:
         assembly = again(asked.step)  # a large frame: nobody looks whether a coarse step will do
+    finer = repeated(assembly, wanted, asked.loop)
+    if check is not None:
+        check(assembly, None if ideal is None else ideal.record.assembly, finer)
     kept = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
-    return Prepared(assembly, ideal, asked.loop, again, companions, repeated(assembly, wanted, asked.loop), kept)
+    return Prepared(assembly, ideal, asked.loop, again, companions, finer, kept)
 
 
 def companions_of(mechanism: Mechanism, wanted: int | str | None) -> int | str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .cost import BRIEF, MOST_TRIES
+from ..results.cost import BRIEF, MOST_TRIES
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
 from .terminal import amount_of_bytes, grid, output, print_json, row, sentences, span
 
@@ -45,8 +45,8 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from ..assembly.possible import outlook
     from ..assembly.timestep import CONTACT_STEPS
     from ..report import described
+    from ..results.cost import estimate, too_much, with_repetition
     from ..simulation import expected_forces, first_contact_steps, ideal_of, referred, repeated
-    from .cost import estimate, too_much, with_repetition
     from .filled import filled_in
 
     seen = outlook(mechanism)

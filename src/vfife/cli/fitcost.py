@@ -20,9 +20,9 @@ def forecast(task: Task, place: Path) -> dict[str, Any]:
     import numpy as np
 
     from ..codegen.native import stream_lanes
+    from ..results.cost import LIBRARIES, MEMORY, estimate
     from ..results.tables import free_bytes
     from ..study.identification.sought import numbers_at
-    from .cost import LIBRARIES, MEMORY, estimate
     from .forecast import MADE, SHARED
 
     one = task.curves().members.assembled(numbers_at(task.sought, np.full(len(task.sought), 0.5)))
@@ -55,7 +55,7 @@ def known(task: Task, place: Path) -> int:
 
 def told_of(task: Task, place: Path, force: bool, yes: bool, quiet: bool) -> None:
     """The forecast, and the end of what nobody can mean."""
-    from .cost import too_much
+    from ..results.cost import too_much
 
     with sentences(str(place)):
         found = forecast(task, Path(os.devnull) if force else place)

@@ -60,9 +60,9 @@ def expected(
     """
     from ..codegen.native import stream_lanes
     from ..errors import VfifeError
+    from ..results.cost import estimate
     from ..results.tables import free_bytes
     from ..study.member import streams
-    from .cost import estimate
 
     seconds, steps, contacts, unfit = [0.0], [0], 0, set()
     for one in chosen:
@@ -102,7 +102,7 @@ def member(base: Mechanism, numbers: dict[str, Any], asked: Asked) -> Assembly:
 
 def too_much(found: dict[str, Any], place: Path) -> str:
     """What of a forecast may not be meant, in words; empty where nothing is."""
-    from .cost import LONG, SHARE
+    from ..results.cost import LONG, SHARE
     from .terminal import amount_of_bytes, span
 
     said = []

@@ -74,8 +74,8 @@ class Work:
 def forecast(work: Work, mechanism: Mechanism, place: Path) -> dict[str, Any]:
     """Members that are left, steps of each, seconds, bytes; estimates, and called so."""
     from ..assembly.assemble import assemble
+    from ..results.cost import estimate
     from ..results.tables import free_bytes
-    from .cost import estimate
 
     cores = os.cpu_count() or 1
     found = estimate(assemble(mechanism, turns=1.0))

@@ -125,8 +125,8 @@ def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, C
 
 def reference_for(mechanism: Mechanism, start: Result | None, place: RunFolder, force_step: bool, yes: bool) -> Result | None:
     """The ideal reference. One that takes its time is forecast before it is run, with what it is for."""
+    from ..results.cost import BRIEF, estimate
     from ..simulation import assembled_at, ideal_of, referred
-    from .cost import BRIEF, estimate
 
     ideal = ideal_of(mechanism)
     if ideal is not None and estimate(ideal)["seconds"] > BRIEF:
@@ -136,8 +136,8 @@ def reference_for(mechanism: Mechanism, start: Result | None, place: RunFolder, 
 
 def refuse_no_room(assembly: Assembly, ideal: Assembly | None, place: RunFolder, yes: bool, refined: bool = False) -> None:
     """Ends with exit code 5 where the disk has no room for the outputs, with 2 where the run takes more than may be meant and nobody said yes."""
+    from ..results.cost import estimate, too_much, with_repetition
     from ..results.tables import free_bytes
-    from .cost import estimate, too_much, with_repetition
 
     found = with_repetition(estimate(assembly, ideal), assembly, refined)
     free, needed = free_bytes(place.target), found["disk"]

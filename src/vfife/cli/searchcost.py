@@ -42,8 +42,8 @@ def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | st
     """Time (s) of the members that derivatives lead to, each with derivatives of its own: two runs, and its steps with derivatives."""
     from ..codegen.native import CONTACT_LANES
     from ..errors import VfifeError
+    from ..results.cost import estimate
     from ..study.refining import refuses
-    from .cost import estimate
     from .forecast import member
 
     if not search.refine or refuses(search):

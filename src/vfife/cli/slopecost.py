@@ -37,7 +37,7 @@ def told_of(
     from ..errors import VfifeError
     from ..modelfile import dump
     from ..modelfile.numbers import numbers
-    from .cost import estimate, too_much
+    from ..results.cost import estimate, too_much
 
     asked: dict[str, Any] = {"turns": turns, "duration": None if duration is None else positive("--duration", duration, "s")}
     size = step if step in (None, "auto") else positive("--step", str(step), "s")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
+from ..results.amounts import amount_of_bytes, span
 from .asked import ASKED
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from ..errors import Fault
 
 BAD_INPUT, DIVERGED, ENERGY, STORAGE = 2, 3, 4, 5
+__all__ = ["amount_of_bytes", "span"]  # for commands, which take all words from here
 STATUS = {
     BAD_INPUT: "refused",
     DIVERGED: "diverged",
@@ -186,26 +188,6 @@ def row(table: Table, *cells: Any) -> None:
     table.add_row(*(Text(str(cell)) for cell in cells))
 
 
-def amount_of_bytes(count: float) -> str:
-    """Bytes with a prefix."""
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if count < 1000.0:
-            return f"{count:.3g} {unit}"
-        count /= 1000.0
-    return f"{count:.3g} TB"
-
-
 def counted(count: int, noun: str) -> str:
     """So many of something."""
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
-
-
-def span(seconds: float) -> str:
-    """Seconds as people say them."""
-    if not math.isfinite(seconds):
-        return "unknown"
-    if seconds < 60.0:
-        return f"{seconds:.2g} s" if seconds < 9.5 else f"{seconds:.0f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .amounts import amount_of_bytes, span
+
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
 
@@ -30,8 +32,7 @@ LONG, SHARE = 3600.0, 0.5  # s, and share of memory or of the free disk, beyond 
 
 def too_much(found: dict[str, Any], place: Path) -> str:
     """What of a forecast is so much that it may not be meant, in words; empty where nothing is."""
-    from ..results.tables import free_bytes
-    from .terminal import amount_of_bytes, span
+    from .tables import free_bytes
 
     free, memory = free_bytes(place), physical_memory()
     said = []

@@ -1,0 +1,55 @@
+"""Runs of hours or of most of the memory are refused in Python as on the command line, before anything is stepped."""
+
+from pathlib import Path
+
+import pytest
+
+import vfife
+from vfife import simulation
+from vfife.errors import ModelError
+
+CASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
+
+
+def never(*args, **named):
+    raise AssertionError("it was stepped")
+
+
+def test_a_run_of_hours_is_refused_unless_it_is_meant(monkeypatch):
+    """Two hours of a four-bar took 24 GB until the system killed the process."""
+    monkeypatch.setattr(simulation, "run", never)
+    model = vfife.load_model(CASE)
+    with pytest.raises(ModelError, match=r"takes some .* GB of memory.*confirm=True"):
+        vfife.simulate(model, duration="2 h", reference=False)
+    with pytest.raises(AssertionError, match="it was stepped"):
+        vfife.simulate(model, duration="2 h", reference=False, confirm=True)
+
+
+def test_memory_counts_only_where_outputs_stay_in_it(monkeypatch, tmp_path):
+    monkeypatch.setattr(simulation, "run", never)
+    monkeypatch.setattr("vfife.results.cost.physical_memory", lambda: 10**9)
+    model, given = vfife.load_model(CASE), {"turns": 2, "outputs": 1_000_000, "step": "20 ns", "reference": False}
+    with pytest.raises(ModelError, match="of memory, of which there are 1 GB.*give a file for the outputs"):
+        vfife.simulate(model, **given)
+    with vfife.results.runfile.RunFile.create(tmp_path / "run.sqlite") as file, pytest.raises(AssertionError, match="it was stepped"):
+        vfife.simulate(model, file=file, **given)
+
+
+def test_an_ideal_reference_that_takes_hours_is_refused_before_it_is_run(monkeypatch):
+    monkeypatch.setattr(simulation, "run", never)
+    monkeypatch.setattr("vfife.results.cost.LONG", 1e-9)
+    monkeypatch.setattr(simulation, "BRIEF", 0.0)
+    with pytest.raises(ModelError, match="confirm=True"):
+        vfife.simulate(vfife.load_model(CASE), turns=1)
+
+
+def test_a_smooth_run_counts_what_repeats_it(monkeypatch):
+    """Its estimate takes four times as long as the run itself."""
+    monkeypatch.setattr(simulation, "run", never)
+    model = vfife.load_model(CASE.with_name("four_bar_ideal.toml"))
+    seconds = simulation.estimate_cost(simulation.assembled_at(model, turns=1.0))["seconds"]
+    monkeypatch.setattr("vfife.results.cost.LONG", 2.0 * seconds)
+    with pytest.raises(ModelError, match="confirm=True"):
+        vfife.simulate(model, turns=1, reference=False)
+    with pytest.raises(AssertionError, match="it was stepped"):
+        vfife.simulate(model, turns=1, reference=False, companions=0)
