@@ -37,7 +37,8 @@ KEYS = {
     "notes",
     "measures",
     "ranges",
-    "not_unique", "not_estimated",
+    "not_unique",
+    "not_estimated",
     "trust",
 }
 ELASTIC = ROOT / "examples" / "elastic_pendulum.toml"

@@ -97,8 +97,8 @@ def zero_one(series: Array, seed: int = 0) -> float:
     for c in math.pi / 5.0 + 3.0 * math.pi / 5.0 * np.random.default_rng(seed).random(ANGLES):
         s, e = sincos(c * j)
         p, q = np.cumsum(phi * e), np.cumsum(phi * s)
-        square = np.array([_ways(p, n, count - most) + _ways(q, n, count - most) for n in shifts])
-        found.append(correlation(shifts, square))
+        square = np.array([_ways(p, n, count - most) + _ways(q, n, count - most) for n in range(1, most + 1)])
+        found.append(correlation(shifts.astype(float), square))
     return float(np.median(found))
 
 

@@ -212,4 +212,4 @@ def line_of(error: BaseException, function: FunctionType) -> int | str:
         return inside[-1].lineno or "?" if inside else "?"
     name = next((frame.name for frame in reversed(inside) if frame.name != "<lambda>"), function.__name__)
     one: Any = function if name == function.__name__ else function.__globals__.get(name, function)
-    return (inside[-1].lineno or 1) + one.__code__.co_firstlineno - 1
+    return (inside[-1].lineno or 1) + int(one.__code__.co_firstlineno) - 1

@@ -68,7 +68,7 @@ def other_meshes(record: Record, progress: Callable[[Progress], None] | None = N
 
     Where an odd number cannot be halved, with four times as many instead, if that is short. Without those that were not all found.
     """
-    found = {}
+    found: dict[float, Record] = {}
     for share in (TWICE, HALF):
         found |= _on_mesh(record, share, progress)
     return found if HALF in found or TWICE not in found else found | _on_mesh(record, FOUR_TIMES, progress)
