@@ -1,4 +1,6 @@
-"""Static analyses on twice and half the elements: the error of the mesh that is told, against the error there is."""
+"""Static analyses on twice and half the elements: the error of the mesh that is told, against the error
+there is.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,9 @@ def cantilever(elements: int, load: float = 5.0, **options) -> Mechanism:
 
 
 def elastica(load: float) -> tuple[float, float]:
-    """Moment at the clamp (N m) and displacement of the end (m): EI theta'' = -P cos theta, theta(0) = theta'(1) = 0."""
+    """Moment at the clamp (N m) and displacement of the end (m): EI theta'' = -P cos theta, theta(0) =
+    theta'(1) = 0.
+    """
 
     def rates(_: np.ndarray, y: np.ndarray) -> np.ndarray:
         return np.vstack([y[1], -load * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])])

@@ -1,4 +1,6 @@
-"""Ranges of smooth runs against the truth: an independent integration, and runs with a step 32 times smaller; near bifurcations too."""
+"""Ranges of smooth runs against the truth: an independent integration, and runs with a step 32 times
+smaller; near bifurcations too.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ OUTSIDE = 0.005  # of a measure's size: no further may the truth lie outside of 
 
 
 def hung(radius: float, length: float, speed: float, stiffness: float, damping: float, angle: float, turns: float) -> Mechanism:
-    """A rod of 1 kg hung on a crank, ``angle`` (rad) from its rest, with a torsional spring and damper to the ground."""
+    """A rod of 1 kg hung on a crank, ``angle`` (rad) from its rest, with a torsional spring and damper to
+    the ground.
+    """
     m = Mechanism("rod on a crank", gravity=(0.0, -GRAVITY))
     m.point("O", 0.0, 0.0)
     m.link("crank", length=radius, mass=0.2, angle=0.0)
@@ -36,7 +40,9 @@ def hung(radius: float, length: float, speed: float, stiffness: float, damping: 
 
 
 def largest_accelerations(radius: float, length: float, speed: float, stiffness: float, damping: float, angle: float, turns: float) -> np.ndarray:
-    """Largest angular acceleration (rad/s^2) of the rod in each turn, by an eighth-order method; it begins with the least kinetic energy."""
+    """Largest angular acceleration (rad/s^2) of the rod in each turn, by an eighth-order method; it begins
+    with the least kinetic energy.
+    """
     inertia, arm, turn = length**2 / 3.0, 0.5 * length, 2.0 * math.pi / speed
 
     def rates(time: float, state: np.ndarray) -> list[float]:
@@ -78,7 +84,9 @@ def test_an_independent_integration_lies_in_the_range(name: str) -> None:
 
 
 def sprung(seed: int) -> Mechanism:
-    """A mass between two springs that buckle or not, pulled by a third one from a crank; or a rod on a crank; or two rods falling freely."""
+    """A mass between two springs that buckle or not, pulled by a third one from a crank; or a rod on a
+    crank; or two rods falling freely.
+    """
     draw = random.Random(seed)
     kind, turns = draw.randrange(3), float(draw.choice([10, 20, 40, 60]))
     if kind == 0:
@@ -109,8 +117,9 @@ def sprung(seed: int) -> Mechanism:
 
 
 def compared(seed: int) -> tuple[Result, dict[str, float]]:
-    """A run with a coarse step, and by how much of its size each measure's range misses the truth, which is known to a third of what it changes by
-    from a step twice as large; measures whose truth is known to no more than OUTSIDE are left out.
+    """A run with a coarse step, and by how much of its size each measure's range misses the truth, which
+    is known to a third of what it changes by from a step twice as large; measures whose truth is known to
+    no more than OUTSIDE are left out.
     """
     mechanism = sprung(seed)
     count, turn = random.Random(seed + 1000).choice([120, 240, 480]), vfife.simulate(mechanism, companions=0).record.assembly.choice.turn
@@ -130,7 +139,9 @@ def compared(seed: int) -> tuple[Result, dict[str, float]]:
 
 
 def judged(seeds: range) -> tuple[int, int, float, int]:
-    """Measures of runs that are not called sensitive, those whose truth lies in the range, the worst that does not, and those runs."""
+    """Measures of runs that are not called sensitive, those whose truth lies in the range, the worst that
+    does not, and those runs.
+    """
     every, inside, worst, runs = 0, 0, 0.0, 0
     for seed in seeds:
         result, missed = compared(seed)

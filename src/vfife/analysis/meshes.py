@@ -23,10 +23,12 @@ KINDS = (MOVED, "force.max", "moment.max", "torque.max", "penetration.max")
 
 
 def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | None:
-    """Errors of the measures of a static analysis, from those on other meshes; None without the one of twice the elements.
+    """Errors of the measures of a static analysis, from those on other meshes; None without the one of twice
+    the elements.
 
-    ``others``: by their share of the elements, see :func:`~vfife.solvers.meshes.other_meshes`.
-    No error is taken to be smaller than what the unbalanced forces leave open, nor than FLOOR times that of the value that is known worst.
+    ``others``: by their share of the elements, see :func:`~vfife.solvers.meshes.other_meshes`. No error is
+    taken to be smaller than what the unbalanced forces leave open, nor than FLOOR times that of the value
+    that is known worst.
     """
     if TWICE not in others:
         return None
@@ -52,8 +54,8 @@ def _of(found: Mapping[str, float], name: str) -> float:
 def error_of(own: float, others: Mapping[float, float]) -> float:
     """Error of a value from those with other shares of the elements, twice as many among them.
 
-    Differences continue as a geometric series, whose ratio is that of the two, between FASTEST and SLOWEST. A second difference that is small by
-    chance counts as what the first lets expect.
+    Differences continue as a geometric series, whose ratio is that of the two, between FASTEST and SLOWEST. A
+    second difference that is small by chance counts as what the first lets expect.
     """
     change = abs(own - others[TWICE])
     if HALF in others:
@@ -76,7 +78,9 @@ def largest_load(found: Mapping[str, float], lever: float) -> float:
 
 
 def sizes(record: Record, found: Mapping[str, float]) -> dict[str, float]:
-    """The size of each largest value, or a tenth of the largest of its kind where it is less; what carries nothing has none."""
+    """The size of each largest value, or a tenth of the largest of its kind where it is less; what carries
+    nothing has none.
+    """
     lever = extent(record.assembly, record.assembly.state)
     idle = IDLE * record.assembly.mechanism.settings.residual * largest_load(found, lever)
     limits = {"force.max": idle, "moment.max": idle * lever, "torque.max": idle * lever}

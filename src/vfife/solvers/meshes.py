@@ -23,13 +23,17 @@ MOST_WORK = 5e7  # iterations times elements of an analysis that is repeated by 
 
 
 def refinable(mechanism: Mechanism) -> bool:
-    """Whether there are elements, all of which can be halved. A link of two particles is one element by definition."""
+    """Whether there are elements, all of which can be halved. A link of two particles is one element by
+    definition.
+    """
     elastic = [body for body in mechanism.bodies.values() if counts(body)]
     return bool(elastic) and all(body.model != "two-particle" and TWICE * sum(counts(body)) <= MOST_ELEMENTS for body in elastic)
 
 
 def meshed(mechanism: Mechanism, share: float) -> Mechanism | None:
-    """The mechanism with another ``share`` of the elements in each elastic body; None where that is no whole number."""
+    """The mechanism with another ``share`` of the elements in each elastic body; None where that is no
+    whole number.
+    """
     bodies: dict[str, Body] = {}
     for name, body in mechanism.bodies.items():
         if any(not (share * count).is_integer() for count in counts(body)):
@@ -51,7 +55,9 @@ def counts(body: Body) -> list[int]:
 
 
 def iterations(assembly: Assembly) -> float:
-    """Iterations that an equilibrium may take: those of slender frames go with the square of the elements in line."""
+    """Iterations that an equilibrium may take: those of slender frames go with the square of the elements
+    in line.
+    """
     least, each = STATIC_ITERATIONS
     bodies = assembly.bodies.values()
     longest = max((len(body.elements) for body in bodies), default=1)
@@ -64,9 +70,11 @@ def worth(assembly: Assembly) -> bool:
 
 
 def other_meshes(record: Record, progress: Callable[[Progress], None] | None = None) -> dict[float, Record]:
-    """The equilibria of a static analysis on other meshes, by their share of its elements: with twice as many, and with half of them.
+    """The equilibria of a static analysis on other meshes, by their share of its elements: with twice as
+    many, and with half of them.
 
-    Where an odd number cannot be halved, with four times as many instead, if that is short. Without those that were not all found.
+    Where an odd number cannot be halved, with four times as many instead, if that is short. Without those
+    that were not all found.
     """
     found: dict[float, Record] = {}
     for share in (TWICE, HALF):

@@ -1,7 +1,9 @@
-"""A smooth run repeated with half and with a quarter of its step: the difference is the error of its own step, and both give the order.
+"""A smooth run repeated with half and with a quarter of its step: the difference is the error of its own
+step, and both give the order.
 
-Both runs are as long as the run itself, because errors grow with its length: close to a bifurcation transients decay slowly, and a small error of
-the step becomes a large one at the end. An order observed in the first half says nothing about the second.
+Both runs are as long as the run itself, because errors grow with its length: close to a bifurcation
+transients decay slowly, and a small error of the step becomes a large one at the end. An order observed in
+the first half says nothing about the second.
 """
 
 from __future__ import annotations
@@ -39,10 +41,12 @@ APART = 0.1  # of the size of the motion: runs at h/2 and h/4 that differ by mor
 
 @dataclass
 class Refined:
-    """Runs at ``half`` and at a ``quarter`` of the step: their outputs from the step ``first`` (of the run itself) on.
+    """Runs at ``half`` and at a ``quarter`` of the step: their outputs from the step ``first`` (of the run
+    itself) on.
 
-    ``ratio``: of the second difference of positions and accelerations to the first, over all outputs, 1/4 where they converge with the second
-    order; None where there is only rounding. ``converges``: whether the differences fall with the step wherever outputs were kept.
+    ``ratio``: of the second difference of positions and accelerations to the first, over all outputs, 1/4
+    where they converge with the second order; None where there is only rounding. ``converges``: whether the
+    differences fall with the step wherever outputs were kept.
     """
 
     half: Record
@@ -62,7 +66,9 @@ def worth(assembly: Assembly) -> bool:
 
 
 def refine(record: Record, first: int = 0) -> Refined:
-    """Repeats a smooth run with half and with a quarter of its step, and keeps the outputs from the step ``first`` on."""
+    """Repeats a smooth run with half and with a quarter of its step, and keeps the outputs from the step
+    ``first`` on.
+    """
     kept = recorded_rows(record.assembly)
     finer = [divided(record.assembly, parts) for parts in FINER]
     runners = [started(one, kept) for one in finer]
@@ -114,7 +120,9 @@ def started(assembly: Assembly, kept: NDArray[np.uint32]) -> Runner:
 
 
 class Differences:
-    """Sums the squares of the differences between a step, half and a quarter of it, at the outputs of each of ``PARTS`` parts of a run."""
+    """Sums the squares of the differences between a step, half and a quarter of it, at the outputs of each
+    of ``PARTS`` parts of a run.
+    """
 
     def __init__(self, record: Record, kept: NDArray[np.uint32]) -> None:
         sampled = np.concatenate([record.assembly.layout.rows_of(name) for name in SAMPLED]).astype(np.uint32)
@@ -134,7 +142,9 @@ class Differences:
                 self.counts[k] += inside.sum()
 
     def scaled(self) -> tuple[Array, Array, Array]:
-        """Mean squares of both differences, of all parts and kinds over the squared size of each kind, and the noise of each kind."""
+        """Mean squares of both differences, of all parts and kinds over the squared size of each kind, and
+        the noise of each kind.
+        """
         largest = np.abs(self.own).reshape(len(self.own), len(SAMPLED), -1).max(axis=(0, 2), initial=0.0)
         size, turn, push = max(*largest[:2], TINY), max(largest[2], 1.0), max(*largest[3:5], TINY)
         spin = max(largest[5], push / size)
@@ -145,7 +155,9 @@ class Differences:
         return found[:, 0], found[:, 1], noise
 
     def ratio(self) -> float | None:
-        """Root of the ratio of the squares of both differences, of those kinds of quantities in which there is more than rounding."""
+        """Root of the ratio of the squares of both differences, of those kinds of quantities in which
+        there is more than rounding.
+        """
         coarse, fine, noise = self.scaled()
         share = self.counts[:, None] / max(self.counts.sum(), 1.0)
         coarse, fine = (coarse * share).sum(axis=0), (fine * share).sum(axis=0)
@@ -153,7 +165,9 @@ class Differences:
         return sqrt(float(fine[telling].sum() / coarse[telling].sum())) if telling.any() else None
 
     def converges(self, since: int) -> bool:
-        """Whether the differences fall with the step in all parts from number ``since`` on, where they are large enough to matter."""
+        """Whether the differences fall with the step in all parts from number ``since`` on, where they are
+        large enough to matter.
+        """
         coarse, fine, noise = self.scaled()
         for k in range(since, PARTS):
             telling = np.sqrt(fine[k]) > OVER_NOISE * noise
