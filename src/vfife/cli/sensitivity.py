@@ -32,7 +32,7 @@ Runs = Annotated[
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False)]
 LEAST = 1e-6  # per cent by one per cent: smaller effects are rounding
-WIDE = 0.05  # of the largest effect on a measure: width of a range from which on there is a note
+WIDE = 0.05  # of the largest derivative of a measure: width of a range from which on there is a note
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
     "unknown": "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size of the step.",
@@ -131,7 +131,7 @@ def show(found: Sensitivity, top: int) -> None:
     wide = {name: spread for name in found.measures if name not in found.doubtful and (spread := found.spread(name)) > WIDE}
     if wide:
         most = max(wide, key=wide.__getitem__)
-        what = f"ranges are up to {100.0 * wide[most]:.0f} % of the largest effect wide ({most})"
+        what = f"ranges of derivatives are up to {100.0 * wide[most]:.0f} % of the largest wide ({most})"
         tell("note", f"{what}: a smaller --step makes them narrower.")
     for path, why in found.refused.items():
         if not why.startswith("zero"):

@@ -131,8 +131,8 @@ class Sensitivity:
         return low, high
 
     def spread(self, measure: str) -> float:
-        """Return the widest range of an effect of a measure that is not "unknown", as a share of the largest effect."""
-        effects = [one for one in self.effects(measure) if one.kind != "unknown" and math.isfinite(one.value)]
+        """Return the widest range of a derivative of a measure that holds, as a share of the largest."""
+        effects = [one for one in self.effects(measure) if one.kind == "derivative" and math.isfinite(one.value)]
         largest = max((abs(one.value) for one in effects), default=0.0)
         widest = max((one.high - one.low for one in effects), default=0.0)
         return widest / largest if widest and largest else 0.0
