@@ -100,9 +100,15 @@ def test_without_finite_changes_nothing_is_known():
 
 
 def test_one_side_is_enough_where_the_number_may_go_no_other_way():
-    changes = changed([1.0], [1.02], [0.98])
+    changes = changed([1.0] * 3, [1.02] * 3, [0.98] * 3)
     one = FiniteChanges(changes.own, {key: value for key, value in changes.changed.items() if key[1] > 0.0})
-    assert judged([2.0], one).kinds["f"] == "derivative"
+    assert judged([2.0] * 3, one).kinds["f"] == "derivative"
+
+
+def test_two_step_sizes_give_no_range():
+    """Of a run with few steps, or one whose coarser steps diverge."""
+    assert judged([2.0] * 2, changed([1.0] * 2, [1.02] * 2, [0.98] * 2)).kinds["f"] == "unknown"
+    assert judged([2.0] * 3, changed([1.0] * 2, [1.02] * 2, [0.98] * 2)).kinds["f"] == "unknown"
 
 
 @pytest.mark.parametrize("name", ["four_bar_case_c", "slider_crank", "slider_crank_loose_guide", "double_pendulum"])

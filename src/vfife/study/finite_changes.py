@@ -35,6 +35,8 @@ INSIGNIFICANT = 1e-3
 # A range whose ends are further apart than this factor is that of a motion that is nearly chaotic: it may be
 # wider still at finer steps.
 FACTOR = 5.0
+# Fewer step sizes give no range: a very short run, or one whose coarser steps diverge.
+LEAST_SIZES = 3
 
 Change: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
 Values: TypeAlias = Mapping[str, float]
@@ -158,7 +160,7 @@ def compared(found: Derivative, slopes: Mapping[str, Sequence[float]], changes: 
         ranges[name], holds = agreement(slopes[name], wide, close, little)
         if wide:
             quotients[name], spans[name] = wide[0], hull([widened(side) for side in sides if side])
-        certain = bool(wide) and same_sign(spans[name]) and all(sure(widened(side)) for side in sides if side)
+        certain = len(wide) >= LEAST_SIZES and same_sign(spans[name]) and all(sure(widened(side)) for side in sides if side)
         kinds[name] = "derivative" if holds and sure(ranges[name]) else "change" if certain else "unknown"
     return Derivative(found.path, found.value, found.values, ranges, quotients, spans, kinds, found.runs)
 
@@ -173,7 +175,7 @@ def agreement(slopes: Sequence[float], wide: Sequence[float], close: Sequence[fl
     the steps as those of 1 %: they join the range only where they are as narrow.
     """
     own = widened(slopes)
-    if not wide or not close:
+    if min(len(slopes), len(wide), len(close)) < LEAST_SIZES:
         return own, False
     margin = max(CURVATURE * max(abs(own[0]), abs(own[1])), little)
     holds = all(overlap(own, widened(one), margin) for one in (wide, close))
