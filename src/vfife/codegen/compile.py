@@ -36,10 +36,11 @@ def compiled(body: str, name: str, arguments: str) -> Callable[..., Any]:
     return library(body, {name: arguments})[name]
 
 
-def library(body: str, entries: dict[str, str], wide: bool = False) -> dict[str, Callable[..., Any]]:
+def library(body: str, entries: dict[str, str], wide: bool = False, write: Callable[[], str] | None = None) -> dict[str, Callable[..., Any]]:
     """Several functions of a text, as :func:`compiled` has one: by name, with the kinds of their arguments. They share one file of the cache.
 
-    ``wide``: loops over rows of matrices, see :func:`~vfife.codegen.native.optimised_code`.
+    ``wide``: loops over rows of matrices, see :func:`~vfife.codegen.native.optimised_code`. With ``write``, which writes the text, ``body`` is only
+    what decides it: to gather a text takes longer than to load its code.
     """
     parts = (body, repr((entries, wide)), cache.sources().decode(), llvmlite_version(), platform.machine(), *processor())
     file = f"loop-{cache.digest(part.encode() for part in parts)}.o"
@@ -51,7 +52,7 @@ def library(body: str, entries: dict[str, str], wide: bool = False) -> dict[str,
 
             cache.missed()
             known = {f"entry_{name}": (name, [_kind(one) for one in kinds[name]]) for name in entries}
-            code = optimised_code(library_text(body, known), wide)
+            code = optimised_code(library_text(write() if write else body, known), wide)
             cache.keep(file, code)
         memory = Code(code, f"entry_{next(iter(entries))}", signature(kinds[next(iter(entries))]))
         return {name: _Called(memory, f"entry_{name}", kinds[name]) for name in entries}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
+from ..codegen.cache import digest
 from ..codegen.compile import interpreted, library
 from ..codegen.lock import WRITING
 from ..codegen.source import Gathered
@@ -42,7 +44,13 @@ def text() -> str:
 @lru_cache(maxsize=1)
 def compiled() -> dict[str, Callable[..., None]]:
     """Each routine by its name, compiled."""
-    return library(text(), {routine.__name__: kinds for routine, kinds in ROUTINES.items()}, wide=True)
+    entries = {routine.__name__: kinds for routine, kinds in ROUTINES.items()}
+    return library(_sources(), entries, wide=True, write=text)
+
+
+def _sources() -> str:
+    """Hash of the files that the text is gathered from; what they take from the kernels is in the key of every file of the cache."""
+    return digest(file.read_bytes() for file in sorted((Path(__file__).parent / "routines").glob("*.py")))
 
 
 @lru_cache(maxsize=1)
