@@ -133,7 +133,7 @@ def quantity_in_si(digits: str, unit: str) -> float:
     if not _UNIT.fullmatch(" ".join(unit.split())):
         raise ValueError(f'the unit "{unit}" cannot be read')
     (exact, rough, pi), _ = _measure(" ".join(unit.split()))
-    return float(Fraction(digits) * exact) * rough * math.pi**pi
+    return float(Fraction(digits) * exact) * rough * _raised(Fraction(math.pi), Fraction(pi))
 
 
 def ends_of(text: str) -> tuple[str, str] | None:
@@ -183,7 +183,7 @@ def _text(text: str, unit: str) -> float:
     (exact, rough, pi), exponents = _measure(written)
     if exponents != _measure(unit)[1]:
         raise _Wrong(dimension_of(written)[0])
-    return float(digits * exact) * rough * math.pi**pi
+    return float(digits * exact) * rough * _raised(Fraction(math.pi), Fraction(pi))
 
 
 def _no_number(tidy: str) -> str:
@@ -204,13 +204,27 @@ def _measure(unit: str) -> tuple[tuple[Fraction, float, int], Exponents]:
         if power.denominator == 1:
             exact *= factor ** int(power)
         else:
-            rough *= float(factor) ** float(power)
-        rough *= inexact ** float(power)
+            rough *= _raised(factor, power)
+        rough *= _raised(Fraction(inexact), power)
         pi += circle * power
         total = [have + power * more for have, more in zip(total, exponents, strict=True)]
     if pi.denominator != 1:
-        rough, pi = rough * math.pi ** float(pi), Fraction(0)
+        rough, pi = rough * _raised(Fraction(math.pi), pi), Fraction(0)
     return (exact, rough, int(pi)), (total[0], total[1], total[2], total[3])
+
+
+def _raised(factor: Fraction, power: Fraction) -> float:
+    """A power of a unit's factor, rounded from exact numbers or forty digits: what the C library makes of it depends on the machine."""
+    if power.denominator == 1:
+        return float(factor ** int(power))
+    if power.denominator == 2:
+        return math.sqrt(float(factor ** int(2 * power)))
+    from decimal import Decimal, localcontext
+
+    with localcontext() as context:
+        context.prec = 40
+        base = Decimal(factor.numerator) / Decimal(factor.denominator)
+        return float(base ** (Decimal(power.numerator) / Decimal(power.denominator)))
 
 
 def _factors(unit: str) -> list[tuple[str, Fraction]]:

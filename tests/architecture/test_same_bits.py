@@ -10,7 +10,21 @@ import pytest
 from architecture.sources import files, imports, report
 
 # Packages and modules whose numbers decide a run: masses, functions, closing of positions, the step, what follows a run from step to step.
-DECIDING = ("assembly/", "fields/", "gallery/", "kernels/", "kinematics/", "laws/", "model/", "numerics/", "solvers/", "study/")
+DECIDING = (
+    "assembly/",
+    "codegen/",
+    "fields/",
+    "gallery/",
+    "kernels/",
+    "kinematics/",
+    "laws/",
+    "model/",
+    "modelfile/",
+    "numerics/",
+    "solvers/",
+    "study/",
+    "units.py",
+)
 # Why others may call what they like.
 EXCEPTIONS = {
     "model/strokes.py": "draws",
@@ -22,6 +36,7 @@ EXCEPTIONS = {
     "study/identification/": "compares records with data",
     "study/quantiles.py": "statistics of results",
     "study/refining.py": "a search that chooses its next members",
+    "units.py": "powers of fractions, and of forty digits in decimal arithmetic",
     "study/sampling.py": "SciPy's Sobol' points are whole numbers over a power of two",
 }
 NUMPY = {
