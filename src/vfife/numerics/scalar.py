@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from ..kernels import elementary
 from .routines.functions import arctangent, exponential, half_turn, length, logarithm, raised
@@ -15,12 +16,20 @@ PI_BITS = 1270
 
 def sincos(angle: float) -> tuple[float, float]:
     """Sine and cosine of an angle (rad)."""
+    if angle == 0.0:
+        return float(angle), 1.0
     if abs(angle) < LARGE_ANGLE:
-        found: tuple[float, float] = elementary.sincos(float(angle))
-        return found
+        return _near(float(angle))
     if not math.isfinite(angle):
         return math.nan, math.nan
     return _far(float(angle))
+
+
+@lru_cache(maxsize=1024)
+def _near(angle: float) -> tuple[float, float]:
+    """Those of an angle that is not large; known ones, because velocities, accelerations and ranks are found at the position that was closed."""
+    found: tuple[float, float] = elementary.sincos(angle)
+    return found
 
 
 def _far(angle: float) -> tuple[float, float]:
