@@ -43,10 +43,10 @@ def error_range(name: str, ratios: Sequence[float], values: Sequence[float]) -> 
     error = max(error, LEAST_ERROR * max(abs(low), abs(high)))
     if name.endswith(COUNTS):
         error = max(error, LEAST_COUNT)
-    return bounded(name, low, high, error)
+    return widen(name, low, high, error)
 
 
-def bounded(name: str, low: float, high: float, error: float) -> tuple[float, float]:
+def widen(name: str, low: float, high: float, error: float) -> tuple[float, float]:
     """Widen a range of the measure ``name`` by an error to both sides, not below zero where it cannot be negative."""
     least = 0.0 if name.endswith(VANISHING) else low - error
     return (max(least, min(0.0, low)) if name.endswith(NEVER_NEGATIVE) else least), high + error

@@ -22,19 +22,19 @@ def driving(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     found: dict[str, float] = {}
     if not record.assembly.topology.driven or not record.keeps("driven_work") or not record.keeps("particle_theta"):
         return found
-    sampled = record.keeps("driven_torque")  # not of companions
+    torque_kept = record.keeps("driven_torque")  # not of companions
     part, inside = of_window(record, window)
     half, time = 0.5 * part.assembly.choice.step, times(part)
     for name, body in record.assembly.bodies.items():
         if body.driven is None or len(time) < 2:
             continue
         work = part.block("driven_work")[:, body.driven] - half * part.block("driven_power")[:, body.driven]
-        torque = part.block("driven_torque")[inside, body.driven] if sampled else np.zeros(1)
+        torque = part.block("driven_torque")[inside, body.driven] if torque_kept else np.zeros(1)
         angle = part.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
         found[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
         if abs(turned := float(angle[-1] - angle[0])) > 1e-9:
             mean = found[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
-            if sampled and abs(mean) > STILL * (reach := float(torque.max() - torque.min())):
+            if torque_kept and abs(mean) > STILL * (reach := float(torque.max() - torque.min())):
                 found[f"{name}.torque.ripple"] = reach / abs(mean)
     return found
 

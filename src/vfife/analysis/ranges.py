@@ -19,7 +19,7 @@ from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
-from .convergence import SCATTER, bounded, error_range
+from .convergence import SCATTER, error_range, widen
 from .measured import Measured, Measures
 from .measures import PEAKS, Measure, compared, last_turn, measures, over_run, over_turn
 from .meshes import EXACT
@@ -51,7 +51,7 @@ def companion_records(record: Record) -> Iterator[Record]:
 
 
 @dataclass(frozen=True)
-class Sampled:
+class Samples:
     """A measure at the step sizes of a run and its companions: ``value`` is what is reported, ``values`` those of all lanes, the run's first.
 
     ``ratios`` are the steps of the lanes over that of the run. ``lowest`` and ``highest`` are those of the turns that it is of.
@@ -85,33 +85,33 @@ class Sampled:
         if len(set(self.ratios)) < 2:
             return self.low, self.high
         if self.scatters:
-            return bounded(name, self.low, self.high, SCATTER * (self.high - self.low))
+            return widen(name, self.low, self.high, SCATTER * (self.high - self.low))
         return error_range(name, self.ratios, self.values)
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> Measures:
     """The measures of a run (:func:`~vfife.analysis.measures.measures`): means of its turns after the transient, with what varies and what is
-    not known; see :func:`sampled`.
+    not known; see :func:`samples`.
 
     Ranges estimate the error of the step, from the values at all step sizes. Where a try with twice the step was given up, and its range does not
     hold what has come out now, the estimate of that try has failed: then the ranges reach over both. Ranges of a smooth run are its estimated
     errors to both sides.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
-    found, joins = sampled(record, reference, every), contradicted(record)
+    found, joins = samples(record, reference, every), contradiction(record)
     made = Measures()
     for name, one in found.items():
         low, high = _reach(record, name, one)
         if name in joins:
             least, most = min(one.low, joins[name][0]), max(one.high, joins[name][1])
-            wide = bounded(name, least, most, SCATTER * (most - least))
+            wide = widen(name, least, most, SCATTER * (most - least))
             low, high = min(low, wide[0]), max(high, wide[1])
         made[name] = Measured(one.value, low, high, name not in open_ones, one.lowest, one.highest, _estimated(record, name, one))
     made.part = part_of(record, counted(record))
     return made
 
 
-def contradicted(record: Record) -> Mapping[str, tuple[float, float]]:
+def contradiction(record: Record) -> Mapping[str, tuple[float, float]]:
     """The ranges of the try with twice the step, where its estimate does not hold what has come out now; none where it does, or there was none."""
     earlier = {} if record.companions is None else record.companions.earlier
     return {} if not earlier or followed(record, own_ranges(record, every=PEAKS), earlier) else earlier
@@ -121,14 +121,14 @@ def over_tries(record: Record, reference: Mapping[str, float] | None = None, eve
     """The measures with the ranges of their values at all step sizes: those of the run and its companions, and of the try before it where its
     estimate does not hold what has come out now.
     """
-    found, joins = own_ranges(record, reference, every), contradicted(record)
+    found, joins = own_ranges(record, reference, every), contradiction(record)
     for name in joins.keys() & found.keys():
         one, (low, high) = found[name], joins[name]
         found[name] = Measured(one, min(one.low, low), max(one.high, high), True, one.lowest, one.highest)
     return found
 
 
-def _reach(record: Record, name: str, one: Sampled) -> tuple[float, float]:
+def _reach(record: Record, name: str, one: Samples) -> tuple[float, float]:
     """Low and high by the values at several step sizes, or by the estimated error of a smooth run."""
     if record.estimate is None:
         return one.error_range(name)
@@ -137,7 +137,7 @@ def _reach(record: Record, name: str, one: Sampled) -> tuple[float, float]:
     return max(low, 0.0) if one.value >= 0.0 and name.endswith(".max") else low, one.value + error
 
 
-def _estimated(record: Record, name: str, one: Sampled) -> bool:
+def _estimated(record: Record, name: str, one: Samples) -> bool:
     """Whether the error of a measure is known, from companions, or from a run at finer steps or on a finer mesh."""
     if record.static and name in EXACT:
         return True
@@ -152,10 +152,10 @@ def step_ratios(record: Record) -> tuple[float, ...]:
 
 def own_ranges(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Measured]:
     """The measures with the ranges of their values over the run and its companions, whatever was tried before."""
-    return {name: one.hull for name, one in sampled(record, reference, every).items()}
+    return {name: one.hull for name, one in samples(record, reference, every).items()}
 
 
-def sampled(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Sampled]:
+def samples(record: Record, reference: Mapping[str, float] | None = None, every: Some = None) -> dict[str, Samples]:
     """The measures at all step sizes.
 
     Of a run whose turns repeat: means over its turns since then, from the lowest to the highest of them, and how these means differ over run and
@@ -186,16 +186,16 @@ def _of_a_turn(record: Record, reference: Mapping[str, float] | None, every: Som
     return found | compared(record, found, reference)
 
 
-def joined(own: Mapping[str, float], others: Sequence[Mapping[str, float]], ratios: Sequence[float]) -> dict[str, Sampled]:
+def joined(own: Mapping[str, float], others: Sequence[Mapping[str, float]], ratios: Sequence[float]) -> dict[str, Samples]:
     """Measures of a run and its companions, whose steps have these ``ratios``, the run's first."""
     found = {}
     for name, value in own.items():
         pairs = [(ratio, one[name]) for ratio, one in zip(ratios, (own, *others), strict=True) if name in one]
-        found[name] = Sampled(value, tuple(one for _, one in pairs), tuple(ratio for ratio, _ in pairs), value, value)
+        found[name] = Samples(value, tuple(one for _, one in pairs), tuple(ratio for ratio, _ in pairs), value, value)
     return found
 
 
-def over_turns(lanes: Sequence[Sequence[Mapping[str, float]]], ratios: Sequence[float], *, together: bool) -> dict[str, Sampled]:
+def over_turns(lanes: Sequence[Sequence[Mapping[str, float]]], ratios: Sequence[float], *, together: bool) -> dict[str, Samples]:
     """Measures from those of the turns of each lane, the run itself first: means over its turns, or over the turns of all lanes ``together``."""
     found = {}
     for name in lanes[0][-1]:
@@ -204,7 +204,7 @@ def over_turns(lanes: Sequence[Sequence[Mapping[str, float]]], ratios: Sequence[
         means = tuple(mean for _, mean in pairs)
         every = [value for lane in (turnly if together else turnly[:1]) for value in lane]
         value = math.fsum(means) / len(means) if together else means[0]
-        found[name] = Sampled(value, means, tuple(ratio for ratio, _ in pairs), min(every), max(every), together)
+        found[name] = Samples(value, means, tuple(ratio for ratio, _ in pairs), min(every), max(every), together)
     return found
 
 
