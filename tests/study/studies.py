@@ -41,7 +41,8 @@ class Closed:
         for k in reversed(range(len(numbers))):  # in another order than asked
             if stop.is_set():
                 return
-            self.computed.append(dict(numbers[k]))
+            if "run.step" not in numbers[k]:  # one of the sample that is repeated with another step
+                self.computed.append(dict(numbers[k]))
             c, v = numbers[k]["joint.C.clearance"], numbers[k].get("driver.crank.speed", 100.0)
             if c == self.fails:
                 yield k, Outcome(status="diverged", reason="diverged after 7 steps", step=1e-6, steps=7, turns=0)

@@ -24,7 +24,7 @@ Outcomes = Mapping[int, Mapping[str, Any]]
 # Members of a sample: at least so many, all if there are fewer, and of a large study this share. Of 20 members the
 # largest error exceeds that of 86 % of all members with 95 % confidence (1 - 0.05^(1/20) = 0.14).
 LEAST_SAMPLE = 20
-SHARE_OF_SAMPLE = 1 / 200
+SHARE_OF_SAMPLE = 1 / 100
 REPEATS = "repeats"  # the entry of a study file's meta that tells how members were repeated
 NOT_ESTIMATED = "not estimated"
 

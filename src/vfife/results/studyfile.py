@@ -187,7 +187,7 @@ class StudyFile(TalliedFile):
     @told
     def repeats(self) -> dict[int, dict[str, Any]]:
         """What members of the sample came to with another step; none in a file that was written before there were any."""
-        return self._outcomes("repeats") if tables.has(self._connection, "repeats") else {}
+        return self._outcomes("repeats")  # a table that is missing has no rows
 
     def _outcomes(self, table: str) -> dict[int, dict[str, Any]]:
         names = [column.split()[0] for column in tables.STUDY["outcomes"]]
