@@ -91,7 +91,7 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
         kept.add(before)
         closed.computed.clear()
         again = studies.made(path, plan, base, "asked")
-        assert told(again) == told(whole)
+        assert told(again) == told(whole) and again.repeats == whole.repeats and len(again.repeats) == 6
         assert len(closed.computed) == 6 - max(before, 0)
     assert {-1, 0, 6} < kept and len(kept) > 5, "kills fell before, between and after all members"
 

@@ -26,6 +26,7 @@ Outcomes = Mapping[int, Mapping[str, Any]]
 LEAST_SAMPLE = 20
 SHARE_OF_SAMPLE = 1 / 100
 REPEATS = "repeats"  # the entry of a study file's meta that tells how members were repeated
+SAME_STEP = 1e-3  # steps whose ratio is nearer to 1 tell nothing
 NOT_ESTIMATED = "not estimated"
 
 
@@ -110,9 +111,10 @@ def member_errors(
         errors, ratios = [], []
         for own, other in pairs:
             values = own["measures"].get(name), other["measures"].get(name)
-            if values[0] is None or values[1] is None or other["status"] != Status.COMPLETE:
+            ratio = other["step"] / own["step"]
+            if values[0] is None or values[1] is None or other["status"] != Status.COMPLETE or abs(ratio - 1.0) < SAME_STEP:
                 continue
-            ratios.append(other["step"] / own["step"])
+            ratios.append(ratio)
             errors.append(abs(values[1] - values[0]) * error_over_change(ratios[-1], order))
         if errors:
             rms = math.sqrt(math.fsum(one * one for one in errors) / len(errors))

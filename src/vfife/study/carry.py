@@ -100,7 +100,7 @@ def carry_out(
     members, ended = file.members(), file.outcomes()
     left = alike_first([one for one in members if not done(one, ended.get(one.number), retry)])
     ended_now, before, stop = set[int](), len(members) - len(left), threading.Event()
-    found = (runner or run_members)(base, [one.numbers for one in left], wanted, workers=workers, lanes=lanes, stop=stop)
+    found = runner_of(runner)(base, [one.numbers for one in left], wanted, workers=workers, lanes=lanes, stop=stop)
     try:
         for k, outcome in found if left else ():
             kept = complete(outcome, wanted)
@@ -117,6 +117,11 @@ def carry_out(
     whole = before + len(ended_now) == len(members)
     file.finish(Status.COMPLETE.value if whole else Status.INTERRUPTED.value)
     return whole
+
+
+def runner_of(runner: Runner | None) -> Runner:
+    """Return what runs members: ``runner``, or this process without one."""
+    return runner or run_members
 
 
 def done(member: Kept, outcome: Mapping[str, Any] | None, retry: bool) -> bool:

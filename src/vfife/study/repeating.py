@@ -11,8 +11,7 @@ from ..model.mechanism import Mechanism
 from ..results.member_errors import sample_of
 from ..results.studyfile import WHAT, Kept, StudyFile
 from ..solvers.status import Status
-from . import carry
-from .carry import Runner, complete
+from .carry import Runner, complete, runner_of
 from .engine import Wanted
 
 STEP = "run.step"  # path of the step in a model
@@ -34,7 +33,7 @@ def repeat_sample(file: StudyFile, base: Mechanism, *, workers: int | None = Non
     if not left:
         return True
     file.begin_repeats({"order": 1 if base.contacts else 2, "ratio": RATIO})
-    run = Repetition(file, base, outcomes, workers, lanes, runner or carry.run_members)
+    run = Repetition(file, base, outcomes, workers, lanes, runner_of(runner))
     try:
         finer = run.repeat(left, RATIO, last=False)
         run.repeat(finer, 1.0 / RATIO, last=True)
