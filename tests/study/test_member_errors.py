@@ -7,8 +7,7 @@ import sqlite3
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from typer.main import get_command
+from typer.testing import CliRunner
 
 import vfife
 from vfife.cli.app import app
@@ -163,7 +162,7 @@ def test_a_file_without_repetitions_is_read_and_gets_them_later(tmp_path) -> Non
 
 
 def invoke(*args: str) -> str:
-    result = CliRunner().invoke(get_command(app), list(args))
+    result = CliRunner().invoke(app, list(args))
     assert result.exit_code == 0, result.output
     return result.output
 
