@@ -15,6 +15,7 @@ from vfife.analysis.forces import normals
 from vfife.analysis.impact import nothing_remembered, presliding
 from vfife.analysis.impacts import impacts
 from vfife.analysis.pressure import largest_pressures, line_pressure, mean_pressure
+from vfife.analysis.verdict import rotation
 from vfife.laws import Coulomb, LuGre, Pair
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
@@ -60,6 +61,16 @@ def test_points_at_rest_are_alike_within_a_hundred_thousandth_of_their_size() ->
     assert ALIKE == 1e-5 and apart(np.array([1.0, 2.0] * 6)) == 0.0
     assert apart(np.array([1.0, 2.0] * 6), 1) == 1.0
     assert period(np.arange(30.0)) is None and period(np.array([1.0, 2.0] * 2)) is None, "a period has to be seen three times"
+
+
+def test_a_curve_of_four_lobes_is_gone_round_in_order() -> None:
+    """r = 1 + 0.2 cos 4 phi, by the golden share of a turn each time: four times to and fro of the radius, in parts of twice its range."""
+    turn = 0.5 * (math.sqrt(5.0) - 1.0)
+    phi = math.tau * turn * np.arange(610)
+    found = rotation(np.column_stack([(1.0 + 0.2 * np.cos(4.0 * phi)) * np.cos(phi), (1.0 + 0.2 * np.cos(4.0 * phi)) * np.sin(phi)]))
+    assert found is not None and found.closed and found.order == 1.0
+    assert found.number == pytest.approx(turn, abs=1e-3) and found.rough == pytest.approx(4.0, rel=0.02)
+    assert rotation(np.ones((20, 2))) is None and rotation(phi[:7]) is None
 
 
 def test_exponents_are_means_of_the_whole_and_of_its_halves() -> None:

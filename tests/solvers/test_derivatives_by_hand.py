@@ -86,3 +86,39 @@ def test_displaced_runs_are_spread_in_a_step_and_in_its_parts() -> None:
     """Four runs and eight parts: at 0, 2 1/4, 4 1/2 and 6 3/4 of the parts."""
     assert displaced(4, 8) == pytest.approx((0.0, 2.25 / 8.0, 4.5 / 8.0, 6.75 / 8.0))
     assert displaced(1, 8) == (0.0,) and displaced(3, 8)[1] == pytest.approx((2.0 + 1.0 / 3.0) / 8.0)
+
+
+class Captured(Exception):
+    """What a runner was made of."""
+
+
+def test_each_lane_starts_with_the_run_and_its_own_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two numbers, two displaced runs each, in four lanes: the run below the change of its number; tables of f, f' and its change."""
+
+    def runner(topology: Any, states: np.ndarray, tables: np.ndarray, loop: str, kept: np.ndarray, **more: Any) -> None:
+        raise Captured(states, tables, kept, more)
+
+    monkeypatch.setattr(tangents, "Runner", runner)
+    table = np.concatenate([[99.0], function(0.0, [0.0], [[1.0, 2.0, 3.0]])])
+    model: Any = SimpleNamespace(
+        layout=SimpleNamespace(rows=3), state=np.array([1.0, 2.0, 3.0]), tables=table,
+        topology=SimpleNamespace(function_start=(1,)), mechanism=SimpleNamespace(settings=SimpleNamespace(parts=8)),
+    )  # fmt: skip
+    some = []
+    for slope, constant in ((np.array([1.0, 0.0, -1.0]), 5.0), (np.array([0.0, 7.0, 0.0]), 0.0)):
+        sides = []
+        for sign in (0.25, -0.25):
+            tables = table.copy()
+            tables[-7] += sign * constant
+            sides.append(SimpleNamespace(state=model.state + sign * slope, tables=tables))
+        some.append(Neighbours(*sides, 0.5))  # type: ignore[arg-type]
+    with pytest.raises(Captured) as got:
+        tangents._together(model, some, np.array([0.0, 0.5]), 4, 1, np.array([0, 2], dtype=np.uint32), [(1, 1)], None)  # type: ignore[arg-type]
+    states, tables, kept, more = got.value.args
+    assert states.reshape(2, 3, 4)[0] == pytest.approx(np.tile(model.state[:, None], 4))
+    assert pytest.approx(np.array([[1.0, 0, -1]] * 2 + [[0, 7.0, 0]] * 2)) == states.reshape(2, 3, 4)[1].T
+    assert kept.tolist() == [0, 2, 3, 5] and more["shares"].tolist() == [0.0, 0.5, 0.0, 0.5] and more["directions"] == 1
+    each = tables.reshape(4, 3, -1)
+    assert each[:, 0] == pytest.approx(np.tile(table, (4, 1)))
+    assert each[:, 1, -7:] == pytest.approx(np.tile([2.0, 6.0, 0, 0, 0, 0, 0], (4, 1)))
+    assert each[:, 2, -7:] == pytest.approx(np.array([[5.0, 0, 0, 0, 0, 0, 0]] * 2 + [[0.0] * 7] * 2))

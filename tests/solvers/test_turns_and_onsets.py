@@ -11,7 +11,7 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.solvers import repeating, sectioning
+from vfife.solvers import orbits, repeating, sectioning
 from vfife.solvers.nearby import steps_of_turn, weights
 from vfife.solvers.orbits import LANES, Orbits, Start
 from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
@@ -84,16 +84,26 @@ def test_small_forces_are_compared_with_a_tenth_of_the_largest_and_noise_with_wh
 
 
 def test_members_begin_a_turn_before_and_at_the_phase_of_all() -> None:
-    orbits = Orbits(100, 5, 2)
-    begins = [orbits.begins(Start(0, lambda: None, ahead)) for ahead in (0.0, 0.25, 0.999, 1.0, -0.25)]  # type: ignore[arg-type,return-value]
+    of = Orbits(100, 5, 2)
+    begins = [of.begins(Start(0, lambda: None, ahead)) for ahead in (0.0, 0.25, 0.999, 1.0, -0.25)]  # type: ignore[arg-type,return-value]
     assert begins == [101, 126, 101, 101, 176]
 
 
 def test_members_as_far_before_the_phase_go_side_by_side() -> None:
-    orbits = Orbits(100, 5, 2)
+    of = Orbits(100, 5, 2)
     starts = [Start(k, lambda: None, 0.5 * (k % 2)) for k in range(11)]  # type: ignore[arg-type,return-value]
-    found = [[one.number for one in block] for block in orbits.blocks(starts)]
+    found = [[one.number for one in block] for block in of.blocks(starts)]
     assert found == [[0, 2, 4, 6], [8, 10], [1, 3, 5, 7], [9]] and LANES == 4
+
+
+def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first step by itself, the rest of what comes before and two turns that are dropped in one go, then three turns."""
+    calls: list[tuple[int, int]] = []
+    runner: Any = SimpleNamespace(advance=lambda steps, outputs: calls.append((steps, outputs)))
+    monkeypatch.setattr(orbits, "plain_runner", lambda _: runner)
+    monkeypatch.setattr(orbits, "Pace", lambda _: SimpleNamespace(advance=lambda _, steps, outputs: calls.append((steps, outputs))))
+    rows, growth = Orbits(100, 5, 2)._through([], 126)
+    assert calls == [(1, 1), (125 + 200, 1), (100, 3)] and rows is None and growth.shape == (0, LANES)
 
 
 def test_pieces_of_a_section_end_where_turns_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
