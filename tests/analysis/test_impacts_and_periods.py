@@ -15,7 +15,7 @@ from vfife.analysis.forces import normals
 from vfife.analysis.impact import nothing_remembered, presliding
 from vfife.analysis.impacts import impacts
 from vfife.analysis.pressure import largest_pressures, line_pressure, mean_pressure
-from vfife.analysis.verdict import rotation
+from vfife.analysis.verdict import rotation, verdict
 from vfife.laws import Coulomb, LuGre, Pair
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
@@ -61,6 +61,15 @@ def test_points_at_rest_are_alike_within_a_hundred_thousandth_of_their_size() ->
     assert ALIKE == 1e-5 and apart(np.array([1.0, 2.0] * 6)) == 0.0
     assert apart(np.array([1.0, 2.0] * 6), 1) == 1.0
     assert period(np.arange(30.0)) is None and period(np.array([1.0, 2.0] * 2)) is None, "a period has to be seen three times"
+
+
+@pytest.mark.parametrize(("value", "kind"), [(0.29, "quasi-periodic"), (0.31, "not settled"), (0.69, "not settled"), (0.71, "chaotic")])
+def test_the_0_1_test_decides_where_nothing_else_does(value: float, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Below 0.3 a motion is regular and above 0.7 it is chaotic, of a hundred points and more."""
+    monkeypatch.setattr("vfife.analysis.verdict.zero_one", lambda _: value)
+    noise = np.random.default_rng(1).uniform(size=120)
+    assert verdict(noise).kind == kind and verdict(noise[:100]).zero_one == value
+    assert verdict(noise[:99]).zero_one is None and verdict(noise[:99]).kind == "not settled"
 
 
 def test_a_curve_of_four_lobes_is_gone_round_in_order() -> None:
