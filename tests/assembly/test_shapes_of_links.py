@@ -10,7 +10,7 @@ import pytest
 
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.assembly.prestress import Shape, _shape, _turned, as_rigid, straight
+from vfife.assembly.prestress import Shape, _inertial, _shape, _turned, as_rigid, straight
 from vfife.model.bodies import Section
 from vfife.model.lumping import mesh
 from vfife.model.mechanism import Mechanism
@@ -105,3 +105,31 @@ def test_a_rod_held_under_weight_bends_as_a_cantilever_of_its_lumps(angle: float
     # Cantilever with load W/2 at l/2 and W/4 at the end: W/2 (l/2)^2 (3 l - l/2)/6 + W/4 l^3/3 over E I.
     wanted = load * LENGTH**3 / stiffness * (0.5 * 0.25 * 2.5 / 6.0 + 0.25 / 3.0)
     assert -sag == pytest.approx(wanted, rel=1e-3)
+
+
+@pytest.mark.parametrize("release", ["none", "both"])
+def test_one_element_bends_unless_both_of_its_ends_are_released(release: str) -> None:
+    """Held at the pivot its end has m/2 g l; released at both ends it has no moments."""
+    m = Mechanism("one", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.point("P", LENGTH, 0.0)
+    m.link("l", length=LENGTH, mass=MASS, model="elastic", elements=1, section=Section.square(4e-4), release=release)
+    if release == "both":
+        m.revolute("A", "ground.O", "l.start")
+        m.revolute("B", "ground.P", "l.end")
+    else:
+        m.weld("A", "ground.O", "l.start")
+    found = started(m)
+    wanted = 0.5 * MASS * 9.81 * LENGTH if release == "none" else 0.0
+    assert abs(block(found, "frame_moment_1")[0]) == pytest.approx(wanted, rel=1e-5, abs=1e-9)
+    assert block(found, "frame_moment_2")[0] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_inertia_forces_act_at_places_seen_from_the_centre() -> None:
+    m = rod()
+    link: Any = m.bodies["l"]
+    shape, extra = straight(link), np.ones((3, 3))
+    held: Any = Mechanism("held", bodies={"l": as_rigid(link, shape)})
+    ((mass, places, more),) = _inertial(held, {"l": link}, {"l": shape}, {"l": extra}).values()
+    assert mass == pytest.approx([0.25 * MASS, 0.5 * MASS, 0.25 * MASS]) and more is extra
+    assert places == pytest.approx(np.array([[-0.3, 0.0], [0.0, 0.0], [0.3, 0.0]]), abs=1e-12)

@@ -11,8 +11,11 @@ import pytest
 
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
+from vfife.assembly.linearised import pulled_at
 from vfife.assembly.stability import (
+    CLOSED,
     _bent,
+    arm_limits,
     at_once,
     constraint_rows,
     contact_limits,
@@ -25,6 +28,7 @@ from vfife.assembly.stability import (
 from vfife.laws import Material
 from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism
+from vfife.model.springs import Spring
 
 
 def started(m: Mechanism) -> Assembly:
@@ -116,3 +120,23 @@ def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration(
     """r^2 m/I = 0.25 2/0.5."""
     one = pendulum()
     assert turning_error(one.layout, one.state, one.topology) == pytest.approx(1.0, rel=1e-4)
+
+
+def test_arms_limit_the_step_of_what_turns_and_nothing_at_rest() -> None:
+    """w dt r/k = CLOSED, of the joint alone and of all together; k is the radius of gyration, sqrt(I/m)."""
+    one = pendulum()
+    assert arm_limits(one.layout, one.state, one.topology, ["A"]) == []
+    state = one.state.copy()
+    state[one.layout["particle_w"][1]] = -8.0
+    (name, step), (every, least) = arm_limits(one.layout, state, one.topology, ["A"])
+    assert name == "small inertia on an arm at joint A" and step == pytest.approx(CLOSED * math.sqrt(0.5 / 2.0) / (0.5 * 8.0), rel=1e-12)
+    assert every == "small inertia on arms of several joints" and least == pytest.approx(CLOSED / 8.0, rel=1e-4)
+
+
+def test_a_spring_pulls_its_pins_and_not_by_its_damper_at_rest() -> None:
+    """0.5 m apart, free at 0.3 m, 100 N/m: 20 N towards each other, and their moments about both particles."""
+    spring = Spring(name="k", first="ground.O", second="b.p", stiffness=100.0, damping=50.0, free_length=0.3)
+    at = np.array([1.0, 2.0, 0.0, 1.0, 2.0, math.pi / 2.0])
+    # The first pin is its particle; the second lies at (0.4, -0.3) of a body turned by a right angle: (0.3, 0.4) in space.
+    found = pulled_at(spring, 0.9, at, ((0, (0.0, 0.0)), (1, (0.4, -0.3))))
+    assert found == pytest.approx([12.0, 16.0, 0.0, -12.0, -16.0, 0.3 * -16.0 - 0.4 * -12.0], rel=1e-12, abs=1e-12)

@@ -89,6 +89,14 @@ def test_the_crank_is_the_first_driven_body_and_modes_have_their_numbers() -> No
     assert mode.attrs["flag_values"].tolist() == [0, 1, 2] and mode.attrs["flag_meanings"].split()[2] == "continuous_contact"
 
 
+def test_data_hold_the_model_unless_it_is_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    """HDF5 takes no attribute beyond 64 KiB."""
+    found = View(made(turns=1))
+    assert found.attributes["model_file"].startswith("#") or "[body.crank]" in found.attributes["model_file"]
+    monkeypatch.setattr("vfife.results.view.LONGEST_ATTRIBUTE", 100)
+    assert "model_file" not in found.attributes
+
+
 def test_particles_are_named_after_their_bodies_and_the_ground_is_none() -> None:
     record = made(turns=1)
     assert entities(record)["particle"] == ["crank", "coupler", "follower"]
