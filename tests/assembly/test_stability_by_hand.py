@@ -12,6 +12,7 @@ import pytest
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.assembly.linearised import pulled_at
+from vfife.assembly.redundancy import idle, redundant
 from vfife.assembly.stability import (
     CLOSED,
     _bent,
@@ -120,6 +121,24 @@ def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration(
     """r^2 m/I = 0.25 2/0.5."""
     one = pendulum()
     assert turning_error(one.layout, one.state, one.topology) == pytest.approx(1.0, rel=1e-4)
+
+
+def test_rows_that_may_be_idle_are_of_unit_size_in_energy() -> None:
+    """Row by row G M^-1 G^T is 1, whatever masses and inertias are; two pins of one body leave one reaction that moves nothing."""
+    m = pendulum().mechanism
+    door = Mechanism("door", gravity=(0.0, 0.0))
+    door.point("O", 0.0, 0.0)
+    door.point("P", 1.0, 0.0)
+    door.rigid_body("b", mass=20.0, inertia=3.0, pins={"p": (0.0, 0.0), "q": (1.0, 0.0)}, position=(0.0, 0.0))
+    door.revolute("A", "ground.O", "b.p")
+    door.revolute("B", "ground.P", "b.q")
+    for one, open_ in ((started(m), 0), (started(door), 1)):
+        rows, stress, joined = idle(one.layout, one.state, one.topology)
+        kinds = ("mass", "mass", "inertia")
+        inverse = np.stack([one.state[one.layout[f"particle_inverse_{kind}"]][joined] for kind in kinds], axis=1).reshape(-1)
+        assert (rows**2 * inverse).sum(axis=1) == pytest.approx(1.0, rel=1e-12)
+        assert stress.shape[1] == open_ and redundant(one.layout, one.state, one.topology) is bool(open_)
+        assert np.abs(rows.T @ stress * np.sqrt(inverse)[:, None]).max(initial=0.0) < 1e-12
 
 
 def test_arms_limit_the_step_of_what_turns_and_nothing_at_rest() -> None:
