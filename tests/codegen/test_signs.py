@@ -1,14 +1,16 @@
 """Signs in a trace: they go through products and quotients to a sum that takes them in, and no bit changes."""
 
 import operator
+import re
 
 import numpy as np
 import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
+from vfife.codegen.llvm import operators, whole
 from vfife.codegen.straight_line import trace
-from vfife.codegen.trace import Symbol, Tape
+from vfife.codegen.trace import Operation, Symbol, Tape, Trace
 
 FUNCTIONS = {
     "sum": (lambda x, y, z: (-x) + z, 0),
@@ -45,3 +47,21 @@ def test_a_step_has_next_to_no_signs_of_its_own():
     """Levers of joints have one each, and all their products; a sum takes in each of them."""
     operations = trace(assemble(four_bar(""), 1e-4).topology).operations
     assert sum(operation.operator == "neg" for operation in operations) < 0.02 * len(operations)
+
+
+@pytest.mark.parametrize("chip", ["aarch64-linux-gnu", "nvptx64-nvidia-cuda"])
+def test_a_choice_between_a_number_and_zero_is_no_minimum(chip):
+    """These processors have a minimum of -0.0 and 0.0 that is -0.0, where `x if x < 0.0 else 0.0` is 0.0."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    choices = [Operation("t0", "<", ("v1", 0.0)), Operation("t1", "select", ("t0", "v1", 0.0))]
+    choices += [Operation("t2", ">", ("v2", 0.0)), Operation("t3", "select", ("t2", "v2", 0.0))]
+    for width in (1, 2) if chip.startswith("aarch64") else (1,):
+        module = llvm.parse_assembly(operators(width) + "\n" + whole(Trace(tuple(choices), {0: "t1", 3: "t3"}), width, False, True))
+        module.triple = chip
+        machine = llvm.Target.from_triple(chip).create_target_machine(cpu="sm_70" if chip.startswith("nvptx") else "", opt=1)
+        text = machine.emit_assembly(module)
+        assert not re.search(r"^\s+(fminn?m?|fmaxn?m?|min|max)\b", text, re.M), text
+        assert re.search(r"fcsel|selp|bif|bit|bsl|and", text)

@@ -85,8 +85,12 @@ class Writer:
         elif operator in ORDER:
             text = f"fcmp {ORDER[operator]} {self.number} {values[0]}, {values[1]}"
         elif operator == "select":
-            kind = self.kind(name)
-            text = f"select {self.truth} {values[0]}, {kind} {values[1]}, {kind} {values[2]}"
+            kind, condition = self.kind(name), values[0]
+            if any(type(o) is float and o == 0.0 for o in operands[1:]):
+                # LLVM makes `x if x < 0.0 else 0.0` a minimum, which ARM and NVIDIA take of -0.0 and 0.0 as -0.0; it does not see
+                # through `freeze`, which does nothing.
+                condition = self.fresh(f"freeze {self.truth} {condition}")
+            text = f"select {self.truth} {condition}, {kind} {values[1]}, {kind} {values[2]}"
         elif operator == "round":
             text = f"fsub {self.number} {self.fresh(f'fadd {self.number} {values[0]}, {self.value(ROUNDING)}')}, {self.value(ROUNDING)}"
         elif operator == "fused":
