@@ -75,6 +75,17 @@ def test_small_singular_values_are_exact_to_their_own_last_digits() -> None:
     assert np.abs(size / exact - 1.0).max() < 1e-14
 
 
+@pytest.mark.parametrize(("rows", "columns"), [(2, 9), (6, 6), (9, 4)])
+def test_rows_turned_round_change_signs_alone(rows: int, columns: int) -> None:
+    """So that bearing and journal may be exchanged, or a mechanism mirrored: zeros and rows of one length have no sign that decides."""
+    rng = np.random.default_rng(rows)
+    for matrix in (rng.integers(-1, 2, (rows, columns)).astype(float), rng.normal(size=(rows, columns)), np.eye(rows, columns)[::-1].copy()):
+        signs = np.where(np.arange(rows) % 2 == 0, -1.0, 1.0)
+        for turned in (-matrix, signs[:, None] * matrix)[: 1 if rows > columns else 2]:
+            one, other = dense.svd(matrix), dense.svd(turned)
+            assert bits(*(np.abs(part) for part in one)) == bits(*(np.abs(part) for part in other))
+
+
 def test_extreme_and_undefined_entries() -> None:
     a = matrices(4, 4)[0]
     for scale in (1e-290, 1e280):

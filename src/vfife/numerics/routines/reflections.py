@@ -31,6 +31,14 @@ def deduct(W, first, second, count, factor):
         W[first + k] -= factor * W[second + k]
 
 
+def first_sign(W, at, count):
+    """The first entry that is not zero: a column turned round is reflected by the same vector."""
+    for k in range(count):
+        if W[at + k] != 0.0:
+            return W[at + k]
+    return 0.0
+
+
 def reflect(W, o, t, order, count, size, pivoted):
     """Factors of ``count`` columns of ``size`` entries each at ``o``: column j has R below entry j, its reflection behind it.
 
@@ -64,7 +72,7 @@ def reflect(W, o, t, order, count, size, pivoted):
             W[t + count + k] = head
         else:
             whole = math.sqrt(head * head + rest)
-            whole = whole if head < 0.0 else -whole
+            whole = whole if first_sign(W, here, left) < 0.0 else -whole
             W[t + k] = (whole - head) / whole
             W[t + count + k] = whole
             scale = 1.0 / (head - whole)

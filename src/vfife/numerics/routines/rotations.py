@@ -55,7 +55,7 @@ def decompose(A, left, size, right, W, count, rows, columns, vectors):
 
 
 def gather(A, W, a, o, rows, columns):
-    """A matrix by the columns of its longer side, scaled to a largest entry near 1; returned: the power of two by which it was."""
+    """A matrix by its rows, or its columns where these are fewer, its largest entry brought near 1; returned: what that was divided by."""
     largest = 0.0
     check = 0.0
     for i in range(rows * columns):
@@ -71,7 +71,7 @@ def gather(A, W, a, o, rows, columns):
             scale = scale * 65536.0
     for i in range(rows):
         for j in range(columns):
-            place = o + j * rows + i if rows >= columns else o + i * columns + j
+            place = o + j * rows + i if rows > columns else o + i * columns + j
             W[place] = A[a + i * columns + j] * scale
     return 1.0 / scale
 
@@ -105,7 +105,9 @@ def rotate(W, M, J, squares, n, p, q, c):
     """Makes rows p and q orthogonal, whose product is c; returned: the tangent of the angle by which they turn."""
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
     root = math.sqrt(1.0 + slope * slope)
-    tangent = 1.0 / (slope + root) if slope >= 0.0 else 1.0 / (slope - root)
+    tangent = 1.0 / (slope + root) if slope > 0.0 else 1.0 / (slope - root)
+    if slope == 0.0:  # rows of one length: the sign of c decides, so that a row turned round gives the same rows turned round
+        tangent = 1.0 if c > 0.0 else -1.0
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     sine = cosine * tangent
     for k in range(n):
@@ -166,7 +168,7 @@ def hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X):
     """Writes the vectors in falling order of their singular values: those of the longer side are Q J^T, the others lie at ``M``."""
     n = min(rows, columns)
     length = max(rows, columns)
-    tall = rows >= columns
+    tall = rows > columns
     lefts = k if tall else n  # columns of ``left``
     rights = n if tall else k  # rows of ``right``
     for i in range(k):
