@@ -7,6 +7,7 @@ import pytest
 
 from vfife.numerics import dense, library
 from vfife.numerics.products import dot, norm, product, times
+from vfife.numerics.routines import rotations
 
 SHAPES = [
     (1, 1),
@@ -231,3 +232,12 @@ def test_no_product_is_fused() -> None:
     """(1 + e)(1 - e) - 1 is -e^2 where product and difference are one operation, and 0 in two."""
     e = 2.0**-30
     assert dense.determinant_sign(np.array([[2.0, 2.0 * (1.0 - e)], [1.0 + e, 1.0]])) == 0.0
+
+
+def test_rows_of_one_length_are_rotated_alike_when_one_is_turned_round() -> None:
+    found = []
+    for sign in (1.0, -1.0):
+        room = [3.0, 1.0, sign * 1.0, sign * 3.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]
+        rotations.orthogonalise(room, 0, 4, 8, 2, 0.0)
+        found.append([abs(one) for one in room])
+    assert found[0] == found[1] and sorted(round(one, 12) for one in found[0][8:]) == [4.0, 16.0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from vfife.numerics.routines import skyline
 from vfife.numerics.sparse import Sparse
 
 
@@ -66,3 +67,9 @@ def test_parts_that_share_nothing() -> None:
     parts = both.squared().components()
     assert [part.tolist() for part in parts] == [list(range(6)), list(range(6, 12))]
     assert (both.part(parts[1]).toarray() == first.toarray()).all()
+
+
+def test_a_pivot_of_rounding_is_taken_as_the_least() -> None:
+    factors = [1.0, 1.0, 1.0 - 2.0**-53]  # the triangle of two rows that are one
+    skyline.factorise(factors, [0.0, 2.0], [0.0, 0.0], 2, 0.25)
+    assert factors == [1.0, 1.0, 0.25]
