@@ -77,7 +77,7 @@ class Writer:
         self.out.append(f"  store {self.number} {self.value(value)}, ptr {self.row(row, copy)}, align {8 * self.width}")
 
     def operation(self, operation: Operation) -> None:
-        """One instruction; two for a rounding."""
+        """One instruction; two for a rounding, and for a product and a sum."""
         name, operator, operands = operation
         values = [self.value(o) for o in operands]
         if operator in BINARY:
@@ -94,8 +94,8 @@ class Writer:
         elif operator == "round":
             text = f"fsub {self.number} {self.fresh(f'fadd {self.number} {values[0]}, {self.value(ROUNDING)}')}, {self.value(ROUNDING)}"
         elif operator == "fused":
-            kind = self.number
-            text = f"call {kind} @llvm.fmuladd.{self.suffix}({', '.join(f'{kind} {value}' for value in values)})"
+            product = self.fresh(f"fmul {self.number} {values[0]}, {values[1]}")
+            text = f"fadd {self.number} {product}, {values[2]}"
         elif operator == "neg":
             text = f"fneg {self.number} {values[0]}"
         else:
@@ -382,5 +382,4 @@ def aligned(width: int) -> str:
 def operators(width: int) -> str:
     """Declarations of the operators that are no instructions."""
     w = Writer(width)
-    declared = [f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs")]
-    return "\n".join([*declared, f"declare {w.number} @llvm.fmuladd.{w.suffix}({', '.join([w.number] * 3)})"])
+    return "\n".join(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))

@@ -29,7 +29,7 @@ class Operation(NamedTuple):
     """One line: a name is given to what an operator makes of its operands.
 
     ``round`` gives the nearest whole number (x + 1.5 2^52 - 1.5 2^52), ``select`` its second operand where the first is true, else the third.
-    ``fused``, of derivatives alone, is a b + c, rounded once where the processor can.
+    ``fused``, of derivatives alone, is a b + c in one line, rounded twice, since not every processor can round it once.
     """
 
     name: str
