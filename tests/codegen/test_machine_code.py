@@ -17,8 +17,8 @@ FUSED = re.compile(r"\bv?fn?m(add|sub|la|ls)|\bfma\b", re.M)
 X86 = pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="reads x86 instructions")
 
 
-def text(mechanism, width: int) -> str:
-    return written(assemble(mechanism, 1e-6, duration=1e-3).topology, width)
+def text(mechanism, width: int, directions: int = 0) -> str:
+    return written(assemble(mechanism, 1e-6, duration=1e-3).topology, width, directions)
 
 
 def listing(text: str, triple: str = "", processor: str = "") -> str:
@@ -53,6 +53,14 @@ def test_four_lanes_are_packed(mechanism, function):
     assert packed.keys() >= {"vsqrtpd", "vdivpd"} or packed.keys() >= {"sqrtpd", "divpd"}
     assert not {name for name in found if name.startswith("call")}
     assert not FUSED.search(assembly), "a fused product changes bits from machine to machine"
+
+
+@X86
+def test_derivatives_are_not_fused_where_the_processor_could():
+    """They would be other numbers on a processor that cannot; a processor with AVX2 can."""
+    assembly = listing(text(four_bar("BCD"), 4, directions=1), "x86_64-unknown-linux-gnu", "x86-64-v3")
+    assert instructions(assembly, "lean")["vmulpd"] > 300
+    assert not FUSED.search(assembly)
 
 
 @X86
