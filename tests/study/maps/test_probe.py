@@ -17,7 +17,7 @@ from vfife.study.maps.bifurcation import bifurcation
 from vfife.study.maps.looks import models_along, step_count
 from vfife.study.maps.probe import SEARCH_TURNS, default_series, run_step, variations
 from vfife.study.maps.sections import poincare_section
-from vfife.study.maps.starts import Starts
+from vfife.study.maps.starts import Starts, refuse_contradiction
 
 LOOSE, GUIDE = "examples/slider_crank_loose_pin.toml", "examples/slider_crank_loose_guide.toml"
 
@@ -122,3 +122,17 @@ def test_the_velocity_of_a_start_is_that_of_the_body() -> None:
     model.bodies["block"] = dataclasses.replace(model.bodies["block"], velocity=(2.5, 0.0, 0.0))
     series = standing(Starts(model, 2000).at({"start.crank": 1.0})).series
     assert float(series["block.u"][0]) == pytest.approx(2.5, rel=1e-6) and float(series["crank.w"][0]) == pytest.approx(20.0, rel=1e-6)
+
+
+def test_a_velocity_that_is_given_twice_is_refused() -> None:
+    """Of a body as its own, and by that of its journal; the velocities of two bodies do not contradict each other."""
+    model = load(LOOSE)
+    for name in ("crank", "rod", "block"):
+        model.bodies[name] = dataclasses.replace(model.bodies[name], velocity=(0.1, 0.0, 0.0))
+    grid = {"count": (2, 2), "turns": 2, "dropped": 1, "step": 1e-5, "companions": 0}
+    with pytest.raises(ModelError, match="follows from that of the body's journal"):
+        basins(model, ("start.pin.vx", 0.0, 0.1), ("body.block.velocity.0", 0.0, 0.1), **grid)
+    with pytest.raises(ModelError, match="follows from that of the body's journal"):
+        starts = [{"start.pin.vy": 0.1, "body.rod.velocity.0": 0.2}]
+        bifurcation(model, "joint.pin.clearance", 2e-4, 3e-4, count=2, turns=2, dropped=1, step=1e-5, companions=0, starts=starts)
+    refuse_contradiction(model, ("start.pin.vx", "body.crank.velocity.0"))

@@ -25,7 +25,7 @@ from ...solvers.record import recorded_rows
 from .beside import SAMPLE, Companion, alike, packed, sampled, started_companions, told, unpacked
 from .looks import chosen_series, kept_in, law_words, left_out, models_along, refuse_idle, seed, step_count, tupled
 from .probe import looked, refuse_large_frame
-from .starts import Starts, unit_of_start
+from .starts import Starts, refuse_contradiction, unit_of_start
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -217,6 +217,7 @@ def planned(
             raise ModelError([Fault(name, str(error))], mechanism.name) from None
     if x[0] == y[0]:
         raise ModelError([Fault("y", "this is the number that x is", x[0], "two numbers", "name another one")], mechanism.name)
+    refuse_contradiction(mechanism, (x[0], y[0]))
     text = dump(mechanism)
     steps = step_count(models_along(mechanism, (x, y)), step, search=True)
     first = Starts(mechanism, steps).at({})

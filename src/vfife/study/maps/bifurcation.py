@@ -25,7 +25,7 @@ from .beside import SAMPLE, Companion, carried_companions, packed, sampled, star
 from .diagram import WHAT, Bifurcation, Legs, Swept
 from .looks import chosen_series, kept_in, left_out, models_along, refuse_idle, seed, step_count, stepped, unit_at
 from .probe import looked, refuse_large_frame
-from .starts import Starts
+from .starts import Starts, refuse_contradiction
 
 Array = NDArray[np.float64]
 Leg: TypeAlias = tuple[int, Array, Array, Array, list[Companion]]
@@ -85,6 +85,8 @@ def planned(
     """What is asked, and the model at each value, stepped alike."""
     text = dump(mechanism)
     refuse_idle(mechanism, turns, dropped)
+    for one in starts:
+        refuse_contradiction(mechanism, (path, *one))
     steps = step_count(models_along(mechanism, ((path, float(values[0]), float(values[-1])),)), step, search=True)
     every = assembled(text, path, values.tolist(), steps)
     chosen, units = chosen_series(every[0], series)

@@ -50,6 +50,24 @@ def spoken(numbers: Iterable[tuple[str, float]]) -> str:
     return ", ".join(f"{path} = {value:.4g} {units.get(path) or AXES.get(path.rpartition('.')[2], '')}".rstrip() for path, value in numbers)
 
 
+def bodies_of(mechanism: Mechanism, paths: Iterable[str]) -> set[str]:
+    """Bodies whose velocity follows from that of a journal in its bearing, by paths such as ``start.pin.vx``."""
+    joints = {path.split(".")[1] for path in paths if path.startswith("start.") and path.rpartition(".")[2] in ("vx", "vy")}
+    return {side[0] for joint in joints for side in mechanism.clearances[joint].sides} - {"ground"}
+
+
+def refuse_contradiction(mechanism: Mechanism, paths: Iterable[str]) -> None:
+    """Raises ModelError if ``paths`` tell the velocity of one body twice: as its own, and by that of a journal."""
+    paths = list(paths)
+    told = bodies_of(mechanism, paths)
+    for path in paths:
+        parts = path.split(".")
+        if len(parts) > 2 and parts[0] == "body" and parts[2] == "velocity" and parts[1] in told:
+            what = "this velocity follows from that of the body's journal, which is given, too"
+            remedy = f"leave out {path}, or start.JOINT.vx and .vy"
+            raise ModelError([Fault(path, what, "", "one of both", remedy)], mechanism.name)
+
+
 @dataclass
 class Starts:
     """Starts of a mechanism, assembled with so many ``steps`` in a turn."""
@@ -83,7 +101,7 @@ class Starts:
         ends = [self.position(model, time + sign * NEAR * turn, near, at, rate, sign * NEAR * turn) for sign in (-1.0, 0.0, 1.0)]
         velocity = (ends[2] - ends[0]) / (2.0 * NEAR * turn)
         if any(any(body.velocity) for body in model.bodies.values()):
-            velocity = velocity + self.own_velocity(model, time, near)
+            velocity = velocity + self.own_velocity(model, time, near, bodies_of(model, own))
         given = Given(ends[1], velocity, frozenset(model.bodies))
         return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, given=given)
 
@@ -118,11 +136,16 @@ class Starts:
         return known[time]
 
     @staticmethod
-    def own_velocity(model: Mechanism, time: float, near: Array) -> Array:
-        """By how much ``body.*.velocity`` changes the velocities at a time (s) near a position, shape (bodies + 1, 3), in m/s and rad/s."""
+    def own_velocity(model: Mechanism, time: float, near: Array, told: set[str]) -> Array:
+        """By how much ``body.*.velocity`` changes the velocities at a time (s) near a position, shape (bodies + 1, 3), in m/s and rad/s.
+
+        Bodies whose velocity is ``told`` by that of a journal keep it.
+        """
         still = {name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in model.bodies.items()}
         with_own, without = ideal_motion(model, time, near), ideal_motion(dataclasses.replace(model, bodies=still), time, near)
-        return with_own.velocity - without.velocity
+        change = with_own.velocity - without.velocity
+        change[[name in told for name in with_own.names]] = 0.0
+        return change
 
     @staticmethod
     def position(model: Mechanism, time: float, near: Array, at: Mapping[str, Array], rate: Mapping[str, Array], after: float) -> Array:
