@@ -13,7 +13,8 @@ from vfife.analysis.energy import ledger, too_open
 from vfife.analysis.ground import ground_load, largest_shaking
 from vfife.analysis.losses import losses, lost, mean_power
 from vfife.analysis.machine import driving
-from vfife.analysis.measures import last_turn
+from vfife.analysis.measures import OVER_TURN, PEAKS, last_turn
+from vfife.analysis.wanted import WantedMeasures
 from vfife.analysis.wear import rubbed
 from vfife.laws import Coulomb
 from vfife.model.bodies import Section
@@ -202,3 +203,12 @@ def test_the_last_turn_is_that_which_ends_with_the_run() -> None:
     assert np.flatnonzero(last_turn(exact)).tolist() == list(range(1, 11))
     assert last_turn(made_record(m, {}, np.arange(0, 91, 10), turns=1, step=1e-3)).all()
     assert last_turn(made_record(m, {}, [0], turns=1, step=1e-3)).tolist() == [True]
+
+
+def test_only_measures_that_are_named_are_taken() -> None:
+    """All without names; influence parameters take the extremes with them, and counts are of the whole run."""
+    every, few, lip, counts = (WantedMeasures(names) for names in ((), ["C.sliding_velocity.max"], ["C.force.lip"], ["C.impacts"]))
+    assert (every.every, every.peaks, every.counts) == (OVER_TURN, True, True)
+    assert ([one.__name__ for one in few.every], few.peaks, few.counts) == (["largest_sliding"], False, False)
+    assert (lip.every, lip.peaks, lip.counts, lip.by_turn) == (PEAKS, True, False, True)
+    assert (counts.every, counts.peaks, counts.counts) == ((), False, True) and not few.by_turn

@@ -150,6 +150,8 @@ def test_arms_limit_the_step_of_what_turns_and_nothing_at_rest() -> None:
     (name, step), (every, least) = arm_limits(one.layout, state, one.topology, ["A"])
     assert name == "small inertia on an arm at joint A" and step == pytest.approx(CLOSED * math.sqrt(0.5 / 2.0) / (0.5 * 8.0), rel=1e-12)
     assert every == "small inertia on arms of several joints" and least == pytest.approx(CLOSED / 8.0, rel=1e-4)
+    state[one.layout["particle_w"][1]] = 0.5
+    assert arm_limits(one.layout, state, one.topology, ["A"])[1] == (every, pytest.approx(CLOSED / 0.5, rel=1e-4))
 
 
 def test_a_spring_pulls_its_pins_and_not_by_its_damper_at_rest() -> None:

@@ -80,6 +80,18 @@ def test_small_forces_are_compared_with_a_tenth_of_the_largest_and_noise_with_wh
     assert least[families["contact_normal_force"]] == pytest.approx(0.0)
 
 
+def test_a_small_force_is_compared_with_the_largest_of_either_turn() -> None:
+    """1 kN in one output of one turn: a force of 10 N that comes and goes is a hundredth of what counts, a tenth of that."""
+    assembly = assemble(four_bar("C"), 1e-6, turns=1, force_step=True)
+    comparison = Comparison(assembly, np.arange(assembly.layout.rows, dtype=np.uint32))
+    large, small = comparison.families["squares"][:2]
+    before = np.zeros((4, len(comparison.rows)))
+    before[2, large] = 1e6
+    after = before.copy()
+    after[1, small] = 100.0
+    assert comparison.distance(before, after) == pytest.approx(100.0 / 1e4) == comparison.distance(after, before)
+
+
 # ------------------------------------------------------------------------------------------------------------------ starts
 
 
