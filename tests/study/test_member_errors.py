@@ -147,12 +147,13 @@ class Sometimes(Linear):
 
 
 def test_a_file_without_repetitions_is_read_and_gets_them_later(tmp_path) -> None:
-    """As 0.2 wrote it, without the table."""
+    """As 0.2 wrote it, without the table and without a tally."""
     path = tmp_path / "a.study"
     made(path, 5, Linear())
     with sqlite3.connect(path) as connection:
         connection.execute("DROP TABLE repeats")
-        connection.execute("DELETE FROM meta WHERE key = 'repeats'")
+        connection.execute("DELETE FROM meta WHERE key IN ('repeats', 'tally')")
+        connection.execute("PRAGMA user_version = 1")
     connection.close()
     former = Study.open(path)
     assert former.errors == {} and former.data["C.force.max"].attrs["numerical_error"] == "not estimated"
