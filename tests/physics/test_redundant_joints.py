@@ -14,6 +14,7 @@ from support import go, joint_gap
 from vfife.analysis.forces import joint_force, joint_rows
 from vfife.analysis.ranges import ranged
 from vfife.assembly.assemble import assemble
+from vfife.assembly.redundancy import shared
 from vfife.cli.check import freedom
 from vfife.kinematics.initial import ideal_motion
 from vfife.model.mechanism import Mechanism
@@ -59,6 +60,18 @@ def test_a_beam_on_three_cranks_passes_its_change_points(step, start):
     total = sum(record.block(f"joint_{axis}")[1:, names.index(f"B{k}")] * part for k in range(3) for axis, part in (("fx", 1.0), ("fy", 1j)))
     wanted = -3.0 * speed**2 * radius * np.exp(1j * turn[1:, 2])
     assert np.abs(total - wanted).max() < (0.1 * step / 1e-3 + 1e-4) * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("factor", [1e-16, 1.0, 1e6])
+def test_what_is_left_open_does_not_depend_on_the_unit_of_mass(factor):
+    """All cranks share what the beam presses on them with, the pivot of the driven one too; its torque follows from the work."""
+    one = assemble(beam(3, 20.0), 1e-4, duration=0.01)
+    state = one.state.copy()
+    for kind in ("mass", "inertia"):
+        state[one.layout[f"particle_inverse_{kind}"]] /= factor
+    names = one.ideals, one.pivots, [name for name, body in one.bodies.items() if body.driven is not None]
+    found = shared(one.layout, state, one.topology, *names)
+    assert found == shared(one.layout, one.state, one.topology, *names) and "O0.force" in found and "crank0.torque" not in found
 
 
 MASSES = (1.0, 2.5, 0.4)  # kg, of the cranks
