@@ -12,6 +12,7 @@ import pytest
 from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.solvers import orbits, repeating, sectioning
+from vfife.solvers.companions import oldest_needed
 from vfife.solvers.nearby import steps_of_turn, weights
 from vfife.solvers.orbits import LANES, Orbits, Start
 from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
@@ -87,9 +88,18 @@ def test_a_small_force_is_compared_with_the_largest_of_either_turn() -> None:
     large, small = comparison.families["squares"][:2]
     before = np.zeros((4, len(comparison.rows)))
     before[2, large] = 1e6
-    after = before.copy()
+    after = 0.998 * before
     after[1, small] = 100.0
-    assert comparison.distance(before, after) == pytest.approx(100.0 / 1e4) == comparison.distance(after, before)
+    assert comparison.distance(before, after) == pytest.approx(100.0 / 1e4, rel=1e-9) == comparison.distance(after, before)
+
+
+def test_companions_keep_the_rows_of_the_last_turn() -> None:
+    """A hundred steps back, to the next whole one; all of a shorter run, and all without a crank."""
+
+    def kept(turn: float | None, last: int) -> int:
+        return oldest_needed(SimpleNamespace(choice=SimpleNamespace(turn=turn, step=1e-3)), last)  # type: ignore[arg-type]
+
+    assert [kept(0.1, 1000), kept(0.1, 60), kept(None, 1000), kept(0.1004, 1000), kept(0.1006, 1000)] == [900, 0, 0, 900, 899]
 
 
 # ------------------------------------------------------------------------------------------------------------------ starts
