@@ -15,8 +15,8 @@ from mutations.mutants import Mutant
 from mutations.reach import ROOT, Reach
 
 SOURCE = ROOT / "src" / "vfife"
-FEW, MORE = 16, 150  # tests of the first look at a fault and of the second: what so many that run the line do not see wants a test of its own
-LONGEST = 30.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
+FEW, MORE = 16, 400  # tests of the first look at a fault and of the second: what so many that run the line do not see wants a test of its own
+LONGEST = 120.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
 # s of processor time that a look may take: a fault can make a loop endless. Four times what was recorded, and some to begin with.
 SLACK, TIMES = 10.0, 4.0
 # What most tests load, once for all forks.
