@@ -115,6 +115,7 @@ def test_limits_of_elements_go_with_the_root_of_mass_over_stiffness(release: str
 
     light, heavy = limits(1.0, 2e11), limits(1e6, 0.5e11)
     assert light and heavy == pytest.approx([2e3 * value for value in light], rel=1e-9)
+    assert limits(1.0, 2e5) == pytest.approx([1e3 * value for value in light], rel=1e-9), "so soft that EI/l is below 1 N m"
 
 
 def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration() -> None:
