@@ -30,8 +30,6 @@ EXCEPTIONS = {
     "model/strokes.py": "draws",
     "model/outlines.py": "chooses in which order the corners of a body are drawn",
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",
-    "solvers/nearby.py": "a rate of divergence, read off from a run",
-    "solvers/strikes.py": "places of impacts, read off from a run",
     "study/distributions.py": "values of members are rounded to ten digits",
     "study/identification/": "compares records with data",
     "study/quantiles.py": "statistics of results",
