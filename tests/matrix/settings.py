@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 OLDEST = ROOT / ".venv-oldest" / "bin" / "python"
 X86 = platform.machine().lower() in ("x86_64", "amd64")
 # Kernels of OpenBLAS by the processors that they are written for, from SSE3 to AVX-512; all sum in other orders.
-KERNELS = ("Prescott", "Nehalem", "Sandybridge", "Haswell", "Zen", "SkylakeX") if X86 else ("ARMV8", "NEOVERSEN1", "THUNDERX2T99")
+KERNELS = ("Prescott", "Nehalem", "Sandybridge", "Haswell", "SkylakeX") if X86 else ("ARMV8", "NEOVERSEN1", "THUNDERX2T99")
 # Functions of the C library that have a variant with fused products or with wide registers.
 GLIBC = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-AVX512F"
 FEATURES = """
@@ -55,7 +55,7 @@ def settings() -> list[Setting]:
         found.append(Setting("all of these", {"OPENBLAS_CORETYPE": "Nehalem", "NPY_DISABLE_CPU_FEATURES": " ".join(some), "GLIBC_TUNABLES": GLIBC}))
         found += [Setting(f"processor {name}", words=("--processor", name)) for name in processors()]
     found.append(Setting("other libraries", words=("--other-libraries",)))
-    found += [Setting(f"{cores} cores", words=("--cores", str(cores))) for cores in (1, 3, 8)]
+    found += [Setting(f"{cores} cores", words=("--cores", str(cores))) for cores in (1, 8)]
     if OLDEST.exists():
         found.append(Setting("oldest NumPy", python=str(OLDEST)))
         without = {"NPY_DISABLE_CPU_FEATURES": " ".join(features(str(OLDEST))), "OPENBLAS_CORETYPE": KERNELS[1]}
