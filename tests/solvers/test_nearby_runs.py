@@ -56,8 +56,8 @@ def test_a_smooth_chaotic_motion_parts_as_its_tangent_grows():
 
 def test_motions_with_impacts_part_as_their_tangent_grows():
     """A loose pin, in which a difference grows four-hundredfold in a turn: onsets are located, so the tangent passes them as two runs do. In some
-    turns these are too far apart for it, whatever length they begin with: of 56 turns nine in ten agree within a tenth, so that the median of others
-    is beyond it with a probability below 1e-9."""
+    turns these are too far apart for it, whatever length they begin with: of 56 turns nine in ten agree within a tenth, so that
+    the median of others is beyond it with a probability below 1e-9."""
     mechanism = vfife.load("examples/slider_crank_loose_pin.toml")
     turn = assemble(mechanism).choice.turn
     found = growths(assemble(mechanism, turn / 20_000, turns=1, force_step=True), 60, 1e-10)[4:]
