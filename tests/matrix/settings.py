@@ -45,17 +45,20 @@ def features(python: str = sys.executable) -> list[str]:
 
 
 def settings() -> list[Setting]:
-    """All of them; the first changes nothing."""
-    found = [Setting("as it is"), *(Setting(f"BLAS kernel {name}", {"OPENBLAS_CORETYPE": name}) for name in KERNELS)]
-    found.append(Setting("1 thread of BLAS", {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}))
-    if some := features():
-        found.append(Setting("NumPy without " + ", ".join(some), {"NPY_DISABLE_CPU_FEATURES": " ".join(some)}))
+    """All of them; the first changes nothing. Two changes share a process where each has one of its own elsewhere, too, or could hide nothing."""
+    some = {"NPY_DISABLE_CPU_FEATURES": " ".join(features())}
+    library = {"GLIBC_TUNABLES": GLIBC} if X86 else {}
+    beside = {KERNELS[0]: ("C library without AVX2 and FMA", library), KERNELS[2]: (f"NumPy without {', '.join(features())}", some)}
+    found = [Setting("as it is")]
+    for name in KERNELS:
+        what, variables = beside.get(name, ("", {}))
+        found.append(Setting(f"BLAS kernel {name}" + (f", {what}" if variables else ""), {"OPENBLAS_CORETYPE": name, **variables}))
+    found.append(Setting("all of these", {"OPENBLAS_CORETYPE": KERNELS[1], **some, **library}))
     if X86:
-        found.append(Setting("C library without AVX2 and FMA", {"GLIBC_TUNABLES": GLIBC}))
-        found.append(Setting("all of these", {"OPENBLAS_CORETYPE": "Nehalem", "NPY_DISABLE_CPU_FEATURES": " ".join(some), "GLIBC_TUNABLES": GLIBC}))
         found += [Setting(f"processor {name}", words=("--processor", name)) for name in processors()]
     found.append(Setting("other libraries", words=("--other-libraries",)))
-    found += [Setting(f"{cores} cores", words=("--cores", str(cores))) for cores in (1, 8)]
+    found.append(Setting("1 core, 1 thread of BLAS", {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}, ("--cores", "1")))
+    found.append(Setting("8 cores", words=("--cores", "8")))
     if OLDEST.exists():
         found.append(Setting("oldest NumPy", python=str(OLDEST)))
         without = {"NPY_DISABLE_CPU_FEATURES": " ".join(features(str(OLDEST))), "OPENBLAS_CORETYPE": KERNELS[1]}
