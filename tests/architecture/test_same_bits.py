@@ -27,6 +27,9 @@ DECIDING = (
 )
 # Why others may call what they like.
 EXCEPTIONS = {
+    "codegen/source.py": "a power of two whole numbers, which is exact",
+    "laws/agreement.py": "states at which loops are compared with Python, whatever they are",
+    "laws/expressions.py": "a power of two whole numbers, which is exact",
     "model/strokes.py": "draws",
     "model/outlines.py": "chooses in which order the corners of a body are drawn",
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",

@@ -13,6 +13,7 @@ from vfife.assembly.assembled import StepChoice
 from vfife.assembly.timestep import (
     COARSE_STEPS,
     CONTACT_STEPS,
+    FIRST_CONTACT_STEPS,
     SAFETY,
     TURN_STEPS,
     Bounds,
@@ -65,8 +66,10 @@ def test_an_automatic_step_is_nine_tenths_of_the_stable_one_and_divides_a_turn()
 def test_contacts_have_their_steps_and_only_the_shortest_arm_counts() -> None:
     found = choice(Bounds([], [], [("J", 1e-3), ("K", 4e-4)]))
     assert found.step <= 4e-4 / CONTACT_STEPS < 1.1 * found.step and "joint K, 80 steps" in found.culprit
-    fewer = choice(Bounds([], [], [("J", 1e-3), ("K", 4e-4)]), contact_steps=20)
-    assert fewer.step <= 4e-4 / 20 < 1.1 * fewer.step
+    fewer = choice(Bounds([], [], [("J", 1e-3), ("K", 4e-4)]), contact_steps=16)
+    assert fewer.step <= 4e-4 / 16 < 1.1 * fewer.step
+    search = choice(Bounds([], [], [("J", 1e-3), ("K", 4e-4)]), contact_steps=FIRST_CONTACT_STEPS)
+    assert search.step <= 0.5 * 4e-4 / FIRST_CONTACT_STEPS < 1.1 * search.step, "half of it, so that a companion has all of it"
     arms = choice(Bounds([("s", 3e-5)], [("long", 2e-5), ("short", 1e-5)], []))
     assert arms.limits == (("s", 3e-5), ("short", 1e-5)) and arms.stable == 1e-5
 

@@ -13,7 +13,7 @@ import pytest
 import vfife
 from cli.models import CASE_C
 from laws.test_own_laws import COPY
-from vfife import result
+from vfife import files
 from vfife.plots.style import STYLE
 from vfife.study import compare as study
 from vfife.study.parts import Parts
@@ -134,7 +134,7 @@ def test_a_full_disk_is_told(command: Callable, monkeypatch: pytest.MonkeyPatch,
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "somewhere")
 
     with monkeypatch.context() as context:
-        context.setattr(*((result.os, "replace") if what == "keep" else (vfife.Comparison, "write_csv")), full)
+        context.setattr(*((files.os, "replace") if what == "keep" else (vfife.Comparison, "write_csv")), full)
         done = command(*words, "--json")
     assert done.exit_code == 5 and "bytes are free there" in done.stderr and "goes on after them" in done.stderr, (done.stderr, done.exception)
     assert json.loads(done.stdout)["status"] == "storage" and not Path("out/run.lock").exists()

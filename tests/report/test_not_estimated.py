@@ -38,11 +38,11 @@ def line(said: str, begin: str) -> str:
 
 
 @pytest.mark.parametrize("shown", [text, lambda result: document(result, {}, None, None), result_html], ids=["terminal", "report", "notebook"])
-def test_a_mean_power_without_a_range_says_so(shown: Callable[[Result], str]) -> None:
-    """Companions keep no rows for mean powers and shaking forces, and ranges of forces."""
+def test_a_measure_without_a_range_says_so(shown: Callable[[Result], str]) -> None:
+    """Companions keep no rows for sliding and shaking forces; those of forces and mean powers have ranges."""
     said, result = shown(loose()), loose()
-    assert not result.measures["crank.power.mean"].estimated and result.measures["B.force.max"].estimated
-    assert f"W ({WORDS})" in line(said, "mean power") and said.count(WORDS) >= 5
+    assert not result.measures["B.sliding_velocity.max"].estimated and result.measures["crank.power.mean"].estimated
+    assert result.measures["B.force.max"].estimated and WORDS not in line(said, "mean power")
     assert line(said, "shaken by up to").count(WORDS) == 2
     if shown is text:
         assert WORDS not in line(said, " B  ").split("mm/s")[0].split("m/s")[0]
@@ -50,9 +50,9 @@ def test_a_mean_power_without_a_range_says_so(shown: Callable[[Result], str]) ->
 
 def test_in_json() -> None:
     told = json.loads(json.dumps(loose().summary))
-    assert "crank.power.mean" in told["not_estimated"] and "B.force.max" not in told["not_estimated"]
-    assert told["ranges"]["crank.power.mean"]["estimated"] is False and told["ranges"]["B.force.max"]["estimated"] is True
-    assert isinstance(told["ranges"]["crank.power.mean"]["low"], float)
+    assert "B.sliding_velocity.max" in told["not_estimated"] and "B.force.max" not in told["not_estimated"]
+    assert told["ranges"]["B.sliding_velocity.max"]["estimated"] is False and told["ranges"]["B.force.max"]["estimated"] is True
+    assert isinstance(told["ranges"]["B.sliding_velocity.max"]["low"], float)
 
 
 @pytest.mark.parametrize(

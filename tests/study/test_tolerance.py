@@ -17,7 +17,7 @@ def outcome(value: float) -> dict[str, object]:
 
 def spread_of(values: list[float], monkeypatch: pytest.MonkeyPatch, bound: Bound | None = None) -> tolerance.Spread:
     """The spread of one measure over machines with these values."""
-    found = SimpleNamespace(measures={"C.force.max": "N"}, path=None)
+    found = SimpleNamespace(measures={"C.force.max": "N"}, path=None, errors={})
     monkeypatch.setattr(tolerance, "sampled", lambda _: None)
     monkeypatch.setattr(tolerance, "machines", lambda _: ([outcome(one) for one in values], len(values)))
     (one,) = tolerance.spreads(found, () if bound is None else (bound,))  # type: ignore[arg-type]

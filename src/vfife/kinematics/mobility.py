@@ -6,6 +6,7 @@ import dataclasses
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ ASIDE = 1e-2  # by how much of its reach, or rad, a mechanism is moved to see wh
 FEW = 12  # free motions
 BENT = 1e-6  # of squares of velocities over the size of the largest body: less is rounding
 LEAST_STEPS = 60  # of Marquardt's: at a double root each leaves a sixteenth of the squares
-STARTS = 6  # tries to find a free motion that goes on
+STARTS, SIDES = 6, 12  # tries to find a free motion that goes on, at the most
 
 
 @dataclass(frozen=True)
@@ -140,11 +141,24 @@ def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Itera
             velocity = np.vstack([np.zeros(3), (times(null, part) / lengths).reshape(-1, 3)])
             return np.append(times(stress.T, equations(system, position, velocity).gamma), dot(part, part) - 1.0)
 
-        for start in range(STARTS if stress.size else 0):
-            part, cost = _least(bent, cos(np.square(np.arange(1, null.shape[1] + 1)) + float(start)))
+        for start in _starts(null.shape[1]) if stress.size else ():
+            part, cost = _least(bent, start)
             if cost < 1e-16:
                 yield times(null, part)
     yield constrained(jacobian, np.zeros(jacobian.shape[0]), np.ones_like(wish), wish)[0]
+
+
+def _starts(count: int) -> Iterator[Array]:
+    """Free motions of so many parts from which a search begins: some without order, then along each part and between two neighbours.
+
+    The sum of squares has minima that are no solutions. A search from any start may end in one, and which starts do depends on the
+    basis of the free motions; those along the parts and between them point to all sides of it.
+    """
+    for start in range(STARTS):
+        yield cos(np.square(np.arange(1, count + 1)) + float(start))
+    along = np.eye(count)
+    sides = (*along, *(one + other for one, other in pairwise(along)), *(one - other for one, other in pairwise(along)))
+    yield from sides[:SIDES]
 
 
 def _least(function: Callable[[Array], Array], at: Array) -> tuple[Array, float]:

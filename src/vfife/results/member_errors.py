@@ -92,7 +92,10 @@ def error_over_change(ratio: float, order: int) -> float:
 
     ``ratio``: the second step over the first (1), not 1. ``order``: order of convergence.
     """
-    return max(1.0, 1.0 / abs(ratio**order - 1.0))
+    power = 1.0
+    for _ in range(order):
+        power *= ratio
+    return max(1.0, 1.0 / abs(power - 1.0))
 
 
 def member_errors(

@@ -79,7 +79,8 @@ class Study:
         repeats: Mapping[int, Mapping[str, Any]] | None = None,
     ) -> None:
         self.path, self.meta, self.members = path, dict(meta), tuple(members)
-        self.outcomes = {one.number: outcomes[one.number] for one in members if outcomes.get(one.number, {}).get("hash") == one.hash}
+        own = (one for one in members if one.number in outcomes)
+        self.outcomes = {one.number: outcomes[one.number] for one in own if outcomes[one.number].get("hash", one.hash) == one.hash}
         known = {} if repeats is None else repeats
         self.repeats = {one.number: known[one.number] for one in members if known.get(one.number, {}).get("hash") == one.hash}
         self.lost = 0
