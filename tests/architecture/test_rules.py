@@ -77,3 +77,15 @@ def test_names_say_what_a_thing_is() -> None:
             if isinstance(node, ast.ClassDef) and re.search(r"(Manager|Helper|Utils?)$", node.name):
                 offenders.append(f"{name}:{node.lineno} {node.name}: name what it is")
     report("No utils, manager, helpers and no get_:", offenders)
+
+
+def test_what_assembles_a_mechanism_raises_errors_of_its_own() -> None:
+    """A ValueError of Python's own cannot be told from a fault of ours by who catches it."""
+    found = [
+        f"{name}:{node.lineno}"
+        for name, tree, _ in files()
+        if name.startswith(("vfife/assembly/", "vfife/kinematics/"))
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and getattr(node.exc.func, "id", "") in ("ValueError", "TypeError")
+    ]
+    report("Raise VfifeError, or one of its kinds:", found)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import VfifeError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
@@ -57,7 +58,7 @@ def assemble(
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
     step. ``given``: a start from known positions. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation.
-    ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises ValueError (AssemblyError where links cannot reach,
+    ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises VfifeError (AssemblyError where links cannot reach,
     StepError where the step is too large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     refuse_static(mechanism)
@@ -101,7 +102,7 @@ def assemble(
 
 
 def filled(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
-    """All that nouns and motion decide, of one mechanism or of many side by side. ValueError for contacts that start deep."""
+    """All that nouns and motion decide, of one mechanism or of many side by side. VfifeError for contacts that start deep."""
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)
@@ -188,19 +189,19 @@ def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np
 def refitted(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble`` gives with the same step, sooner.
 
-    ``joints``: all of the mechanism's clearance joints. Raises ValueError where something else would change too: the kinds of the laws, or
+    ``joints``: all of the mechanism's clearance joints. Raises VfifeError where something else would change too: the kinds of the laws, or
     the start, which depends on clearances where journals are seated.
     """
     mechanism = assembly.mechanism
     if tuple(joints) != assembly.contacts or mechanism.start.journals == "seated" or assembly.topology.contact_knots:
-        raise ValueError(
+        raise VfifeError(
             "only clearance joints of a mechanism whose journals start centred and whose laws are no tables can be refitted, all of them at once"
         )
     state, topology = assembly.state.copy(), assembly.topology
     for index, (name, joint) in enumerate(joints.items()):
         kinds = topology.contact_laws[topology.contact_form[index]], topology.friction_laws[topology.friction_form[index]]
         if kinds != (joint.contact.form(), joint.friction.form()) or joint.sides != mechanism.joints[name].sides:
-            raise ValueError(f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the mechanism anew")
+            raise VfifeError(f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the mechanism anew")
         nowhere = (0, (0.0, 0.0))
         for row, values in touch_rows(mechanism, assembly.layout, touches_of(name, joint, nowhere, nowhere, 0.0)[0], index):
             state[row : row + len(values)] = values

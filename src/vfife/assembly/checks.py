@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import VfifeError
 from ..kinematics.drives import constraint_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..model.bodies import Link, PointMass
@@ -24,7 +25,7 @@ WHOLE_TURN = 6.283185307179586  # rad
 
 
 def refuse_idle(mechanism: Mechanism) -> None:
-    """ValueError, all at once, for what turns or holds a particle without inertia, or an end of a link that is released."""
+    """VfifeError, all at once, for what turns or holds a particle without inertia, or an end of a link that is released."""
     points, faults = spinless(mechanism), []
     released = {name: body.release for name, body in mechanism.bodies.items() if isinstance(body, Link) and body.element_count}
     for what, bodies in turned(mechanism):
@@ -43,7 +44,7 @@ def refuse_idle(mechanism: Mechanism) -> None:
                     f"weld {name!r} holds {body}.{pin}, an end that is released, not the link: take an ideal joint, or remove the release"
                 )
     if faults:
-        raise ValueError("; ".join(faults))
+        raise VfifeError("; ".join(faults))
 
 
 def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -69,17 +70,17 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def refuse_infinite(motion: Motion) -> None:
-    """ValueError where the start has numbers beyond all bounds."""
+    """VfifeError where the start has numbers beyond all bounds."""
     for what, values in (("position", motion.position), ("velocity", motion.velocity), ("acceleration", motion.acceleration)):
         bad = [name for k, name in enumerate(motion.names) if not np.isfinite(values[..., k, :]).all()]
         if bad:
-            raise ValueError(
+            raise VfifeError(
                 f"the {what} of {', '.join(bad)} at the start is beyond all numbers: check the units of speeds, forces, lengths and masses"
             )
 
 
 def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
-    """ValueError, all at once, for contacts that start so deep that a body stands in another."""
+    """VfifeError, all at once, for contacts that start so deep that a body stands in another."""
     faults = []
     for touch in touches:
         depth, (limit, told) = start_depth(filler, touch), touch.joint.deepest_start
@@ -90,7 +91,7 @@ def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
                 f"{journal.partition('.')[0]!r}, the side of the surface (a line's material lies to the right of its direction), and units"
             )
     if faults:
-        raise ValueError("; ".join(dict.fromkeys(faults)))
+        raise VfifeError("; ".join(dict.fromkeys(faults)))
 
 
 def start_depth(filler: Filler, touch: Touch) -> Any:
@@ -103,20 +104,20 @@ def start_depth(filler: Filler, touch: Touch) -> Any:
 
 
 def refuse_stuck(motion: Motion) -> None:
-    """ValueError where joints and other drivers hold what a driver is to move."""
+    """VfifeError where joints and other drivers hold what a driver is to move."""
     drives = motion.system.drives
     found = motion.mobility
     if found.free - found.after_drives < len(drives):
         names = ", ".join(drive.name for drive in drives)
         left = found.free - found.after_drives
-        raise ValueError(
+        raise VfifeError(
             f"the drivers ({names}) prescribe {len(drives)} motions, and the joints leave {left} of them free here: joints or another driver hold "
             "what is driven, or this is a dead centre; remove a driver, loosen a joint, or start elsewhere"
         )
 
 
 def refuse_static(mechanism: Mechanism) -> None:
-    """ValueError, all faults at once, for settings and drivers that a static analysis, if there is to be one, has no use for."""
+    """VfifeError, all faults at once, for settings and drivers that a static analysis, if there is to be one, has no use for."""
     if mechanism.settings.analysis != "static":
         return
     settings, faults = mechanism.settings, []
@@ -140,4 +141,4 @@ def refuse_static(mechanism: Mechanism) -> None:
                 "dynamic analysis"
             )
     if faults:
-        raise ValueError("static analysis: " + "; ".join(faults))
+        raise VfifeError("static analysis: " + "; ".join(faults))

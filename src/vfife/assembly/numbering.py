@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..errors import VfifeError
 from ..kernels.topology import CURRENT, REFERENCE
 from ..kinematics.drives import kinematic_drivers, pivot_of
 from ..kinematics.pins import local_point
@@ -74,7 +75,7 @@ class Numbering:
         if where.elements:
             if side[1] not in where.nodes:
                 known = ", ".join(where.nodes)
-                raise ValueError(f"pin {side[0]}.{side[1]}: this {where.model} body has pins at {known} only; make it rigid, or split it there")
+                raise VfifeError(f"pin {side[0]}.{side[1]}: this {where.model} body has pins at {known} only; make it rigid, or split it there")
             return where.nodes[side[1]], (0.0, 0.0)
         return where.particles[0], (point[0] - where.reference[0], point[1] - where.reference[1])
 

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import VfifeError
 from ..fields.members import Members, number
 from ..kernels import constraint, geometry, path
 from ..kernels.topology import ACROSS, ALONG, APART, ON_PATH
@@ -69,7 +70,7 @@ class Constraint:
             try:
                 place.unit()
             except ValueError as error:
-                raise ValueError(f"{self.name}: {error}") from None
+                raise VfifeError(f"{self.name}: {error}") from None
 
     @cached_property
     def place(self) -> Place | None:

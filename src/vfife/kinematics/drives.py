@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import AssemblyError
+from ..errors import AssemblyError, VfifeError
 from ..fields.members import point
 from ..model.bodies import PointMass
 from ..model.carriers import carrier_of
@@ -166,7 +166,7 @@ def travel_of(
     if body not in mechanism.bodies:
         raise AssemblyError(f"driver {name!r} moves {driver.point!r}, which is no pin of a body; give it body.pin")
     if hypot(*driver.direction) == 0.0:
-        raise ValueError(f"driver {name!r}: its direction (0, 0) has no length; give two numbers (x, y) that are not both zero")
+        raise VfifeError(f"driver {name!r}: its direction (0, 0) has no length; give two numbers (x, y) that are not both zero")
     to = 0, names.index(body), (Along(driver.direction),), (0.0, 0.0), from_center(mechanism, (body, pin))
     return Constraint(name, *to, value, rate, second, driven=True)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import VfifeError
 from ..kernels.arrays import FUNCTION, LOAD, PARTICLE, SPRING
 from ..kernels.elementary import sincos
 from ..kernels.spring import spring as spring_force
@@ -192,7 +193,7 @@ def _direction(joint: Joint) -> tuple[float, float]:
     """Direction of a joint's guide, in the frame of the bearing's body. ValueError where it has none."""
     guide = place_row(joint.rows())
     if not isinstance(guide, Guided):
-        raise ValueError(f"joint {joint.name!r} has no guide along which something could travel; name a slider")
+        raise VfifeError(f"joint {joint.name!r} has no guide along which something could travel; name a slider")
     return guide.unit()
 
 
@@ -224,7 +225,7 @@ def _effort(mechanism: Mechanism, driver: Driver, body: str) -> tuple[Polynomial
     if driver.over == "time":
         return timed(function, mechanism.clock), NO_BODIES
     if driver.point:
-        raise ValueError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
+        raise VfifeError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
     if driver.over == "speed":
         return function, (SPEED, driver.against, body)
     begin = _model_angle(mechanism, body) - _model_angle(mechanism, driver.against)
@@ -236,7 +237,7 @@ def unit(direction: tuple[float, float]) -> tuple[float, float]:
     """The direction with length 1. ValueError where it has none."""
     size = float(hypot(*direction))
     if not size > 0.0:
-        raise ValueError(f"a direction of {direction} has no length: give two numbers that are not both zero")
+        raise VfifeError(f"a direction of {direction} has no length: give two numbers that are not both zero")
     return direction[0] / size, direction[1] / size
 
 

@@ -50,7 +50,7 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
 
     free = 3(n-1) - rank(G of the joints); after_drives takes the drives' rows in; redundant = rows - rank(G of the joints).
     A rank that is larger beside the position (along a free motion, drives released), or a free motion that leads nowhere, makes it singular.
-    Raises ValueError on bad shapes.
+    Raises VfifeError on bad shapes.
     """
     position = checked(system, position, "position")
     columns = 3 * (len(system.names) - 1)

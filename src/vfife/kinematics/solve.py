@@ -55,7 +55,7 @@ def velocities(system: RigidSystem, position: Array, guess_velocity: Array | Non
     """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position [n,3].
 
     G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default: rest).
-    Raises AssemblyError when no velocity exists (a driven dead centre), ValueError on bad shapes, Alone where rows that are to be
+    Raises AssemblyError when no velocity exists (a driven dead centre), VfifeError on bad shapes, Alone where rows that are to be
     ``independent`` are not.
     """
     position = checked(system, position, "position")
@@ -74,7 +74,7 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
     is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of both at the same
     place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda is the solution of least norm, each row weighed
     by its own diagonal of G M^-1 G^T, without the bodies that drives turn against the ground: as a step shares reactions.
-    Raises AssemblyError when no acceleration exists (a dead centre, or a velocity that parts the joints), ValueError
+    Raises AssemblyError when no acceleration exists (a dead centre, or a velocity that parts the joints), VfifeError
     on bad shapes.
     """
     position, velocity = checked(system, position, "position"), checked(system, velocity, "velocity")

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import VfifeError
 from ..fields.members import number, point, several, spread
 from ..numerics.elementwise import hypot
 from .constraints import Constraint, directions
@@ -24,7 +25,7 @@ class RigidSystem:
     """Rigid bodies, their joints and their drives; body 0 is the ground, at the origin with angle 0.
 
     mass [n] in kg and inertia [n] about the centre of mass in kg m2; entry 0 is ignored.  `reach` [n] in m is the
-    larger of the radius of gyration and the farthest point of a joint of each body.  Raises ValueError on inconsistent input.
+    larger of the radius of gyration and the farthest point of a joint of each body.  Raises VfifeError on inconsistent input.
     """
 
     names: tuple[str, ...]
@@ -43,10 +44,10 @@ class RigidSystem:
         masses = several(self.mass, self.inertia)
         mass, inertia = spread(self.mass, masses), spread(self.inertia, masses)
         if mass.shape[-1:] != (n,) or inertia.shape[-1:] != (n,):
-            raise ValueError(f"mass and inertia must have one entry for each of the {n} bodies")
+            raise VfifeError(f"mass and inertia must have one entry for each of the {n} bodies")
         moving = np.stack([mass[..., 1:], inertia[..., 1:]])
         if not ((moving > 0.0) & (moving < np.inf)).all():
-            raise ValueError("mass and inertia of every moving body must be finite and greater than zero")
+            raise VfifeError("mass and inertia of every moving body must be finite and greater than zero")
         shape = several(*(value for one in self.constraints for value in one.numbers))
         reach = spread(np.ones(n), masses or shape)
         reach[..., 1:] = np.sqrt(inertia[..., 1:] / mass[..., 1:])
@@ -60,7 +61,7 @@ class RigidSystem:
             reach = np.array(reach[0])
         turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
         if len(set(turned)) < len(turned):
-            raise ValueError("each drive must turn a moving body of its own")
+            raise VfifeError("each drive must turn a moving body of its own")
         starts = np.cumsum([0, *(one.size for one in self.constraints)])
         lengths = tuple(_length(one, reach) for one in self.constraints)
         for name, value in (("mass", mass), ("inertia", inertia), ("reach", reach), ("starts", tuple(map(int, starts))), ("lengths", lengths)):
@@ -125,22 +126,22 @@ class RigidSystem:
 
 
 def _check(one: Constraint, n: int) -> None:
-    """ValueError where a constraint names bodies or numbers that make no sense."""
+    """VfifeError where a constraint names bodies or numbers that make no sense."""
     two = len({one.body_a, one.body_b} & {*range(n)}) == 2
     if one.driven and one.turns:
         if not two or one.body_b == 0:
-            raise ValueError("each drive must turn a moving body of its own")
+            raise VfifeError("each drive must turn a moving body of its own")
         if not _finite(one.aim, one.speed, one.acceleration):
-            raise ValueError("angle, speed and acceleration of every drive must be finite")
+            raise VfifeError("angle, speed and acceleration of every drive must be finite")
         return
     if one.turns:
         if not two or not _finite(one.ratio, one.aim) or one.ratio == 0.0:
-            raise ValueError(f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than zero, not {one.ratio:g}")
+            raise VfifeError(f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than zero, not {one.ratio:g}")
         return
     if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not _finite(*one.point_a, *one.point_b):  # type: ignore
-        raise ValueError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
+        raise VfifeError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
     if not _finite(one.aim, one.speed, one.acceleration):
-        raise ValueError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
+        raise VfifeError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
 
 
 def _finite(*values: Any) -> bool:
@@ -232,7 +233,7 @@ def checked(system: RigidSystem, value: Array, name: str) -> Any:
     """A copy [n,3] of an input with the ground's row at zero; ValueError on a bad shape or value."""
     motion = spread(value, several(system.reach, value))
     if motion.shape[-2:] != (len(system.names), 3) or not np.isfinite(motion[..., 1:, :]).all():
-        raise ValueError(f"{name} must be finite and have shape ({len(system.names)}, 3), not {motion.shape}")
+        raise VfifeError(f"{name} must be finite and have shape ({len(system.names)}, 3), not {motion.shape}")
     motion[..., 0, :] = 0.0
     return motion
 

@@ -18,6 +18,7 @@ from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds
 from ..codegen.cuda import card
+from ..errors import VfifeError
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
@@ -71,7 +72,7 @@ def ensemble(
     ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each
     of ``outputs``. ``lanes``: simulations side by side in a vector register, as many as this machine's hold if not given. ``workers``: threads,
     as many as there are cores if not given. ``device``: "cuda" steps them on an NVIDIA card, thousands side by side; we have not tried it on one.
-    ``progress`` is told how many members of how many are done. Raises ModelError with all faults of the arguments or of a mechanism, ValueError
+    ``progress`` is told how many members of how many are done. Raises ModelError with all faults of the arguments or of a mechanism, VfifeError
     for one without a driver, DeviceError for a card that cannot be used, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it
     within a second.
     """
@@ -97,7 +98,7 @@ def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assem
     """The mechanism assembled for ``turns`` turns, its step (s) the largest that divides an output interval and is no larger than ``step``."""
     turn = turn_of(mechanism)
     if turn is None:
-        raise ValueError(f"{mechanism.name}: an ensemble counts turns of a crank, and no driver turns one; drive a body, or use simulate")
+        raise VfifeError(f"{mechanism.name}: an ensemble counts turns of a crank, and no driver turns one; drive a body, or use simulate")
     every = max(1, int(np.ceil(turn / (outputs * step) * (1.0 - 1e-9))))
     return assemble(mechanism, turn / (outputs * every), turns=turns, outputs=outputs, force_step=True)
 

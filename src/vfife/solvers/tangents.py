@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.native import CONTACT_LANES
 from ..codegen.runner import Runner
+from ..errors import VfifeError
 from .halt import Halt
 from .pace import Pace
 from .record import Columns, Record, recorded_rows
@@ -157,7 +158,7 @@ def jacobian(
     Raises ValueError for neighbours that are not :func:`comparable`.
     """
     if not all(comparable(assembly, one) for one in every):
-        raise ValueError("a number changes the topology, the number of steps or the pieces of a function; take two runs for its derivative")
+        raise VfifeError("a number changes the topology, the number of steps or the pieces of a function; take two runs for its derivative")
     values, columns = [], []
     for one, pairs in zip(every, tangents(assembly, every, shares), strict=True):
         both = np.array([[look(up), look(down)] for up, down in pairs])

@@ -13,6 +13,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds, watched
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
+from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .companions import Gathering, step_counts
@@ -128,7 +129,7 @@ class Stepping:
     def _restore(self, resume: Checkpoint) -> None:
         values = resume.values.reshape(len(self.lasting), -1)
         if values.shape[1] != self.own:
-            raise ValueError(f"the checkpoint has {values.shape[1]} lanes and the run {self.own}; start a new run --start-from it")
+            raise VfifeError(f"the checkpoint has {values.shape[1]} lanes and the run {self.own}; start a new run --start-from it")
         self.runner.states[self.lasting] = values
         self.runner.done, self.done, self.kept_at = resume.step + 1, resume.step, resume.step
         self.earlier = float(resume.more.get("wall", 0.0))
