@@ -13,7 +13,7 @@ from rich.console import Console
 
 import vfife
 from support import TURN, four_bar, journal_in_bearing
-from vfife.analysis.convergence import SCATTER, error_range
+from vfife.analysis.convergence import SCATTER_OF_MEANS, error_range
 from vfife.analysis.measured import Measured
 from vfife.analysis.measures import measures
 from vfife.analysis.ranges import over_turns
@@ -109,7 +109,9 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
     one = result.measures["pin.force.max"]
     assert one.value == pytest.approx(every.mean(), rel=1e-13)
     least, most = every.mean(axis=0).min(), every.mean(axis=0).max()
-    assert (one.low, one.high) == pytest.approx((max(least - SCATTER * (most - least), 0.0), most + SCATTER * (most - least)), rel=1e-13)
+    assert (one.low, one.high) == pytest.approx(
+        (max(least - SCATTER_OF_MEANS * (most - least), 0.0), most + SCATTER_OF_MEANS * (most - least)), rel=1e-13
+    )
     assert (one.lowest, one.highest) == pytest.approx((every.min(), every.max()), rel=1e-13)
     assert one.variation > 2.0 * (most - least)  # single turns do not hold, means do
     told = result.summary

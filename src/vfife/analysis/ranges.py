@@ -19,7 +19,7 @@ from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
-from .convergence import SCATTER, error_range, widen
+from .convergence import LANES_OF_MEANS, SCATTER, SCATTER_OF_MEANS, error_range, widen
 from .measured import Measured, Measures
 from .measures import PEAKS, Measure, compared, last_turn, measures, over_run, over_turn
 from .meshes import EXACT
@@ -85,7 +85,8 @@ class Samples:
         if len(set(self.ratios)) < 2:
             return self.low, self.high
         if self.scatters:
-            return widen(name, self.low, self.high, SCATTER * (self.high - self.low))
+            share = SCATTER_OF_MEANS if len(self.values) >= LANES_OF_MEANS else SCATTER
+            return widen(name, self.low, self.high, share * (self.high - self.low))
         return error_range(name, self.ratios, self.values)
 
 
