@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,11 +14,12 @@ import vfife
 from support import with_settings
 from vfife import gallery
 from vfife.analysis.measured import Measured
-from vfife.analysis.ranges import error_of, estimate, sizes, values_of
+from vfife.analysis.measures import PEAKS
+from vfife.analysis.ranges import error_of, estimate, ranged, sizes, values_of
 from vfife.analysis.trust import Trust, finer, trust
 from vfife.model.mechanism import Mechanism
 from vfife.result import Result
-from vfife.solvers.refinement import PARTS, Differences, refine
+from vfife.solvers.refinement import FINER, PARTS, SAMPLED, Differences, refine
 
 
 def pendulum() -> Mechanism:
@@ -204,3 +206,26 @@ def test_repetitions_are_as_long_as_the_run() -> None:
         assert one.rows.shape == record.rows.shape
         again = vfife.simulate(pendulum(), step=record.assembly.choice.step / part, outputs=len(record.steps) - 1, companions=0).record
         np.testing.assert_array_equal(one.rows, again.rows)
+
+
+def test_noise_of_second_differences_goes_with_size_over_acceleration():
+    """Rounding of places of the size L over a squared step is EPS L / dt**2: the share of the accelerations P that it is, is that over P."""
+    size, push, step = 3.0, 40.0, 1e-3
+    rows = np.zeros((5, 6))
+    rows[:, 0], rows[:, 3] = size, push  # x and ax; nothing turns
+    layout = SimpleNamespace(rows_of=lambda name: np.array([SAMPLED.index(name)]))
+    choice = SimpleNamespace(step=step)
+    record = SimpleNamespace(assembly=SimpleNamespace(layout=layout, choice=choice), rows=rows, kept=np.arange(6, dtype=np.uint32))
+    _, _, noise = Differences(record, np.arange(6, dtype=np.uint32)).scaled()
+    rounding = np.finfo(float).eps * (FINER[-1] / step) ** 2
+    assert noise[3:5] == pytest.approx(rounding * size / push, rel=1e-12)
+    assert noise[5] == pytest.approx(rounding / (push / size), rel=1e-12), "nothing turns faster than what would push it so"
+
+
+def test_a_smooth_run_is_known_as_far_as_its_worst_error():
+    """The share of the size by which the worst measure may be wrong to each side, not the width of its range."""
+    record = vfife.simulate(vfife.gallery.four_bar_case_b().ideal(), turns=0.3, step="0.2 ms", force_step=True, reference=False).record
+    said = trust(record)
+    found = sizes(ranged(record, every=PEAKS), record.assembly.choice.step)
+    worst = max(record.estimate.errors[name] / size for name, size in found.items())
+    assert said.apart == pytest.approx(worst, rel=1e-3) and worst > 1e-6
