@@ -99,7 +99,14 @@ def test_only_the_command_that_is_named_is_loaded(behind_others: tuple[list[set[
 
 def test_the_entry_listens_before_anything_is_imported():
     """Ctrl-C in the first hundredths of a second leaves no traceback; only the interpreter's own start comes before."""
-    said = "import sys, _signal; before = set(sys.modules); import vfife_command"
+    said = "import sys, _signal; _signal.signal(_signal.SIGINT, _signal.default_int_handler); before = set(sys.modules); import vfife_command"
     said += "; print(sorted(set(sys.modules) - before), _signal.getsignal(_signal.SIGINT) == _signal.SIG_DFL)"
     found = subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True)
     assert found.stdout.split("]")[0] == "['vfife_command'" and found.stdout.strip().endswith("True")
+
+
+def test_an_interrupt_that_is_ignored_stays_ignored():
+    """As for a command behind nohup, or in the background of a script."""
+    said = "import _signal; _signal.signal(_signal.SIGINT, _signal.SIG_IGN); import vfife_command; "
+    said += "print(_signal.getsignal(_signal.SIGINT) == _signal.SIG_IGN)"
+    assert subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True).stdout.strip() == "True"
