@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from ..files import write_text
+from ..files import replacement, write_text
 from ..report.contents import Chart, Item, Parameter, Table, Verdict
 
 PAGE = Template("""<!DOCTYPE html>
@@ -116,7 +116,8 @@ class Folder:
 
         for chart in item.charts:
             data = picture(chart)
-            (self.path / "figures" / f"{chart.name}.png").write_bytes(data)
+            with replacement(self.path / "figures" / f"{chart.name}.png") as temporary:
+                temporary.write_bytes(data)
             self.sources[chart.name] = embedded(data)
         self.items.append(item)
         write_text(self.index, page(self.items, lambda chart: self.sources[chart.name], self.footer))
