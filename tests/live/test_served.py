@@ -230,15 +230,17 @@ def test_a_browser_that_does_not_read_costs_one_event_of_each_kind():
     assert key == ("model", "a") and '"9999"' in text
 
 
-def test_more_browsers_than_there_can_be_are_refused(client):
+def test_more_browsers_than_there_can_be_are_refused(folder):
+    """In a session of its own: what of a browser that has gone is noticed with the next sign of life at the latest."""
     sockets, answers = [], []
-    try:
+    session = Session(folder, sliders=False)
+    with served(session) as serving:
+        secret = Client(serving, session).secret
         for _ in range(MOST_BROWSERS + 3):
-            one = socket.create_connection(("127.0.0.1", client.serving.port), timeout=20)
+            one = socket.create_connection(("127.0.0.1", serving.port), timeout=20)
             sockets.append(one)
-            one.sendall(f"GET /{client.secret}/events HTTP/1.1\r\nHost: 127.0.0.1:{client.serving.port}\r\n\r\n".encode())
+            one.sendall(f"GET /{secret}/events HTTP/1.1\r\nHost: 127.0.0.1:{serving.port}\r\n\r\n".encode())
             answers.append(one.recv(15))
-    finally:
         for one in sockets:
             one.close()
     assert answers.count(b"HTTP/1.1 200 OK") <= MOST_BROWSERS and b"HTTP/1.1 503 Se" in answers
