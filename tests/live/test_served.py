@@ -205,17 +205,17 @@ def test_quick_changes_start_no_more_threads(folder):
 
 
 def test_a_page_that_was_waited_for_is_that_of_the_last_change(folder, monkeypatch):
-    session = Session(folder, sliders=False)
-    document, made = session.shelf.from_text("quick", TEXT), []
+    session, first, last = Session(folder, sliders=False), "the first", "the last"
+    document, made = session.shelf.from_text("quick", re.sub(r'name = ".*"', f'name = "{first}"', TEXT, count=1)), []
     monkeypatch.setattr("vfife.live.served.pages.live_page", lambda mechanism, *more: made.append(mechanism.name) or mechanism.name)
     with session.pages.building:
         waiting = [threading.Thread(target=session.pages.page, args=(document,)) for _ in range(20)]
         for one in waiting:
             one.start()
-        document.take(re.sub(r'name = ".*"', 'name = "the last"', TEXT, count=1))
+        document.take(re.sub(r'name = ".*"', f'name = "{last}"', TEXT, count=1))
     for one in waiting:
         one.join(10.0)
-    assert made == ["the last"]
+    assert [name for name in made if name in (first, last)] == [last]  # another session may make pages of others meanwhile
     session.close()
 
 
