@@ -16,7 +16,7 @@ from vfife.results.derivatives import Derivative
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run
 from vfife.solvers.variants import measures_of, step_sizes
-from vfife.study.finite_changes import FiniteChanges, agreement, compared
+from vfife.study.finite_changes import LEAST_KNOWN, WIDTHS, FiniteChanges, agreement, compared
 from vfife.study.neighbours import alike
 from vfife.study.pattern_search import pattern_search
 
@@ -61,7 +61,18 @@ def test_a_derivative_that_changes_agree_with_holds_and_its_range_covers_both():
     found = judged([2.0, 2.02, 2.01], changed([1.0] * 3, [1.0205] * 3, [0.9795] * 3, close=2.0))
     assert found.kinds["f"] == "derivative"
     low, high = found.ranges["f"]
-    assert low == pytest.approx(1.98) and high == pytest.approx(2.05)  # three times the spread; the change is 2.05
+    reach = LEAST_KNOWN * 1.0  # of the largest effect
+    assert low == pytest.approx(1.98 - reach, rel=1e-9) and high == pytest.approx(
+        2.05 + reach, rel=1e-9
+    )  # three times the spread; the change is 2.05
+
+
+def test_a_range_far_below_the_largest_effect_reaches_a_few_of_its_widths_further():
+    slopes = [2e-5, 2.02e-5, 2.01e-5]
+    found = judged(slopes, changed([1.0] * 3, [1.0 + 2.01e-7] * 3, [1.0 - 2.01e-7] * 3, close=2.01e-5))
+    low, high = found.ranges["f"]
+    width = 3.0 * 2e-7  # three times the spread
+    assert low == pytest.approx(1.98e-5 - WIDTHS * width, rel=1e-6) and high == pytest.approx(2.04e-5 + WIDTHS * width, rel=1e-6)
 
 
 def test_a_derivative_that_changes_contradict_gives_way_to_them():
