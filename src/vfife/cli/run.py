@@ -112,13 +112,12 @@ def run(
 
 def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, Checkpoint | None]:
     """A new run file in its place."""
-    from ..files import write_text
     from ..results.folder import MODEL
     from ..results.runfile import RunFile
 
     meta = prepared.kept
     place.begin()
-    write_text(place.path / MODEL, meta["model"])
+    (place.path / MODEL).write_text(meta["model"], encoding="utf-8")  # in a folder that this process has just made
     file = RunFile.create(place.run_file, meta, gather=GATHER)
     file.arrive = place.settle
     return file, prepared, None
