@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import pytest
 
@@ -50,15 +50,13 @@ def bochs() -> Any:
 class X86:
     """One that begins anew with every call."""
 
-    physical: ClassVar[int] = 0x100000
-
     def __init__(self) -> None:
         self.bochs, self.room = bochs(), Room()
         from bochscpu import memory
 
         self.memory, self.session = memory, self.bochs.Session()
         self.session.missing_page_handler = self._missing
-        self.known = set[int]()
+        self.physical, self.known = 0x100000, set[int]()
         self.top = self._table()
         self.stack, self.end = self.room.made(STACK), self.room.made(PAGE)
         ctypes.memset(self.end, HALT, 1)
@@ -69,9 +67,9 @@ class X86:
 
     def _page(self, address: int) -> int:
         """Number of a page of the emulated memory that is a page of this process."""
-        X86.physical += PAGE  # the memory is one for all of them
-        self.memory.page_insert(X86.physical, address)
-        return X86.physical
+        self.physical += PAGE
+        self.memory.page_insert(self.physical, address)
+        return self.physical
 
     def _table(self) -> tuple[int, Any, dict[int, Any]]:
         address = self.room.made(PAGE)

@@ -104,7 +104,7 @@ def code_for(monkeypatch) -> Iterator[Callable[..., None]]:
             found = routines(monkeypatch, arm.NAME, head, arm.machine, change)
             found = {name: Elsewhere(one, name, processor) for name, one in found.items()}
         elif kind == "AVX-512":
-            processor = x86.X86()  # that of other tests knows pages of code that was there before
+            processor = x86.processor()
             found = routines(monkeypatch, AVX512, change=change)
             found = {name: Elsewhere(one, name, processor) for name, one in found.items()}
         else:
