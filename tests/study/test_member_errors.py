@@ -19,7 +19,7 @@ from vfife.study.engine import Outcome
 from vfife.study.limits import Bound
 from vfife.study.planfile import of_mapping, understood
 from vfife.study.quantiles import quantile
-from vfife.study.repeating import STEP, repeat_sample
+from vfife.study.repetition import STEP, repeat_sample
 from vfife.study.tolerance import share_that_fails, spreads
 
 CASE_B, IDEAL = "examples/four_bar_case_b.toml", "examples/four_bar_ideal.toml"

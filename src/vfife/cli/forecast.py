@@ -24,7 +24,7 @@ MADE = 0.03  # s that it takes to assemble a member and to read what it leaves, 
 def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, asked: Asked, target: Path, anew: bool = False) -> dict[str, Any]:
     """Members to compute, steps of each, seconds, bytes; estimates, and called so."""
     from ..results.member_errors import sample_size
-    from ..study.repeating import RATIO
+    from ..study.repetition import RATIO
 
     left = list(numbers)
     if target.is_file() and not anew:

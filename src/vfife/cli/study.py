@@ -208,7 +208,7 @@ def carried(
     with sentences(str(target)), writing(str(target), kept):
         from ..study.carry import carry_out, read_back
         from ..study.cluster import joined
-        from ..study.repeating import repeat_sample
+        from ..study.repetition import repeat_sample
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None

@@ -19,7 +19,7 @@ from .carry import Runner, carry_out, opened, read_back
 from .cluster import elsewhere, joined
 from .plan import Plan
 from .planfile import of_mapping, understood
-from .repeating import repeat_sample
+from .repetition import repeat_sample
 
 ENDING = ".study"
 
