@@ -51,7 +51,7 @@ def look_inside(sdist: Path, wheel: Path, folder: Path) -> None:
     """Everything that belongs there is; what the sdist builds is the same wheel."""
     with zipfile.ZipFile(wheel) as archive:
         names = sorted(archive.namelist())
-    files = [path for path in (ROOT / "src/vfife").rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+    files = [path for path in (ROOT / "src").rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     packed = {path.relative_to(ROOT / "src").as_posix() for path in files}
     assert packed <= set(names), f"the wheel lacks {sorted(packed - set(names))}"
     for wanted in IN_WHEEL:

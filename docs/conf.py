@@ -65,8 +65,8 @@ autodoc_typehints = "signature"
 def fill_verification_page(app, docname, source) -> None:
     """Run the verification suite and put its numbers into verification.md before it is read."""
     if docname == "verification":
-        from vfife.verification import CASES
-        from vfife.verification.page import tables
+        from vfife_validation.verification import CASES
+        from vfife_validation.verification.page import tables
 
         source[0] = source[0].replace("@CASES@", tables(CASES.values()))
 

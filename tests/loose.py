@@ -14,8 +14,8 @@ from support import with_settings
 from vfife import gallery
 from vfife.laws import Ambrosio, Coulomb, Frictionless, LankaraniNikravesh
 from vfife.model.mechanism import Mechanism
-from vfife.paper.mechanisms import Parameters
-from vfife.paper.mechanisms import four_bar as paper_four_bar
+from vfife_validation.paper.mechanisms import Parameters
+from vfife_validation.paper.mechanisms import four_bar as paper_four_bar
 
 INFERRED = {"first": Parameters(), "second": Parameters(axial_length=6e-3, v0=0.05, v1=0.5)}
 SMOOTH = LankaraniNikravesh(restitution=0.9)

@@ -20,7 +20,7 @@ def made_of() -> str:
     """A hash of all that decides what is made."""
     found = hashlib.sha256()
     here = [Path(__file__).with_name(name) for name in ("making.py", "mechanisms.py", "law_gallery.py")]
-    package = [path for path in (ROOT / "src/vfife").rglob("*") if path.is_file()]
+    package = [path for path in (ROOT / "src").rglob("*") if path.is_file()]
     for path in sorted([*here, *package, *(ROOT / "examples").glob("*.toml")]):
         if "__pycache__" not in path.parts:
             found.update(path.relative_to(ROOT).as_posix().encode() + path.read_bytes())

@@ -13,6 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src" / "vfife"
+VALIDATION = ROOT / "src" / "vfife_validation"
 PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -29,8 +30,8 @@ def parsed(folder: Path) -> list[tuple[str, ast.Module, str]]:
 
 @cache
 def files() -> list[tuple[str, ast.Module, str]]:
-    """Those of the package, read once by the process that needs them."""
-    return parsed(SOURCE)
+    """Those of both packages, read once by the process that needs them."""
+    return [*parsed(SOURCE), *parsed(VALIDATION)]
 
 
 @cache

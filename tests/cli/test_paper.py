@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from vfife.cli.paper import NAMES, chosen
-from vfife.paper.page import Folder, page
 from vfife.report.contents import Chart, Item, Line, Panel, Parameter, Table, Verdict
+from vfife_validation.paper.page import Folder, page
 
 
 class Outline(HTMLParser):
@@ -117,7 +117,7 @@ def test_a_file_in_the_way(command: Callable, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("unrendered")
 def test_ctrl_c_keeps_what_is_done(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
     """The third item is interrupted: two are on the page, the exit code tells."""
-    from vfife.paper import items
+    from vfife_validation.paper import items
 
     def make(name, context):
         if name == "fig10":

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from vfife.verification import CASES, Case, Row
+from vfife_validation.verification import CASES, Case, Row
 
 
 def test_tells_each_number(command: Callable) -> None:

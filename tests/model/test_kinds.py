@@ -190,8 +190,6 @@ ALLOWED = {
     "modelfile/tables.py": "the kind of a table that names none",
     "kinematics/drives.py": "a static analysis holds driven bodies by a table",
     "gallery/": "mechanisms, which are made of kinds",
-    "paper/": "mechanisms, which are made of kinds",
-    "verification/": "mechanisms, which are made of kinds",
 }
 
 

@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 from vfife.laws import LankaraniNikravesh, Pereira
-from vfife.paper import curves, search
-from vfife.paper.beyond import damped_laws
-from vfife.paper.claims import astray, first_turns
-from vfife.paper.context import Context
-from vfife.paper.impact import delivered, first_impact
-from vfife.paper.influence import Case, ideal_maxima, influences
-from vfife.paper.items import ITEMS, make
-from vfife.paper.mechanisms import COUPLER, CRANK, FOLLOWER, GROUND, Parameters, directions, four_bar
-from vfife.paper.search import TABLE_3, Structure, from_numbers, misfit, table_3
+from vfife_validation.paper import curves, search
+from vfife_validation.paper.beyond import damped_laws
+from vfife_validation.paper.claims import astray, first_turns
+from vfife_validation.paper.context import Context
+from vfife_validation.paper.impact import delivered, first_impact
+from vfife_validation.paper.influence import Case, ideal_maxima, influences
+from vfife_validation.paper.items import ITEMS, make
+from vfife_validation.paper.mechanisms import COUPLER, CRANK, FOLLOWER, GROUND, Parameters, directions, four_bar
+from vfife_validation.paper.search import TABLE_3, Structure, from_numbers, misfit, table_3
 
 PAPER = np.array([6.72, 17.21, 89.95, 13.45, 28.60, 110.32])
 GOAL = 3.0  # percentage points
@@ -33,7 +33,7 @@ def context():
 
 @pytest.fixture(scope="module")
 def fit():
-    return json.loads(resources.files("vfife.paper").joinpath("fitted.json").read_text(encoding="utf-8"))
+    return json.loads(resources.files("vfife_validation.paper").joinpath("fitted.json").read_text(encoding="utf-8"))
 
 
 def verdicts(item):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from vfife.paper.context import Context
-from vfife.paper.influence import Case, influences
+from vfife_validation.paper.context import Context
+from vfife_validation.paper.influence import Case, influences
 
 IDEAL_FORCE, IDEAL_ALPHA = 89430.6, 22816.05  # N, rad/s^2: method.md, section 2
 # By clearance (m), with the best set: largest force of joint 2 (N) and acceleration of the follower (rad/s^2) in the fourth turn, RK4 at 1 us.

@@ -21,8 +21,8 @@ from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.model.springs import Stop, TorsionalSpring
 from vfife.solvers.transient import run
-from vfife.verification.lagrange import solved
-from vfife.verification.pendulums import double_four_bar
+from vfife_validation.verification.lagrange import solved
+from vfife_validation.verification.pendulums import double_four_bar
 
 RUBBER = Material("rubber", 2e8, 0.3, 1000.0)
 STIFF = Material("stiff", 2e9, 0.3, 1000.0)  # its strains are small enough for the incremental law to be as good as conservative

@@ -13,7 +13,7 @@ from vfife.assembly.assembled import Assembly
 from vfife.codegen.runner import Runner
 from vfife.solvers.nearby import weights
 from vfife.solvers.tangents import Neighbours, changes, rates
-from vfife.verification.chaotic import duffing
+from vfife_validation.verification.chaotic import duffing
 
 BEGINNING = 3  # turns before a difference is put in
 

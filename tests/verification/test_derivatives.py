@@ -13,7 +13,7 @@ import pytest
 
 import vfife
 from differences import compared
-from vfife.paper.mechanisms import Parameters, four_bar
+from vfife_validation.paper.mechanisms import Parameters, four_bar
 
 pytestmark = pytest.mark.verify
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.verification.chaos import doubled
-from vfife.verification.chaotic import (
+from vfife_validation.verification.chaos import doubled
+from vfife_validation.verification.chaotic import (
     DRIVE,
     FREQUENCY,
     OMEGA,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.verification.chaotic import striking
-from vfife.verification.guides import flores, let_go
+from vfife_validation.verification.chaotic import striking
+from vfife_validation.verification.guides import flores, let_go
 
 pytestmark = pytest.mark.verify
 

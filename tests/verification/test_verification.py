@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from vfife.verification import CASES, Case, Row
+from vfife_validation.verification import CASES, Case, Row
 
 QUICK = [pytest.param(one, id=name, marks=() if one.quick else pytest.mark.verify) for name, one in CASES.items()]
 
@@ -77,7 +77,7 @@ def test_a_model_that_cannot_run_is_a_failed_case() -> None:
 
 
 def test_page_is_made_of_the_cases() -> None:
-    from vfife.verification.page import FAMILIES, tables
+    from vfife_validation.verification.page import FAMILIES, tables
 
     assert {one.family for one in CASES.values()} == set(FAMILIES)
     text = tables([CASES["gear-pair"], CASES["motor-curve"], CASES["andrews-squeezer"]])

@@ -77,11 +77,12 @@ def chosen(item: str | None) -> list[str]:
 
 def work(names: list[str], path: Path, budget: float, seed: int) -> tuple[list[Item], bool, dict[str, Any]]:
     """The items that were computed, whether all of them were, and the inferred parameters (SI)."""
+    from vfife_validation.paper.context import Context
+    from vfife_validation.paper.items import make
+    from vfife_validation.paper.page import Folder as PageFolder
+    from vfife_validation.paper.search import as_numbers
+
     from .. import __version__
-    from ..paper.context import Context
-    from ..paper.items import make
-    from ..paper.page import Folder as PageFolder
-    from ..paper.search import as_numbers
 
     place, done, whole = PageFolder(path, f"Written by vfife {__version__}."), list["Item"](), True
     with Line(names) as line:

@@ -15,7 +15,7 @@ from .terminal import fail, grid, output, print_json, row, tell
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..verification import Case, Row
+    from vfife_validation.verification import Case, Row
 
 Told = tuple["Case", "list[Row]"]
 
@@ -26,7 +26,7 @@ def verify(
     as_json: JsonOption = False,
 ) -> None:
     """Run the verification suite: our numbers beside published ones, closed forms and independent integrations. Exit code 1 if any fails."""
-    from ..verification import CASES
+    from vfife_validation.verification import CASES
 
     cases = chosen(CASES, names or [])
     if listed:
@@ -108,7 +108,7 @@ def verdict(passed: bool) -> str:
 
 def conclude(done: Sequence[Told], wanted: int, interrupted: bool, as_json: bool) -> None:
     """The last line, or the one object; then the exit code."""
-    from ..verification import entry
+    from vfife_validation.verification import entry
 
     failed = [one.name for one, rows in done if not all(each.passed for each in rows)]
     if as_json:

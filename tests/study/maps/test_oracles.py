@@ -7,7 +7,7 @@ import math
 import pytest
 
 from vfife.study.maps.bifurcation import bifurcation
-from vfife.verification.chaotic import DRIVE, doubling, duffing, exact_hops, steady_part
+from vfife_validation.verification.chaotic import DRIVE, doubling, duffing, exact_hops, steady_part
 
 
 def test_uedas_exponent_is_the_published_one():

@@ -11,7 +11,7 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.study.maps.kept import load_map
 from vfife.study.maps.waterfall import Waterfall, waterfall
-from vfife.verification.chaotic import turning
+from vfife_validation.verification.chaotic import turning
 
 SPEED = "driver.crank.speed"
 GIVEN = {"count": 5, "turns": 14, "last": 2, "outputs": 96, "highest": 6.0, "series": ["block.x"], "step": 1e-3}

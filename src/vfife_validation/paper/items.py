@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..report.contents import Item
+from vfife.report.contents import Item
+
 from .beyond import beyond
 from .claims import claims
 from .context import Context

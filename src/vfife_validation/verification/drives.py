@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from ..model.drivers import Harmonic, Ramp, StepTo, Torque
-from ..model.loads import PointForce
-from ..model.mechanism import Mechanism
+from vfife.model.drivers import Harmonic, Ramp, StepTo, Torque
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from ..model.mechanism import Mechanism, Settings
+from vfife.model.mechanism import Mechanism, Settings
+
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from ..laws import Ambrosio, LankaraniNikravesh
-from ..model.bodies import LinkModel, Section
-from ..model.mechanism import Mechanism
+from vfife.laws import Ambrosio, LankaraniNikravesh
+from vfife.model.bodies import LinkModel, Section
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..report.contents import Chart, Item, Line, Panel, Style, Table, Verdict
+from vfife.report.contents import Chart, Item, Line, Panel, Style, Table, Verdict
+
 from . import search
 from .context import described
 from .influence import STEP
@@ -31,7 +32,7 @@ def outcome(searches: Sequence[Search], seed: int, budget: float, seconds: float
 
     What was found with stiff bars is kept as its limit, rigid bars, if it fits there, too.
     """
-    from ..results.provenance import versions
+    from vfife.results.provenance import versions
 
     structures, finalists = [], []
     fits: list[dict[str, Any]] = []

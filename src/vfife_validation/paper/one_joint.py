@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..laws import LankaraniNikravesh, Pereira
-from ..report.contents import Chart, Item, Line, Panel, Parameter, Verdict
+from vfife.laws import LankaraniNikravesh, Pereira
+from vfife.report.contents import Chart, Item, Line, Panel, Parameter, Verdict
+
 from . import curves
 from .context import settling
 from .influence import JOINT, Case, Influence, ideal

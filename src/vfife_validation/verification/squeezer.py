@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ..model.drivers import Torque
-from ..model.mechanism import Mechanism
+from vfife.model.drivers import Torque
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 

@@ -9,8 +9,9 @@ from functools import cache
 
 import numpy as np
 
-from ..analysis.influence import lip
-from ..solvers.ensemble import Member, advance, ensemble, placed
+from vfife.analysis.influence import lip
+from vfife.solvers.ensemble import Member, advance, ensemble, placed
+
 from .mechanisms import FASTEST, Parameters, four_bar
 
 STEP = 1e-6  # s

@@ -7,10 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import forces, motion
-from ..report.contents import Line, Panel, Style
-from ..solvers.ensemble import Member
-from ..solvers.record import Record
+from vfife.analysis import forces, motion
+from vfife.report.contents import Line, Panel, Style
+from vfife.solvers.ensemble import Member
+from vfife.solvers.record import Record
+
 from .influence import BODY, JOINT
 
 Array = NDArray[np.float64]

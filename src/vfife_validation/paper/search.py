@@ -17,11 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.influence import lip
-from ..assembly.assemble import refitted
-from ..assembly.assembled import Assembly
-from ..laws import ContactLaw, Pereira
-from ..solvers.ensemble import advance, placed
+from vfife.analysis.influence import lip
+from vfife.assembly.assemble import refitted
+from vfife.assembly.assembled import Assembly
+from vfife.laws import ContactLaw, Pereira
+from vfife.solvers.ensemble import advance, placed
+
 from .influence import STEP, TOLERANCE, ideal_maxima, maxima
 from .mechanisms import CLEARANCES, FASTEST, Parameters, four_bar, loosened
 

@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
-from ..laws import Ambrosio, LankaraniNikravesh
-from ..model.drivers import ConstantSpeed
-from ..model.mechanism import Mechanism
+from vfife.laws import Ambrosio, LankaraniNikravesh
+from vfife.model.drivers import ConstantSpeed
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .chaotic import striking
 from .lagrange import solved

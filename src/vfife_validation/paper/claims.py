@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..report.contents import Chart, Item, Line, Panel, Table, Verdict
-from ..solvers.ensemble import placed
-from ..solvers.record import Record
-from ..solvers.transient import run
+from vfife.report.contents import Chart, Item, Line, Panel, Table, Verdict
+from vfife.solvers.ensemble import placed
+from vfife.solvers.record import Record
+from vfife.solvers.transient import run
+
 from .context import described, settling
 from .impact import fig9, fig10
 from .influence import BODY, Influence

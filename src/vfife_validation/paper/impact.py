@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..laws import ContactLaw, LankaraniNikravesh, Pereira
-from ..laws.contact.damping import delivered
-from ..report.contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
+from vfife.laws import ContactLaw, LankaraniNikravesh, Pereira
+from vfife.laws.contact.damping import delivered
+from vfife.report.contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
+
 from .mechanisms import BEARING_RADIUS, JOURNAL_RADIUS, STIFFNESS, journal
 
 if TYPE_CHECKING:
@@ -36,8 +37,8 @@ STATED = (
 @cache
 def impact(law: ContactLaw, length: float, duration: float) -> tuple[Array, Array, Array, Array]:
     """Time (s), penetration (m), normal force (N) and velocity (m/s) of the journal, from its start at the bearing's centre."""
-    from ..assembly.assemble import assemble
-    from ..solvers.transient import run
+    from vfife.assembly.assemble import assemble
+    from vfife.solvers.transient import run
 
     record = run(
         assemble(journal(law, axial_length=length, mass=MASS, speed=SPEED), STEP, duration=duration, outputs=round(duration / (10 * STEP)))

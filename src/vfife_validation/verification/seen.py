@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import Ledger, ledger
-from ..analysis.motion import body_motion, pin_path, times, velocities
-from ..assembly.assemble import assemble
-from ..model.mechanism import Mechanism
-from ..simulation import simulate
-from ..solvers.record import Record
-from ..solvers.statics import equilibrium
-from ..solvers.status import Status
+from vfife.analysis import Ledger, ledger
+from vfife.analysis.motion import body_motion, pin_path, times, velocities
+from vfife.assembly.assemble import assemble
+from vfife.model.mechanism import Mechanism
+from vfife.simulation import simulate
+from vfife.solvers.record import Record
+from vfife.solvers.statics import equilibrium
+from vfife.solvers.status import Status
 
 Array = NDArray[np.float64]
 ANY = 1e9  # share of the largest energy: a case is judged by its reference, and by nothing else

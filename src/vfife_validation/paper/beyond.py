@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import ContactLaw
-from ..report.contents import Chart, Item, Line, Panel, Table, Verdict
+from vfife.laws import ContactLaw
+from vfife.report.contents import Chart, Item, Line, Panel, Table, Verdict
+
 from .context import described
 from .influence import MOST_TURNS, STEP, Case, Influence
 from .mechanisms import CLEARANCE, CLEARANCES, FASTEST, LINKS, SPEEDS, Parameters
@@ -44,7 +45,7 @@ def damped_laws(p: Parameters) -> dict[str, ContactLaw]:
 
 def dampings(p: Parameters) -> dict[str, ContactLaw]:
     """The set's own law with every damping there is, if it has a choice of them."""
-    from ..laws.contact.damping import DAMPING
+    from vfife.laws.contact.damping import DAMPING
 
     if not hasattr(p.contact, "damping"):
         return {}

@@ -8,11 +8,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..laws import Material
-from ..model.bodies import Member, Section
-from ..model.drivers import AngleTable
-from ..model.loads import PointForce
-from ..model.mechanism import Mechanism
+from vfife.laws import Material
+from vfife.model.bodies import Member, Section
+from vfife.model.drivers import AngleTable
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .lagrange import solved
 from .seen import run

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from ..model.drivers import Harmonic
-from ..model.mechanism import Mechanism
+from vfife.model.drivers import Harmonic
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .lagrange import Pin, integrate, solved
 from .seen import run

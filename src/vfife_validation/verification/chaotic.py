@@ -10,9 +10,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..laws import Frictionless, Gonthier
-from ..model.drivers import Harmonic
-from ..model.mechanism import Mechanism
+from vfife.laws import Frictionless, Gonthier
+from vfife.model.drivers import Harmonic
+from vfife.model.mechanism import Mechanism
+
 from .lagrange import solved
 
 Array = NDArray[np.float64]

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ..laws import Material
-from ..model.bodies import Section
-from ..model.drivers import AngleTable
-from ..model.loads import PointForce
-from ..model.mechanism import Mechanism
+from vfife.laws import Material
+from vfife.model.bodies import Section
+from vfife.model.drivers import AngleTable
+from vfife.model.loads import PointForce
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .seen import Seen, frequency, run
 
@@ -168,7 +169,7 @@ def flying_beam(nudge: Nudge) -> Rows:
     nodes = list(record.assembly.bodies["beam"].particles)
     mass, inertia = 1.0 / record.parameter("particle_inverse_mass")[nodes], 1.0 / record.parameter("particle_inverse_inertia")[nodes]
     at = {axis: record.block(f"particle_{axis}")[:, nodes] for axis in "xy"}
-    from ..analysis.motion import velocities
+    from vfife.analysis.motion import velocities
 
     speed = {axis: values[:, nodes] for axis, values in velocities(record).items()}
     spin = ((at["x"] * speed["v"] - at["y"] * speed["u"]) * mass + speed["w"] * inertia).sum(axis=1)[after]

@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
-from ..laws import Ambrosio, Frictionless, Hertz, HuntCrossley, LankaraniNikravesh
-from ..model.mechanism import Mechanism
+from vfife.laws import Ambrosio, Frictionless, Hertz, HuntCrossley, LankaraniNikravesh
+from vfife.model.mechanism import Mechanism
+
 from .case import Nudge, Row, Rows, verified
 from .seen import Seen, run
 

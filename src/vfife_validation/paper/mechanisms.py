@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, Pereira
-from ..model.bodies import Section
-from ..model.joints import FrictionMoment
-from ..model.lumping import rigidified
-from ..model.mechanism import Mechanism, Settings
+from vfife.laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, Pereira
+from vfife.model.bodies import Section
+from vfife.model.joints import FrictionMoment
+from vfife.model.lumping import rigidified
+from vfife.model.mechanism import Mechanism, Settings
 
 GROUND, CRANK, COUPLER, FOLLOWER = 0.150, 0.400, 0.260, 0.460  # m, Table 1
 MASSES = {"crank": 3.120, "coupler": 2.028, "follower": 3.588}  # kg, Table 1
@@ -106,7 +106,7 @@ def four_bar(p: Parameters, clearance: float, speed: float = FASTEST, loose: str
 
 def loosened(p: Parameters, mechanism: Mechanism, clearance: float) -> dict[str, Any]:
     """Joints B, C and D with clearance (m)."""
-    from ..model.joints import ClearanceRevolute
+    from vfife.model.joints import ClearanceRevolute
 
     return {
         name: ClearanceRevolute(

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from ..study.maps.bifurcation import bifurcation
+from vfife.study.maps.bifurcation import bifurcation
+
 from .case import Nudge, Row, Rows, verified
 from .chaotic import (
     DRIVE,

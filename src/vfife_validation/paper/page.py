@@ -7,8 +7,8 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from ..files import replacement, write_text
-from ..report.contents import Chart, Item, Parameter, Table, Verdict
+from vfife.files import replacement, write_text
+from vfife.report.contents import Chart, Item, Parameter, Table, Verdict
 
 PAGE = Template("""<!DOCTYPE html>
 <html lang="en">
@@ -112,7 +112,7 @@ class Folder:
 
     def add(self, item: Item, as_text: Callable[[object], str]) -> None:
         """Draws an item and writes the page with all items so far; ``as_text`` turns their data into JSON."""
-        from ..plots.charts import embedded, picture
+        from vfife.plots.charts import embedded, picture
 
         for chart in item.charts:
             data = picture(chart)

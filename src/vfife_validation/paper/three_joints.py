@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..report.contents import Chart, Item, Panel, Table, Verdict
+from vfife.report.contents import Chart, Item, Panel, Table, Verdict
+
 from . import curves
 from .context import described, settling
 from .influence import Case, Influence, ideal
