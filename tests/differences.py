@@ -22,7 +22,7 @@ from vfife.solvers.record import Record
 from vfife.solvers.tangents import comparable, tangents
 from vfife.solvers.transient import run
 from vfife.study.derivatives import rounding
-from vfife.study.neighbours import Way, neighbours, placed
+from vfife.study.finite_difference import Way, neighbours, placed
 
 WIDTHS = 1e-5, 2e-5  # of a number, on both sides
 MATTERS = 1e-2  # of the largest elasticity of a measure: smaller ones are compared with that

@@ -44,19 +44,18 @@ if TYPE_CHECKING:
     from .solvers.status import Status
     from .study.compare import compare
     from .study.derivatives import sensitivity
-    from .study.designs import indices
     from .study.identification.fitting import fit
     from .study.maps.basins import basins
     from .study.maps.bifurcation import bifurcation
     from .study.maps.kept import load_map
     from .study.maps.sections import poincare_section
     from .study.maps.waterfall import waterfall
-    from .study.searching import allocate, optimise
+    from .study.sensitivity_indices import indices
     from .study.stepped import Simulation
-    from .study.studies import study
+    from .study.studies import allocate, optimise, study
     from .study.tolerance import tolerance
-    from .study.tribology.wearing import load_wear, wear
-    from .study.tribology.worn import Worn
+    from .study.tribology.simulate_wear import load_wear, wear
+    from .study.tribology.wear_state import Worn
 
 __version__ = "0.2.0"
 

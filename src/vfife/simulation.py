@@ -36,13 +36,10 @@ from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
 from .solvers.companions import number, step_counts
-from .solvers.meshes import other_meshes, refinable
-from .solvers.meshes import worth as worth_other_meshes
-from .solvers.progress import Progress
 from .solvers.record import Checkpoint, Record, recorded_rows
-from .solvers.refinement import refine, worth
+from .solvers.refinement import other_meshes, refinable, refine, worth_other_meshes, worth_refining
 from .solvers.statics import equilibrium
-from .solvers.status import Status
+from .solvers.status import Progress, Status
 from .solvers.transient import choose_loop, run
 
 Earlier: TypeAlias = dict[str, tuple[float, float]]
@@ -267,7 +264,7 @@ def repeated(assembly: Assembly, wanted: int | str, loop: Loop = "auto") -> bool
     if assembly.mechanism.settings.analysis == "static":
         return refinable(assembly.mechanism) and (wanted != "auto" or worth_other_meshes(assembly))
     smooth = not assembly.mechanism.contacts and choose_loop(assembly, loop) == "generated"
-    return smooth and (wanted != "auto" or worth(assembly))
+    return smooth and (wanted != "auto" or worth_refining(assembly))
 
 
 def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop = "auto") -> int:

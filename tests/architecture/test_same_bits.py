@@ -46,8 +46,8 @@ EXCEPTIONS = {
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",
     "study/distributions.py": "values of members are rounded to ten digits",
     "study/identification/": "compares records with data",
-    "study/quantiles.py": "statistics of results",
-    "study/refining.py": "a search that chooses its next members",
+    "study/limits.py": "statistics of results",
+    "study/local_search.py": "a search that chooses its next members",
     "units.py": "powers of fractions, and of forty digits in decimal arithmetic",
     "study/sampling.py": "SciPy's Sobol' points are whole numbers over a power of two",
 }

@@ -13,7 +13,7 @@ from vfife.kernels import frame
 from vfife.laws import Material
 from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism
-from vfife.solvers.fictitious_mass import demands
+from vfife.solvers.relaxation import demands
 
 STEEL = Material(youngs_modulus=200e9, poissons_ratio=0.3, density=7850.0)
 SECTION = Section.rectangle(0.02, 0.02)

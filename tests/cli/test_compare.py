@@ -16,7 +16,7 @@ from laws.test_own_laws import COPY
 from vfife import files
 from vfife.plots.style import STYLE
 from vfife.study import compare as study
-from vfife.study.parts import Parts
+from vfife.study.compare import Parts
 
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 

@@ -9,7 +9,7 @@ from vfife.cli.mapoptions import number_range
 from vfife.cli.mapped import said_spells
 from vfife.modelfile import load
 from vfife.results.lock import Lock
-from vfife.study.maps.diagram import Spell
+from vfife.study.maps.bifurcation import Spell
 
 PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"
 BRIEF = ("--count", 2, "--turns", 3, "--drop", 1, "--step", "10 us", "--set", "joint.pin.contact.restitution=0.3")

@@ -13,7 +13,7 @@ import pytest
 from fake_card import FakeDriver, in_this_machine
 from study.studies import BASE, Closed
 from vfife.cli import forecast, searchcost
-from vfife.study import carry, cluster
+from vfife.study import cluster, run_missing
 from vfife.study.distributions import of_fit
 
 pytest.importorskip("SALib")
@@ -43,7 +43,7 @@ to = 200
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, and v = 100 where the speed is not varied."""
     found = Closed()
-    monkeypatch.setattr(carry, "run_members", found)
+    monkeypatch.setattr(run_missing, "run_members", found)
     monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
     monkeypatch.setattr(searchcost, "SHARES", (0.25, 0.75))
     return found
@@ -162,11 +162,11 @@ def test_a_search_goes_on_where_it_was_broken_off(command: Command, closed: Clos
             raise KeyboardInterrupt
         yield from whole(*words, **more)
 
-    monkeypatch.setattr(carry, "run_members", broken)
+    monkeypatch.setattr(run_missing, "run_members", broken)
     done = command("optimise", "s.toml")
     assert done.exit_code == 130
     assert "32 members have ended; the same command goes on" in done.stderr
-    monkeypatch.setattr(carry, "run_members", closed)
+    monkeypatch.setattr(run_missing, "run_members", closed)
     found = told(command, "optimise", "s.toml")
     assert found["members"] == 48 >= len(closed.computed)
     assert len({tuple(one.items()) for one in closed.computed}) == len(closed.computed)

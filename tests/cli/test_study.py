@@ -17,7 +17,7 @@ from study.studies import ASKED, Closed
 from vfife.cli import forecast
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
-from vfife.study import carry, cluster, more, studies
+from vfife.study import cluster, run_missing, studies
 
 Command = Callable[..., Any]
 SEARCHED = """
@@ -35,7 +35,7 @@ members = 4
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
     found = Closed()
-    monkeypatch.setattr(carry, "run_members", found)
+    monkeypatch.setattr(run_missing, "run_members", found)
     monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
     (tmp_path / "s.toml").write_text(ASKED)
     return found
@@ -75,14 +75,14 @@ def test_what_is_added_is_read_under_the_lock(command: Command, closed: Closed, 
     command("study", "s.toml", "-o", "x.study", "-q")
     with studies.locked(Path("x.study")):
         read: list[object] = []
-        monkeypatch.setattr(more, "added", lambda *given: read.append(given))
+        monkeypatch.setattr(run_missing, "added", lambda *given: read.append(given))
         done = command("study", "add", "x.study", "play=0.5 mm")
     assert done.exit_code == 2 and not read and "writes this study" in done.stderr
 
 
 def test_a_study_of_another_text_of_the_step_is_not_added_to(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
-    monkeypatch.setattr(carry, "sources_of_the_step", lambda: b"another text")
+    monkeypatch.setattr(run_missing, "sources_of_the_step", lambda: b"another text")
     for words in (("add", "x.study", "play=0.4 mm"), ("resume", "x.study")):
         done = command("study", *words)
         assert (done.exit_code, "which steps otherwise" in done.stderr) == (2, True), done.stderr

@@ -21,11 +21,12 @@ MODULES: dict[str, tuple[str, ...]] = {
     "analysis": (),  # all of them
     "assembly": ("bounds", "checks", "fill", "linearised", "prestress", "redundancy", "stability", "timestep"),
     "study": (
-        "allocation", "confidence", "derivatives", "designs", "distributions", "fits", "indices", "jumps", "limits", "quantiles", "sampling",
-        "tolerance", "worn",
+        "allocation", "derivatives", "distributions", "iso286", "jumps", "limits", "sampling", "sensitivity_indices", "step_uncertainty",
+        "tolerance", "wear_state",
     ),
     "solvers": (
-        "companions", "nearby", "orbits", "record", "refinement", "repeating", "restepped", "sectioning", "statics", "strikes", "tangents",
+        "companions", "impact_section", "lyapunov", "orbits", "record", "refinement", "repeating", "restepped", "sectioning", "statics",
+        "tangents",
     ),
     "results": ("channel", "channels", "comparison", "fitted", "reductions", "series", "spectra", "studied", "tables", "turns", "view"),
 }  # fmt: skip

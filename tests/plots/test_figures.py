@@ -27,7 +27,7 @@ from vfife.plots.table import FIGURES, available, usual
 from vfife.plots.turn import Span, span
 from vfife.result import Result
 from vfife.results.folder import FIGURE_NAMES
-from vfife.study.tribology.worn import ANGLES, Asked, Surface, Worn
+from vfife.study.tribology.wear_state import ANGLES, Asked, Surface, Worn
 
 
 @cache

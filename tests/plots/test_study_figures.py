@@ -16,13 +16,13 @@ from vfife.errors import VfifeError
 from vfife.plots.bands import quantiles
 from vfife.plots.pareto import front
 from vfife.plots.studyaxes import broken, edges, logarithmic, shortened, unit_for
-from vfife.study import carry
+from vfife.study import run_missing
 
 GRID = ASKED.replace("count = 2", "count = 4")
 
 
 def made(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **closed: Any) -> vfife.Study:
-    monkeypatch.setattr(carry, "run_members", Closed(**closed))
+    monkeypatch.setattr(run_missing, "run_members", Closed(**closed))
     path = tmp_path / "s.toml"
     path.write_text(text)
     return vfife.study(path)

@@ -16,7 +16,7 @@ from vfife.codegen.runner import Runner
 from vfife.results import runfile
 from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
-from vfife.solvers import pace
+from vfife.solvers import interrupts
 from vfife.solvers.arguments import Asked
 from vfife.solvers.synchronised import SynchronisedLanes
 
@@ -57,7 +57,7 @@ def kill_at(monkeypatch: pytest.MonkeyPatch, call: int) -> Callable[[], None]:
 
 def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
     """So many steps a call on every machine: by the clock, a fast one would come to its end before the call at which it is killed."""
-    monkeypatch.setattr(pace.Pace, "room", property(lambda self: steps, lambda self, value: None), raising=False)
+    monkeypatch.setattr(interrupts.Pace, "room", property(lambda self: steps, lambda self, value: None), raising=False)
 
 
 def killed_run(path: Path, mechanism: vfife.Mechanism, asked: Asked, reference: bool = True) -> bool:

@@ -15,7 +15,7 @@ from results.killed import arch, same, write
 from support import four_bar
 from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
-from vfife.solvers import pace
+from vfife.solvers import interrupts
 from vfife.solvers.arguments import Asked
 
 RANDOM = random.Random(5)
@@ -83,12 +83,12 @@ def kill_and_compare(tmp_path: Path, kills: int) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_twenty_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pace, "SECONDS", 5e-3)
+    monkeypatch.setattr(interrupts, "SECONDS", 5e-3)
     kill_and_compare(tmp_path, 20)
 
 
 @pytest.mark.soak
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_hundred_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pace, "SECONDS", 5e-3)
+    monkeypatch.setattr(interrupts, "SECONDS", 5e-3)
     kill_and_compare(tmp_path, 100)

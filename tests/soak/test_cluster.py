@@ -15,11 +15,11 @@ from typing import Any
 import pytest
 
 from vfife import Study, load_model
-from vfife.study import carry
+from vfife.study import run_missing
 from vfife.study.batch import Answer, Question, run_batch
 from vfife.study.cluster import cluster
 from vfife.study.engine import Wanted, run_members
-from vfife.study.planfile import understood
+from vfife.study.study_file import understood
 
 pytestmark = [pytest.mark.soak, pytest.mark.skipif(find_spec("distributed") is None, reason="no distributed here")]
 
@@ -57,13 +57,13 @@ class Reaper(threading.Thread):
 
 def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
     plan, base = understood(RAW, "study", base=load_model(BASE))
-    with carry.opened(tmp_path / "own.study", plan, base, "own") as file:
-        assert carry.carry_out(file, base)
-        own = carry.read_back(file)
+    with run_missing.opened(tmp_path / "own.study", plan, base, "own") as file:
+        assert run_missing.carry_out(file, base)
+        own = run_missing.read_back(file)
     reaper = Reaper(tmp_path / "far.study")
-    with cluster("local", 2) as runner, carry.opened(tmp_path / "far.study", plan, base, "far") as file:
+    with cluster("local", 2) as runner, run_missing.opened(tmp_path / "far.study", plan, base, "far") as file:
         reaper.start()
-        assert carry.carry_out(file, base, runner=runner)
+        assert run_missing.carry_out(file, base, runner=runner)
         reaper.ended.set()
         reaper.join()
     far = Study.open(tmp_path / "far.study")

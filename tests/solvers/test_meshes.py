@@ -25,8 +25,8 @@ from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings
 from vfife.report.summary import show
 from vfife.result import Result
-from vfife.solvers import meshes
-from vfife.solvers.meshes import meshed, other_meshes, refinable, worth
+from vfife.solvers import refinement
+from vfife.solvers.refinement import meshed, other_meshes, refinable, worth_other_meshes
 
 SLENDER = {"section": Section(1.0, 300.0**-2), "material": Material(youngs_modulus=300.0**2)}  # EI = 1 N m^2
 
@@ -151,9 +151,9 @@ def test_which_meshes_are_analysed() -> None:
 def test_it_is_left_out_where_it_takes_long_or_nobody_wants_it(monkeypatch) -> None:
     many = cantilever(4)
     many.settings = dataclasses.replace(many.settings, load_factors=tuple(k / 5000.0 for k in range(1, 5001)))
-    assert worth(assemble(cantilever(4))) and not worth(assemble(many))
+    assert worth_other_meshes(assemble(cantilever(4))) and not worth_other_meshes(assemble(many))
     assert vfife.simulate(cantilever(2), companions=0).record.estimate is None
-    monkeypatch.setattr(meshes, "MOST_WORK", 0.0)
+    monkeypatch.setattr(refinement, "MOST_WORK", 0.0)
     assert vfife.simulate(cantilever(2)).record.estimate is None
     assert vfife.simulate(cantilever(2), companions=1).record.estimate is not None
 

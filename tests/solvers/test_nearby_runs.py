@@ -11,7 +11,7 @@ import vfife
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.codegen.runner import Runner
-from vfife.solvers.nearby import weights
+from vfife.solvers.lyapunov import weights
 from vfife.solvers.tangents import Neighbours, changes, rates
 from vfife_validation.verification.chaotic import duffing
 

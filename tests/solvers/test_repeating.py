@@ -11,9 +11,9 @@ import pytest
 from support import four_bar
 from vfife.analysis.turns import FEW, MANY, Turns, settling, told
 from vfife.assembly.assemble import assemble
+from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import LONGEST, Comparison, Settling, distance, outputs_of_a_turn, repeated_since
-from vfife.solvers.turnrows import TurnRows
 
 
 class Plain:

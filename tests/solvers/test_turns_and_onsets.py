@@ -13,10 +13,10 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.solvers import orbits, repeating, sectioning
 from vfife.solvers.companions import oldest_needed
-from vfife.solvers.nearby import steps_of_turn, weights
+from vfife.solvers.impact_section import PER_CONTACT, WIDE, Strikes
+from vfife.solvers.lyapunov import steps_of_turn, weights
 from vfife.solvers.orbits import LANES, Orbits, Start
 from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
-from vfife.solvers.strikes import PER_CONTACT, WIDE, Strikes
 
 
 def test_two_turns_are_apart_by_the_worst_quantity() -> None:

@@ -53,7 +53,7 @@ def test_the_cheapest_is_that_of_all_choices(limit: float) -> None:
 def test_it_is_what_trying_every_choice_finds() -> None:
     """The same machines, all choices in full, no order and no short cut."""
     limit, count = 140e-6, 500
-    from vfife.study.quantiles import allowed_failures
+    from vfife.study.limits import allowed_failures
     from vfife.study.sampling import places
 
     unit, allowed = places("random", count, 3, 5), allowed_failures(count, 0.05, 0.9)

@@ -16,7 +16,6 @@ import pytest
 from vfife import load_model
 from vfife.errors import VfifeError
 from vfife.study import cluster as room
-from vfife.study import spreading
 from vfife.study.batch import Answer, Question
 from vfife.study.cluster import cluster, on_cluster
 from vfife.study.engine import Outcome, Wanted, run_members
@@ -103,7 +102,7 @@ class Farm:
 
 
 def test_a_member_that_kills_three_workers_is_given_up_and_the_rest_finish(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spreading, "LOOK", 0.005)
+    monkeypatch.setattr(room, "LOOK", 0.005)
     farm, base = Farm({5, 17}, stillborn=12), load_model(BASE)
     found = list(on_cluster(farm, base, [{"k": float(k)} for k in range(40)], WANTED))
     outcomes = dict(found)
@@ -118,8 +117,8 @@ def test_a_member_that_kills_three_workers_is_given_up_and_the_rest_finish(monke
 
 
 def test_a_cluster_without_workers_or_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spreading, "LOOK", 0.005)
-    monkeypatch.setattr(spreading, "PATIENCE", 0.02)
+    monkeypatch.setattr(room, "LOOK", 0.005)
+    monkeypatch.setattr(room, "PATIENCE", 0.02)
     farm = Farm(set())
     farm.workers = []
     with pytest.raises(VfifeError, match="no worker for"):

@@ -19,8 +19,7 @@ from vfife.modelfile.numbers import numbers
 from vfife.solvers.tangents import changes, displaced, jacobian
 from vfife.solvers.transient import run
 from vfife.study.derivatives import floors, rounding, sensitivity, silent_moments
-from vfife.study.nearby import nearby
-from vfife.study.neighbours import NEAR, alike, beside, placed
+from vfife.study.finite_difference import NEAR, alike, beside, nearby, placed
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.

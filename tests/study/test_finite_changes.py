@@ -16,9 +16,8 @@ from vfife.results.derivatives import Derivative
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run
 from vfife.solvers.variants import measures_of, step_sizes
-from vfife.study.finite_changes import LEAST_KNOWN, WIDTHS, FiniteChanges, agreement, compared
-from vfife.study.neighbours import alike
-from vfife.study.pattern_search import pattern_search
+from vfife.study.finite_difference import LEAST_KNOWN, WIDTHS, FiniteChanges, agreement, alike, compared
+from vfife.study.local_search import pattern_search
 
 # Every model of the gallery with contact; the block in a guide with clearance, whose contacts have names of
 # their own, ended in a KeyError.

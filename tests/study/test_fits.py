@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from vfife.fields.refused import Refused
-from vfife.study.fits import CLEAR, FINE_STEPS, GRADES, STEPS, TIGHT, WIDE, fit, step_of, tolerance, zone
+from vfife.study.iso286 import CLEAR, FINE_STEPS, GRADES, STEPS, TIGHT, WIDE, fit, step_of, tolerance, zone
 
 # Diameter in mm, zone, lower and upper deviation in µm, as tables of makers print them.
 SHAFTS = """

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from vfife.errors import VfifeError
-from vfife.study import indices
+from vfife.study import sensitivity_indices
 from vfife.study.distributions import Normal, Uniform
-from vfife.study.indices import morris_effects, sobol_indices
 from vfife.study.sampling import places, points
+from vfife.study.sensitivity_indices import morris_effects, sobol_indices
 
 pytest.importorskip("SALib")
 
@@ -77,4 +77,4 @@ def test_what_has_no_sensitivity_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
         sobol_indices(["a", "b"], np.full(64, 2.0))
     monkeypatch.setitem(__import__("sys").modules, "SALib.analyze.morris", None)
     with pytest.raises(VfifeError, match=r"vfife\[sensitivity\]"):
-        indices.salib()
+        sensitivity_indices.salib()

@@ -14,12 +14,10 @@ from vfife.cli.app import app
 from vfife.modelfile import load
 from vfife.results.member_errors import MemberError, error_over_change, sample_of, sample_size
 from vfife.results.studied import Study
-from vfife.study.carry import carry_out, opened, read_back
 from vfife.study.engine import Outcome
-from vfife.study.limits import Bound
-from vfife.study.planfile import of_mapping, understood
-from vfife.study.quantiles import quantile
-from vfife.study.repetition import STEP, repeat_sample
+from vfife.study.limits import Bound, quantile
+from vfife.study.run_missing import STEP, carry_out, opened, read_back, repeat_sample
+from vfife.study.study_file import of_mapping, understood
 from vfife.study.tolerance import share_that_fails, spreads
 
 CASE_B, IDEAL = "examples/four_bar_case_b.toml", "examples/four_bar_ideal.toml"

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from vfife.study.quantiles import allowed_failures, needed, quantile, share
+from vfife.study.limits import allowed_failures, needed, quantile, share
 
 
 def at_most(k: int, n: int, p: float) -> float:

@@ -13,8 +13,8 @@ from scipy.optimize import brentq, minimize_scalar
 import vfife
 from vfife.errors import VfifeError
 from vfife.study.limits import Bound
+from vfife.study.local_search import Contradiction, refined, slopes_of
 from vfife.study.optimise import Axis, Found, Numbers, Search, Values, best, judged
-from vfife.study.refining import Contradiction, refined, slopes_of
 from vfife.study.searches import numbers_at, search_of
 
 XY = (Axis("x", -2.0, 2.0), Axis("y", 0.01, 10.0, logarithmic=True))

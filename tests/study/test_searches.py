@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from vfife.study.distributions import Truncated
-from vfife.study.planfile import load_plan
 from vfife.study.searches import load_allotment, load_search, numbers_at
+from vfife.study.study_file import load_plan
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "tolerance.md").read_text(encoding="utf-8"), re.DOTALL)

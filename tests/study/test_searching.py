@@ -13,7 +13,7 @@ from fake_card import FakeDriver, in_this_machine
 from study.studies import BASE, Closed
 from vfife.assembly.assemble import assemble
 from vfife.errors import DeviceError
-from vfife.study import carry
+from vfife.study import run_missing
 from vfife.study.distributions import of_fit
 
 FIT = {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}
@@ -25,7 +25,7 @@ BOTH = ["C.force.max", "C.impacts"]
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, C.impacts = v, and v = 100 where the speed is not varied."""
     found = Closed()
-    monkeypatch.setattr(carry, "run_members", found)
+    monkeypatch.setattr(run_missing, "run_members", found)
     return found
 
 
@@ -116,9 +116,9 @@ def test_ctrl_c_ends_a_search_and_keeps_what_ended(closed: Closed, tmp_path: Pat
             raise KeyboardInterrupt
         yield from closed(*words, **more)
 
-    monkeypatch.setattr(carry, "run_members", broken)
+    monkeypatch.setattr(run_missing, "run_members", broken)
     with pytest.raises(KeyboardInterrupt):
         vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study")
-    monkeypatch.setattr(carry, "run_members", closed)
+    monkeypatch.setattr(run_missing, "run_members", closed)
     assert len(vfife.load_study(tmp_path / "s.study").done) == 16
     assert len(vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study").members) == 32 == len(closed.computed)

@@ -12,9 +12,8 @@ import pytest
 from schemas import complaints
 from study.studies import ASKED, BASE
 from vfife.errors import ModelError
-from vfife.study.jsonschema import study_schema
 from vfife.study.plan import Plan
-from vfife.study.planfile import load_plan
+from vfife.study.study_file import load_plan, study_schema
 
 HEAD = f'model = "{BASE.as_posix()}"\nmeasures = "C.force.max"\n'
 

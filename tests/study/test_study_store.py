@@ -16,15 +16,15 @@ from vfife.errors import DamageWarning, HeldError, ModelError, RunFileError, Vfi
 from vfife.results import studyfile
 from vfife.results.studied import Study
 from vfife.results.studyfile import Kept, StudyFile
-from vfife.study import carry, studies
+from vfife.study import run_missing, studies
 from vfife.study.engine import Outcome, Wanted, run_members
-from vfife.study.planfile import load_plan
+from vfife.study.study_file import load_plan
 
 
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     found = Closed()
-    monkeypatch.setattr(carry, "run_members", found)
+    monkeypatch.setattr(run_missing, "run_members", found)
     return found
 
 
@@ -157,7 +157,7 @@ def test_adding_computes_only_what_is_new(asked: Path, tmp_path: Path, closed: C
 
 
 def test_a_member_that_fails_is_kept_with_its_reason_and_the_rest_finish(asked: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(carry, "run_members", Closed(fails=2e-4, without=1e-4))
+    monkeypatch.setattr(run_missing, "run_members", Closed(fails=2e-4, without=1e-4))
     found = vfife.study(asked)
     assert found.counts == {"complete": 4, "diverged": 2, "left": 0}
     reasons = {one.numbers["joint.C.clearance"]: reason for one, reason in found.failed}
@@ -169,10 +169,10 @@ def test_a_member_that_fails_is_kept_with_its_reason_and_the_rest_finish(asked: 
 
 def test_members_that_failed_are_tried_again_where_that_is_asked_for(asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "s.study"
-    monkeypatch.setattr(carry, "run_members", Closed(fails=2e-4))
+    monkeypatch.setattr(run_missing, "run_members", Closed(fails=2e-4))
     assert vfife.study(asked, file=path).counts["diverged"] == 2
     closed = Closed()
-    monkeypatch.setattr(carry, "run_members", closed)
+    monkeypatch.setattr(run_missing, "run_members", closed)
     assert vfife.study(asked, file=path).counts["diverged"] == 2 and closed.computed == []
     found = vfife.study(asked, file=path, retry=True)
     assert [one["joint.C.clearance"] for one in closed.computed] == [2e-4, 2e-4]
@@ -231,7 +231,9 @@ def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(asked: Pa
         kept = file.meta["study"]
         law = {"kind": "contact", "name": "mine", "text": "one"}
         for change, says in (({"step": "0"}, "which steps otherwise"), ({"own_laws": [law]}, "another text of your own laws"), ({}, "")):
-            assert says in carry.same_question(file, {**kept, **change}) and bool(says) == bool(carry.same_question(file, {**kept, **change}))
+            assert says in run_missing.same_question(file, {**kept, **change}) and bool(says) == bool(
+                run_missing.same_question(file, {**kept, **change})
+            )
 
 
 def test_damaged_rows_are_left_out_and_computed_again(asked: Path, tmp_path: Path, closed: Closed) -> None:

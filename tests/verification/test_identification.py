@@ -5,7 +5,7 @@ import pytest
 
 import vfife
 from rigs import EXAMPLES, synthetic
-from vfife.study.identification.evaluations import Evaluations, Look
+from vfife.study.identification.batched_queries import Evaluations, Look
 from vfife.study.identification.fitting import planned
 
 pytestmark = pytest.mark.verify

@@ -14,8 +14,8 @@ from ..kernels.topology import CURRENT
 from ..laws.elasticity import elastic_energy
 from ..numerics.elementwise import exp, hypot, sincos
 from ..numerics.products import times
-from ..solvers.fictitious_mass import extent
 from ..solvers.record import Record
+from ..solvers.relaxation import extent
 from .motion import AXES, is_free, velocities
 
 Array = NDArray[np.float64]

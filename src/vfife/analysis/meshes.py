@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..solvers.fictitious_mass import extent
-from ..solvers.meshes import FOUR_TIMES, HALF, TWICE
 from ..solvers.record import Estimate, Record
+from ..solvers.refinement import FOUR_TIMES, HALF, TWICE
+from ..solvers.relaxation import extent
 from .equilibria import static_measures
 from .measured import Measured
 from .measures import MOMENT
@@ -26,7 +26,7 @@ def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | 
     """Errors of the measures of a static analysis, from those on other meshes; None without the one of twice
     the elements.
 
-    ``others``: by their share of the elements, see :func:`~vfife.solvers.meshes.other_meshes`. No error is
+    ``others``: by their share of the elements, see :func:`~vfife.solvers.refinement.other_meshes`. No error is
     taken to be smaller than what the unbalanced forces leave open, nor than FLOOR times that of the value
     that is known worst.
     """

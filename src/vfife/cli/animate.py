@@ -35,7 +35,7 @@ def animate(
     NOW.saved = f"No film was written. {KEPT}"
     with sentences(str(target)), writing(str(target), KEPT):
         from ..plots.filmfiles import animate as written
-        from ..solvers.progress import Progress
+        from ..solvers.status import Progress
 
         with ProgressLine(quiet) as line:
             made, lasting = written(

@@ -53,7 +53,7 @@ def basins(
 
     def understood(mechanism: Mechanism) -> Question:
         from ..study.maps.basins import basins as made
-        from ..study.maps.looks import models_along
+        from ..study.maps.section_series import models_along
 
         if len(over) != 2:
             how = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"

@@ -54,8 +54,8 @@ def compare(
     Runs that are complete are kept: after Ctrl-C or a kill the same command with -o FOLDER goes on after them.
     """
     from ..modelfile import dump
+    from ..study.compare import Parts
     from ..study.compare import compare as compared
-    from ..study.parts import Parts
 
     line: list[ProgressLine] = []
     locks: list[Lock] = []

@@ -22,7 +22,7 @@ from .terminal import grid, output, print_json, row, sentences, span, tell, writ
 
 if TYPE_CHECKING:
     from ..results.fitted import Fit
-    from ..solvers.progress import Progress
+    from ..solvers.status import Progress
     from ..study.identification.fitting import Task
 
 

@@ -24,7 +24,7 @@ MADE = 0.03  # s that it takes to assemble a member and to read what it leaves, 
 def forecast(numbers: Sequence[dict[str, Any]], base: Mechanism, asked: Asked, target: Path, anew: bool = False) -> dict[str, Any]:
     """Members to compute, steps of each, seconds, bytes; estimates, and called so."""
     from ..results.member_errors import sample_size
-    from ..study.repetition import RATIO
+    from ..study.run_missing import RATIO
 
     left = list(numbers)
     if target.is_file() and not anew:
@@ -126,7 +126,7 @@ def refuse_absurd(found: dict[str, Any], place: Path, yes: bool, what: str = "st
 
 def tell_forecast(found: dict[str, Any], place: Path, plan: Plan) -> None:
     """The forecast in a line, and what of the measures does not heed the turns that are chosen."""
-    from ..study.wanted import beside_last
+    from ..study.study_file import beside_last
     from .terminal import amount_of_bytes, counted, span, tell
 
     done = f" beside {found['done']:,} that are there" if found["done"] else ""

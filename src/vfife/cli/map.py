@@ -84,7 +84,7 @@ def sweep(
 
     def understood(mechanism: Mechanism) -> Question:
         from ..study.maps.bifurcation import bifurcation
-        from ..study.maps.looks import models_along
+        from ..study.maps.section_series import models_along
 
         path, low, high = swept = number_range(mechanism, over)
         starts, size, left = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step), drop_of(drop, turns)

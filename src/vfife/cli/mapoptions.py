@@ -39,7 +39,7 @@ Yes = Annotated[bool, typer.Option("--yes", help="Make it whatever it takes: hou
 
 def drop_of(drop: int | None, turns: int, share: float | None = None) -> int:
     """Turns that are not looked at, of so many: a share of them unless said. Raises ValueError where none is left."""
-    from ..study.maps.looks import DROPPED, left_out
+    from ..study.maps.section_series import DROPPED, left_out
 
     if drop is not None and drop >= turns:
         raise ValueError(f"--drop {drop}: no turn is left to look at of --turns {turns}; allowed: 0 to {turns - 1}, fewer of them are dropped then")
@@ -54,7 +54,7 @@ def quantity_at(option: str, text: str | None) -> float | None:
 def turning_steps(models: Sequence[Mechanism], step: float | None) -> int:
     """Steps of a turn, as they will be taken; 0 where no crank turns, which is told when a map is begun. Raises ModelError for a step too large."""
     from ..model.functions import turn_of
-    from ..study.maps.looks import step_count
+    from ..study.maps.section_series import step_count
 
     return 0 if any(turn_of(model) is None for model in models) else step_count(models, step, search=True)
 
@@ -78,7 +78,7 @@ def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
 
 def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple[str, float, float]:
     """A number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH. Raises ValueError."""
-    from ..study.maps.looks import unit_at
+    from ..study.maps.section_series import unit_at
     from ..study.maps.starts import unit_of_start
     from ..units import ends_of, number
 

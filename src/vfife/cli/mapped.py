@@ -15,7 +15,7 @@ from .terminal import grid, output, row, tell, writing
 
 if TYPE_CHECKING:
     from ..study.maps.basins import Basins
-    from ..study.maps.diagram import Bifurcation, Spell
+    from ..study.maps.bifurcation import Bifurcation, Spell
     from ..study.maps.sections import PoincareSection
     from ..study.maps.waterfall import Fallen, Waterfall
 

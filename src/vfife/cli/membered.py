@@ -43,7 +43,7 @@ class MemberLine:
 
     def __call__(self, done: int, of: int, outcome: Outcome) -> None:
         """Shows where the study stands; called after each member."""
-        from ..solvers.progress import Progress
+        from ..solvers.status import Progress
 
         self.first = done - 1 if self.first is None else self.first
         self.failed += outcome.status != Status.COMPLETE

@@ -12,7 +12,7 @@ from ..codegen import cache
 from .terminal import errors, span
 
 if TYPE_CHECKING:
-    from ..solvers.progress import Progress
+    from ..solvers.status import Progress
 
 PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
 START = "preparing the loop"

@@ -14,8 +14,7 @@ from .terminal import counted, grid, output, print_json, row, sentences, tell
 
 if TYPE_CHECKING:
     from ..results.studied import Study
-    from ..study.limits import Bound
-    from ..study.quantiles import Estimate
+    from ..study.limits import Bound, Estimate
 
 Limits = Annotated[
     list[str] | None,
@@ -86,7 +85,7 @@ def indices(file: FileArgument, measure: Measures = None, laws: LawsOption = Non
     """
     found = read(file)
     with sentences(str(file)):
-        from ..study.designs import sensitivities
+        from ..study.sensitivity_indices import sensitivities
 
         take_laws(laws)
         every = sensitivities(found, measure or ())
@@ -121,7 +120,7 @@ def numerical_share(found: Study, one: Any) -> str:
 def index_table(one: Any) -> Any:
     """The table of a measure, what matters most first."""
     from ..report.study import quantity
-    from ..study.indices import Index
+    from ..study.sensitivity_indices import Index
 
     if isinstance(one.rows[0], Index):
         table = grid(one.measure, "alone", "±", "with others", "±", right=(1, 2, 3, 4))

@@ -19,7 +19,7 @@ StudyOption = Annotated[bool, typer.Option("--study", help="The schema of study 
 def schema(out: OutOption = None, study: StudyOption = False) -> None:
     """JSON Schema of model files, for completion and checks in an editor: every key with its meaning, unit and limits."""
     if study:
-        from ..study.jsonschema import text
+        from ..study.study_file import text
     else:
         from ..modelfile.jsonschema import text
 

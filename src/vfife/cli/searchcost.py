@@ -43,7 +43,7 @@ def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | st
     from ..codegen.native import CONTACT_LANES
     from ..errors import VfifeError
     from ..results.cost import estimate
-    from ..study.refining import refuses
+    from ..study.local_search import refuses
     from .forecast import member
 
     if not search.refine or refuses(search):
@@ -70,7 +70,7 @@ def choosing(search: Search) -> float:
 def told_of_allotment(plan: Plan, base: Mechanism, task: Allotment, target: Path, yes: bool, quiet: bool, anew: bool) -> None:
     """The forecast of an allocation, and the end of what nobody can mean: all machines of the choice that is taken, the first few of others."""
     from ..study.allocation import FIRST
-    from ..study.quantiles import needed
+    from ..study.limits import needed
     from ..study.searches import WIDTH, numbers_at
 
     machines = task.asked.count or needed(1.0 - task.asked.share, task.asked.confidence)

@@ -19,9 +19,8 @@ from .terminal import command, grid, output, print_json, row, sentences, tell, w
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..study.allocation import Allocated
-    from ..study.carry import Runner
-    from ..study.growing import Growing
     from ..study.plan import Plan
+    from ..study.run_missing import Growing, Runner
     from ..study.searches import Allotment
 
 Work = TypeVar("Work")
@@ -60,8 +59,8 @@ def optimise(
     found, more = grown(
         target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search, base)
     )
-    from ..study.carry import units_of
     from ..study.optimise import best
+    from ..study.run_missing import units_of
 
     front, units = best(search, found), units_of(plan.asked.measures, base)
     feasible = sum(one.feasible for one in found)
@@ -108,8 +107,8 @@ def allocate(
     limit.
     """
     with sentences(str(file)):
-        from ..study.carry import units_of
         from ..study.cluster import elsewhere
+        from ..study.run_missing import units_of
         from ..study.searches import allotted, load_allotment
 
         take_laws(laws)
@@ -191,8 +190,8 @@ def grown(
     kept = f"Members that ended are kept in {target}; the same command goes on after them."
     with sentences(str(target)), writing(str(target), kept):
         from ..study.cluster import joined
-        from ..study.growing import BrokenOff, Growing
-        from ..study.growing import grown as made
+        from ..study.run_missing import BrokenOff, Growing
+        from ..study.run_missing import grown as made
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None

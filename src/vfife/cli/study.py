@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from ..results.lock import Lock
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
-    from ..study.carry import Runner
     from ..study.plan import Plan
+    from ..study.run_missing import Runner
 
 RUN = "run"
 Added = Annotated[
@@ -85,7 +85,7 @@ def run(
         from ..results.header import study_head
         from ..study.cluster import elsewhere
         from ..study.plan import SEARCH
-        from ..study.planfile import load_plan
+        from ..study.study_file import load_plan
 
         take_laws(laws)
         if study_head(file) is not None:
@@ -99,7 +99,7 @@ def run(
     told_of(plan, base, target, yes, quiet, anew=force, retry=retry)
 
     def opened() -> StudyFile:
-        from ..study.carry import opened as made
+        from ..study.run_missing import opened as made
 
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
         return made(target, plan, base, file.stem, replace=force)
@@ -141,7 +141,7 @@ def add(
     with ExitStack() as held:
         with sentences(str(file)):
             from ..study.cluster import elsewhere
-            from ..study.more import added, split
+            from ..study.run_missing import added, split
             from ..study.studies import locked
 
             take_laws(laws)
@@ -152,7 +152,7 @@ def add(
         told_of(plan, base, file, yes, quiet, retry=retry)
 
         def opened() -> StudyFile:
-            from ..study.carry import taken_up
+            from ..study.run_missing import taken_up
 
             return taken_up(file, plan, asked)
 
@@ -206,9 +206,8 @@ def carried(
     went_on = f"Members that ended are kept in {target}; the same command goes on after them."
     kept = went_on if target.exists() else ""
     with sentences(str(target)), writing(str(target), kept):
-        from ..study.carry import carry_out, read_back
         from ..study.cluster import joined
-        from ..study.repetition import repeat_sample
+        from ..study.run_missing import carry_out, read_back, repeat_sample
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None

@@ -20,7 +20,7 @@ from .terminal import counted, grid, output, row, sentences, span, tell, writing
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..study.tribology.worn import Worn
+    from ..study.tribology.wear_state import Worn
 
 MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
 CLEAR = 0.8  # of what the deepest places lost, the least that play may follow unremarked
@@ -72,8 +72,8 @@ def wear(
         refuse_worn(saved)
         targets = (("--figure", drawn), ("--csv", csv), ("--worn", saved), *((("-o", place),) if not kept else ()))
         refuse_inputs(targets, (model, *(laws or ())))
-        from ..study.tribology.wearing import load_wear
-        from ..study.tribology.wearing import wear as worn_over
+        from ..study.tribology.simulate_wear import load_wear
+        from ..study.tribology.simulate_wear import wear as worn_over
 
         if kept:
             found = load_wear(model)

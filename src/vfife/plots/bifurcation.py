@@ -12,7 +12,7 @@ from .style import BODIES, GREY, VERMILION, heading, length_unit, panels, scale_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..study.maps.diagram import Bifurcation
+    from ..study.maps.bifurcation import Bifurcation
 
 MARKERS = (("o", 1.6), ("x", 2.6), ("^", 2.6), ("s", 1.6), ("+", 4.0), ("v", 2.6))  # with the area of each
 NAMES = {"up": "way up", "down": "way down"}

@@ -18,7 +18,7 @@ from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, digits, heading, le
 
 if TYPE_CHECKING:
     from ..results.view import View
-    from ..study.tribology.worn import Worn
+    from ..study.tribology.wear_state import Worn
 
 HOLLOW = 1.5  # radius of the surface as it was, in deepest depths
 MOST_JOINTS = 6

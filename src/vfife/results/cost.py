@@ -83,8 +83,8 @@ def with_repetition(found: dict[str, Any], assembly: Assembly, refined: bool) ->
 
 def _alone(assembly: Assembly) -> dict[str, Any]:
     from ..codegen.straight_line import about
-    from ..solvers.meshes import iterations
     from ..solvers.record import recorded_rows
+    from ..solvers.refinement import iterations
     from ..solvers.transient import choose_loop
 
     topology, choice = assembly.topology, assembly.choice

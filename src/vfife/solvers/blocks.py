@@ -9,8 +9,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds
 from ..codegen.runner import Runner
 from ..errors import VfifeError
-from .halt import Halt
-from .pace import Pace
+from .interrupts import Halt, Pace
 from .record import Record, recorded_rows
 
 Array = NDArray[np.float64]

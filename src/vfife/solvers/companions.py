@@ -1,10 +1,4 @@
-"""Companions of a run: the same motion with other step sizes, in the lanes beside it.
-
-A run with contact is repeated with steps of about 1.4, 1.7 and 2 times its own; all else is the same. Each companion makes a whole number of steps
-between two outputs, so that all have the same outputs. How the results change with the step shows how far the step decides them: runs that share
-one step agree on its error. Of a companion only what measures and figures need is kept: extremes, counts, losses, moments and angular
-accelerations at the outputs of the last turn, and one row for each turn before.
-"""
+"""Rows of S gathered into one a turn: the largest of what is an extreme, the last of all else."""
 
 from __future__ import annotations
 
@@ -21,9 +15,49 @@ from ..assembly.assembled import Assembly, StepChoice
 from ..assembly.timestep import SAFETY
 from .record import places
 from .repeating import outputs_of_a_turn
-from .turnrows import TurnRows
 
 Array = NDArray[np.float64]
+
+
+@dataclass
+class TurnRows:
+    """Gathers outputs, so many in a turn, into rows of whole turns, shape (rows, lanes) each; ``extreme`` says which rows are extremes."""
+
+    outputs: int
+    extreme: NDArray[np.bool_]
+    turns: list[Array] = field(default_factory=list)
+    inside: int = 0  # outputs of the turn under way
+    largest: Array | None = None
+
+    def take(self, rows: Array) -> int:
+        """Outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; how many turns they end."""
+        before = len(self.turns)
+        while len(rows):
+            part, rows = rows[: self.outputs - self.inside], rows[self.outputs - self.inside :]
+            most = part.max(axis=0)
+            self.largest = most if self.largest is None else np.maximum(self.largest, most)
+            self.inside += len(part)
+            if self.inside == self.outputs:
+                self.turns.append(np.where(self.extreme[:, None], self.largest, part[-1]))
+                self.inside, self.largest = 0, None
+        return len(self.turns) - before
+
+    @property
+    def remembered(self) -> list[Any]:
+        """What a checkpoint keeps of the turn under way, for JSON."""
+        return [self.inside, [] if self.largest is None else self.largest.tolist()]
+
+    def restore(self, remembered: list[Any], turns: list[Array]) -> None:
+        """Takes up what a checkpoint remembers, and the turns before it."""
+        self.inside, self.turns = int(remembered[0]), turns
+        self.largest = np.array(remembered[1], dtype=float) if self.inside else None
+
+    def array(self, lanes: int, last: int | None = None) -> Array:
+        """The turns, shape (turns, rows, lanes); up to the one that ends with the output ``last``, where it is given."""
+        some = self.turns if last is None else self.turns[: last // self.outputs]
+        return np.array(some).reshape(len(some), len(self.extreme), lanes)
+
+
 Counts = NDArray[np.int64]
 
 DEFAULT = 3  # companions of a run with contact on every machine: with the run itself they fill a vector of four numbers

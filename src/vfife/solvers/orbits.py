@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
-from .halt import Halt
-from .nearby import ALIGNED, Nearby, plain_runner
-from .pace import Pace
+from .interrupts import Halt, Pace
+from .lyapunov import ALIGNED, Nearby, plain_runner
 from .tangents import Neighbours
 
 Array = NDArray[np.float64]

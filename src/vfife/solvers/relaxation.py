@@ -1,16 +1,9 @@
-"""Dynamic relaxation: the step of a run with fictitious masses, one iteration each, damped until nothing moves.
-
-All particles have about the same stable step (``fictitious_mass.py``). Damping is critical for the slowest motion under way. Its frequency is
-Rayleigh's quotient of the last change, w^2 = -sum(m dx da)/sum(m dx^2), with dx, da the changes of position and acceleration between two looks:
-Underwood, Dynamic relaxation, in Belytschko, Hughes (eds.), Computational Methods for Transient Analysis (1983) 245-265; the accelerations are
-those after the reactions, so that joints need no tangent. Where the quotient is negative, as while a structure snaps through, damping is halved
-from look to look, and the motion runs off to the next equilibrium.
-"""
+"""Equilibria by dynamic relaxation: fictitious masses, what a load factor acts on, and the iterations themselves."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,12 +11,157 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
+from ..assembly.stability import element_stiffness, held
 from ..codegen.runner import Runner
+from ..kernels.polynomial import polynomial
+from ..kernels.topology import FREE, SPEED, TIME
+from ..kinematics.forces import Datum, actions
+from ..laws.elasticity import tangent
+from ..numerics.elementwise import hypot
 from ..numerics.products import dot, times
-from .fictitious_mass import Floors, demands, extent
-from .pace import Pace
+from .interrupts import Pace
 
 Array = NDArray[np.float64]
+
+OMEGA = 3.6  # square of the highest frequency (rad/iteration)^2; 4 is the limit of stability
+SWAY = 0.8  # share of the bending frequency that goes to translations, the rest to rotations
+
+
+def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> tuple[Array, Array]:
+    """Mass (N s^2/m, the iteration being the second) and inertia that each particle needs for iterations to be stable, shape (particles,).
+
+    ``state``: S at present, for lengths and axial forces of elements; ``pressed`` (N): what each contact has carried of late, ``force`` at least.
+    """
+    mass, inertia = _elements(assembly, state)
+    load = held(assembly.layout, state, assembly.topology, _contacts(assembly, np.maximum(2.0 * pressed, force)))
+    # springs, axes of bushings and contacts are on four motions, torsional springs on two
+    return (mass + 4.0 * load.straight) / OMEGA, (inertia + 4.0 * load.levers + 2.0 * load.about) / OMEGA
+
+
+def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
+    """Axial stiffness on two motions; bending on two across and two turns, or one where an end is released; N/l across."""
+    mass, inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
+    if not assembly.topology.frame_nodes:
+        return mass, inertia
+    k = element_stiffness(assembly.layout, state, assembly.topology)
+    pulled = np.abs(state[assembly.layout["frame_axial_force"]]) / state[assembly.layout["reference_length"]]
+    turns = np.where(k.other > 0.0, 2.0, 1.0) / (1.0 - SWAY)
+    for column in (0, 1):
+        np.add.at(mass, k.nodes[:, column], 2.0 * (k.along + pulled) + 2.0 / SWAY * k.across)
+        np.add.at(inertia, k.nodes[:, column], turns * k.own[:, column])
+    return mass, inertia
+
+
+def _contacts(assembly: Assembly, force: Array) -> list[float]:
+    """The tangent (N/m) of each contact law under a force (N) for each."""
+    found = []
+    for index, name in enumerate(assembly.contact_joints):
+        law = assembly.mechanism.contacts[name].contact
+        found.append(tangent(law, assembly.contact_slots(index), float(force[index]))[1] if force[index] > 0.0 else 0.0)
+    return found
+
+
+class Floors:
+    """The least masses and inertias of an assembly's particles."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.size = extent(assembly, assembly.state)
+        self.gyration = np.zeros(assembly.topology.particles)
+        for body in assembly.bodies.values():
+            if body.elements:
+                continue
+            reach = max([0.0, *(hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
+            self.gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach * reach)
+
+    def __call__(self, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
+        """Masses and inertias with ``least`` (N/m) for what has no stiffness of its own, which loads alone would hold: a pendulum, a cable.
+
+        Inertias of rigid bodies are at least the mass times the square of their radius of gyration.
+        """
+        if least <= 0.0:
+            positive = mass[mass > 0.0]
+            least = float(np.median(positive)) * OMEGA if len(positive) else OMEGA
+        mass = np.maximum(mass, least / OMEGA)
+        inertia = np.maximum(inertia, self.gyration * mass)
+        return mass, np.where(inertia > 0.0, inertia, mass * (self.size * self.size))
+
+
+def extent(assembly: Assembly, state: Array) -> float:
+    """Diagonal of the box around the particles and the points of the ground, and no less than the largest body or bearing (m)."""
+    points = np.array(list(assembly.mechanism.points.values())).reshape(-1, 2)
+    places = [state[assembly.layout[f"particle_{axis}"]] for axis in "xy"]
+    columns = [np.concatenate([place[1:], points[:, axis]]) for axis, place in enumerate(places)]
+    box = float(hypot(*(column.max() - column.min() for column in columns))) if len(columns[0]) else 0.0
+    pins = [float(hypot(*at)) for body in assembly.bodies.values() for at in body.pins.values()]
+    bearings = [joint.reach for joint in assembly.mechanism.contacts.values()]
+    return max([box, *pins, *bearings, 1e-9])
+
+
+class Loading:
+    """What the load factor acts on: tables of functions, weights and drivers of an assembly, written into a relaxation's S and T."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.assembly, self.layout, t = assembly, assembly.layout, assembly.topology
+        scaled = [action.steady for action in actions(assembly.mechanism, Datum()) for _ in action.ends]
+        self.loads = dict(zip(t.load_function, scaled, strict=True))
+        self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
+        self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]
+        angles = [f for f, (_, turn) in zip(t.joint_function, t.held, strict=True) if turn != FREE]
+        self.turns = {f for f in (*t.driven_function, *angles) if f >= 0}
+        self.motions = sorted({f for f in (*t.driven_function, *t.joint_function) if f >= 0})
+
+    def value(self, function: int, factor: float) -> float:
+        """Value of a function of time under a load factor."""
+        start = self.assembly.topology.function_start[function]
+        if self.loads.get(function, False):
+            return factor * float(polynomial(self.assembly.tables, start, 0.0)[0])
+        return float(polynomial(self.assembly.tables, start, factor)[0])
+
+    def force(self, factors: Sequence[float], size: float) -> float:
+        """Sum of all loads at the largest factor (N), moments as forces on a lever of ``size`` (m)."""
+        state, t = self.assembly.state, self.assembly.topology
+        total = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(abs(f) for f in factors)
+        for k, function in enumerate(t.load_function):
+            fx, fy, moment = (float(state[self.layout.row(f"load_{axis}", k)]) for axis in ("fx", "fy", "m"))
+            total += (float(hypot(fx, fy)) + abs(moment) / size) * max(abs(self.value(function, f)) for f in factors)
+        return total
+
+    def motion(self, old: float, new: float) -> tuple[float, float]:
+        """Largest turn (rad) and travel (m) of the drivers between two load factors."""
+        speed = self.assembly.state[self.layout["driven_speed"]]
+        turns = [abs(float(speed[k]) * (new - old)) for k in self.speeds]
+        moved = {f: abs(self.value(f, new) - self.value(f, old)) for f in self.motions}
+        turns += [size for f, size in moved.items() if f in self.turns]
+        return max(turns, default=0.0), max((size for f, size in moved.items() if f not in self.turns), default=0.0)
+
+    def go(self, relaxation: Relaxation, old: float, new: float, count: int) -> None:
+        """Writes what leads from one factor to another in ``count`` iterations, motions evenly; at once where ``count`` is 0."""
+        start, state = self.assembly.state, relaxation.state
+        now = float(relaxation.runner.done)
+        for name in ("particle_load_x", "particle_load_y", "particle_load_m", "driven_weight_x", "driven_weight_y"):
+            state[self.layout[name]] = new * start[self.layout[name]]
+        for k in self.speeds:
+            angle, speed = (float(start[self.layout.row(f"driven_{name}", k)]) for name in ("angle", "speed"))
+            rate = speed * (new - old) / count if count else 0.0
+            state[self.layout.row("driven_speed", k)] = rate
+            state[self.layout.row("driven_angle", k)] = angle + speed * (old if count else new) - rate * now
+        for function in range(len(self.arguments)):
+            self._table(relaxation, function, old, new, count, now)
+
+    def _table(self, relaxation: Relaxation, function: int, old: float, new: float, count: int, now: float) -> None:
+        tables, t = relaxation.runner.functions, self.assembly.topology
+        at, argument = t.function_start[function], self.arguments[function][0]
+        if argument in (TIME, SPEED):
+            before, after = self.value(function, old), self.value(function, new)
+            linear = count > 0 and function in self.motions
+            line = (before if linear else after, (after - before) / count if linear else 0.0)
+            tables[at : at + 10] = 1.0, now, *line, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            return
+        pieces = int(self.assembly.tables[at])
+        first = at + (1 + pieces if pieces > 0 else 3 - pieces)
+        last = first + 7 * abs(pieces)
+        tables[first:last] = new * self.assembly.tables[first:last]
+
 
 LOOKS = 4  # in a chunk of iterations
 ANGLE = 0.4  # rad of the slowest motion between two looks

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from .halt import Halt
-from .nearby import ALIGNED, Nearby, plain_runner, steps_of_turn
-from .pace import Pace
-from .strikes import COLUMNS, Strikes
+from .impact_section import COLUMNS, Strikes
+from .interrupts import Halt, Pace
+from .lyapunov import ALIGNED, Nearby, plain_runner, steps_of_turn
 from .tangents import Neighbours
 
 Array = NDArray[np.float64]
@@ -25,7 +24,7 @@ TURNS = 50  # of a piece
 @dataclass(frozen=True)
 class Piece:
     """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, kept), the ``growth`` of a small difference in it, its logarithm,
-    shape (turns,), what was ``struck`` (:class:`~vfife.solvers.strikes.Strikes`), and the ``state`` to go on from, shape (rows,) or (2 rows,)."""
+    shape (turns,), what was ``struck`` (:class:`Strikes`), and the ``state`` to go on from, shape (rows,) or (2 rows,)."""
 
     number: int
     rows: Array

@@ -17,13 +17,10 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kinematics.drives import constraint_drivers
 from ..model.mechanism import Settings
-from .fictitious_mass import extent
-from .halt import Halt
-from .loading import Loading
-from .progress import Progress
+from .interrupts import Halt
 from .record import Checkpoint, Record, Writer, lasting_rows, recorded_rows
-from .relaxation import Relaxation
-from .status import Status
+from .relaxation import Loading, Relaxation, extent
+from .status import Progress, Status
 
 Array = NDArray[np.float64]
 

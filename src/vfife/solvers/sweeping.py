@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from .halt import Halt
-from .nearby import ALIGNED, Nearby, plain_runner, steps_of_turn
-from .pace import Pace
+from .interrupts import Halt, Pace
+from .lyapunov import ALIGNED, Nearby, plain_runner, steps_of_turn
 from .tangents import Neighbours
 
 Array = NDArray[np.float64]

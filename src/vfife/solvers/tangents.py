@@ -19,8 +19,7 @@ from ..assembly.assembled import Assembly
 from ..codegen.native import CONTACT_LANES
 from ..codegen.runner import Runner
 from ..errors import VfifeError
-from .halt import Halt
-from .pace import Pace
+from .interrupts import Halt, Pace
 from .record import Columns, Record, recorded_rows
 
 Array = NDArray[np.float64]

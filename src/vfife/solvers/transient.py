@@ -17,12 +17,10 @@ from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .companions import Gathering, step_counts
-from .halt import Halt
-from .pace import FIRST, QUICK, Pace
-from .progress import Progress
+from .interrupts import FIRST, QUICK, Halt, Pace
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
 from .repeating import Settling
-from .status import Status
+from .status import Progress, Status
 from .synchronised import SeparateLanes, Stepper, SynchronisedLanes
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file

@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import VfifeError
 from ..fields.refused import Refused
 from .distributions import Array, Distribution, of_fit
-from .quantiles import Estimate, allowed_failures, needed, quantile
+from .limits import Estimate, allowed_failures, needed, quantile
 from .sampling import places
 
 GRADE = re.compile(r"IT([0-9]{1,2})")

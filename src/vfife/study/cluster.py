@@ -1,24 +1,184 @@
-"""Members on the workers of a cluster of dask.distributed, a batch of a second or two at a time; nothing is lost with a worker.
-
-Who asks keeps one batch on each thread of each worker, and no more. So when a worker is gone, it is known which members it had: they are tried
-again one by one, and a member that takes its worker with it three times is given up. A member has the same bits wherever it runs.
-"""
+"""Members among the workers of a cluster: who waits, who is where, and what becomes of those whose worker is gone."""
 
 from __future__ import annotations
 
 import logging
+import math
+import queue
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
 from ..errors import VfifeError
 from ..model.mechanism import Mechanism
-from .batch import Numbers, question, run_batch
+from .batch import Answer, Numbers, Question, question, run_batch
 from .engine import Outcome, Wanted, on_device
-from .spreading import Spread, Work, imported
+
+EXTRA = 'a cluster is reached by dask.distributed, which is not installed here: pip install "vfife[cluster]"'
+TRIES = 3  # workers that a member may take with it
+SECONDS = 2.0  # that a batch should take
+FIRST = 8  # members of the first batches
+LOOK = 0.25  # s between looks at who is there
+PATIENCE = 60.0  # s without any worker
+HAND_OVER = 1.0  # s that are waited for what a worker has
+
+Work = Callable[[Question, Sequence[Numbers], int | None], Answer]
+
+
+@dataclass
+class Batch:
+    """Members that are at a worker."""
+
+    members: list[int]
+    worker: str
+    future: Any
+
+
+@dataclass
+class Spread:
+    """Members waiting, those at workers, and what is known of both."""
+
+    client: Any
+    question: Question
+    numbers: Sequence[Mapping[str, float | str]]
+    lanes: int | None
+    work: Work
+    waiting: deque[int] = field(default_factory=deque)
+    alone: deque[int] = field(default_factory=deque)  # had a worker that died, so they go one by one
+    running: dict[str, Batch] = field(default_factory=dict)
+    deaths: Counter[int] = field(default_factory=Counter)
+    done: queue.SimpleQueue[str] = field(default_factory=queue.SimpleQueue)
+    threads: dict[str, int] = field(default_factory=dict)
+    ready: set[str] = field(default_factory=set)  # workers that have imported what a batch needs
+    looked: float = -math.inf
+    seen: float = field(default_factory=time.monotonic)
+    each: float = math.nan  # s that a member takes
+
+    def __post_init__(self) -> None:
+        self.waiting.extend(range(len(self.numbers)))
+        self.look()
+
+    @property
+    def left(self) -> bool:
+        """Whether any member has not ended."""
+        return bool(self.waiting or self.alone or any(batch.members for batch in self.running.values()))
+
+    def look(self) -> None:
+        """Asks who is there. Raises VfifeError where the scheduler does not answer, or nobody has been there for long."""
+        try:
+            self.threads = dict(self.client.nthreads())
+        except Exception as error:  # of the network, of its time-outs, of a client that was closed by either
+            raise lost(self.client, error) from None
+        self.looked = time.monotonic()
+        if self.threads:
+            self.seen = self.looked
+        elif self.looked - self.seen > PATIENCE:
+            raise VfifeError(f"the cluster has had no worker for {PATIENCE:g} s; start some, and give the same command to go on")
+
+    def submit(self) -> None:
+        """Gives every free thread a batch, but to a new worker an empty one first: if it ends while it begins, no member is to blame."""
+        busy = Counter(batch.worker for batch in self.running.values())
+        for worker, threads in self.threads.items():
+            for _ in range(threads - busy[worker] if worker in self.ready else 1 - busy[worker]):
+                if worker not in self.ready or (members := self.next()):
+                    self.give(worker, members if worker in self.ready else [])
+
+    def give(self, worker: str, members: list[int]) -> None:
+        """Gives a batch to a worker."""
+        asked = [dict(self.numbers[k]) for k in members]
+        future = self.client.submit(self.work, self.question, asked, self.lanes, workers=[worker], pure=False)
+        self.running[future.key] = Batch(members, worker, future)
+        future.add_done_callback(lambda future: self.done.put(future.key))
+
+    def next(self) -> list[int]:
+        """The members of the next batch: as many as take the seconds it should, and no more than leave every thread a few batches."""
+        if self.alone:
+            return [self.alone.popleft()]
+        fair = math.ceil(len(self.waiting) / (2 * max(1, sum(self.threads.values()))))
+        size = FIRST if math.isnan(self.each) else max(1, round(SECONDS / max(self.each, 1e-6)))
+        return [self.waiting.popleft() for _ in range(min(size, max(fair, 1), len(self.waiting)))]
+
+    def ended(self) -> Iterator[tuple[int, Outcome]]:
+        """Waits a while for batches that end, and looks after those whose workers are gone."""
+        keys = list[str]()
+        with suppress(queue.Empty):
+            keys.append(self.done.get(timeout=LOOK))
+        while not self.done.empty():
+            keys.append(self.done.get())
+        for key in keys:
+            if key in self.running:
+                yield from self.outcomes(self.running.pop(key))
+        if time.monotonic() - self.looked > LOOK or not keys:
+            self.look()
+        for key in [key for key, batch in self.running.items() if batch.worker not in self.threads]:
+            yield from self.died(self.running.pop(key))
+
+    def outcomes(self, batch: Batch) -> Iterator[tuple[int, Outcome]]:
+        """What a batch came to; a worker may be gone before it could say so."""
+        try:
+            answer: Answer = batch.future.result(timeout=HAND_OVER)
+        except (TimeoutError, imported().TimeoutError):
+            self.look()
+            if batch.worker in self.threads:  # it has much to do
+                self.running[batch.future.key] = batch
+                self.done.put(batch.future.key)
+            else:
+                yield from self.died(batch)
+        except imported().KilledWorker:
+            yield from self.died(batch)
+        except VfifeError:
+            raise
+        except Exception as error:
+            if "cancelled" in type(error).__name__.lower() or self.client.status != "running":
+                raise lost(self.client, error) from None
+            said = str(error).splitlines()[0] if str(error) else type(error).__name__
+            raise VfifeError(f"worker {batch.worker} cannot run a batch: {said}; it needs the same vfife as this machine") from error
+        else:
+            self.ready.add(batch.worker)
+            if batch.members:
+                self.each = answer.seconds / len(batch.members)
+            for member, outcome in zip(batch.members, answer.outcomes, strict=True):
+                yield member, Outcome(**outcome)
+
+    def died(self, batch: Batch) -> Iterator[tuple[int, Outcome]]:
+        """A batch whose worker is gone: its members are tried one by one, but for one that has taken three."""
+        batch.future.cancel()
+        self.ready.discard(batch.worker)
+        for member in batch.members:
+            self.deaths[member] += 1
+            if self.deaths[member] < TRIES or len(batch.members) > 1:
+                self.alone.append(member)
+            else:
+                yield member, Outcome(status="killed", reason=f"{self.deaths[member]} workers died while they ran it")
+
+    def cancel(self) -> None:
+        """Takes back what is at workers."""
+        if self.running and self.client.status == "running":
+            self.client.cancel([batch.future for batch in self.running.values()])
+
+
+def lost(client: Any, error: BaseException) -> VfifeError:
+    """What is said when the scheduler is gone."""
+    where = getattr(getattr(client, "scheduler", None), "address", "the cluster")
+    said = (str(error).splitlines() or [type(error).__name__])[0]
+    return VfifeError(f"the scheduler of {where} is lost ({said}); what has ended is kept, and the same command goes on with the rest")
+
+
+def imported() -> ModuleType:
+    """dask.distributed. Raises VfifeError where it is not installed."""
+    try:
+        import distributed
+    except ImportError:
+        raise VfifeError(EXTRA) from None
+    module: ModuleType = distributed
+    return module
+
 
 NOISY = ("asyncio", "distributed", "distributed.client")  # tell with tracebacks what is told here in sentences
 DEAF = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"  # Ctrl-C is for who asks

@@ -29,17 +29,15 @@ from ..results.view import standing
 from ..simulation import simulate
 from ..solvers.arguments import Arguments
 from ..solvers.companions import SENSITIVE, measured_rows
-from ..solvers.progress import Progress
 from ..solvers.record import Record, recorded_rows
-from ..solvers.status import Status
+from ..solvers.status import Progress, Status
 from ..solvers.tangents import Neighbours, Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
 from ..solvers.variants import StepSize, step_sizes
-from .finite_changes import WIDE, FiniteChanges, assembled, finite_changes
-from .finite_changes import compared as checked
-from .finite_changes import references as ideal_changes
-from .neighbours import Way, beside, neighbours
-from .wanted import known_measures
+from .finite_difference import WIDE, FiniteChanges, Way, assembled, beside, finite_changes, neighbours
+from .finite_difference import compared as checked
+from .finite_difference import references as ideal_changes
+from .study_file import known_measures
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..fields.refused import Refused
-from .fits import Fit, fit, zone
+from .iso286 import Fit, fit, zone
 
 SIGMAS = 3.0  # standard deviations from the middle of a tolerance to its limits
 NODES = 32  # of a Gauss-Legendre rule over at most six standard deviations: 1e-14 of a probability

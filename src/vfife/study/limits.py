@@ -1,4 +1,7 @@
-"""Limits of measures: which machines fail, and what is said of limits in a study file."""
+"""What a sample of machines says of all of them: quantiles and shares, with limits of confidence.
+
+The machines are taken to be independent draws; samples of a hypercube or of Sobol's sequence say more than that, so their limits are wide ones.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,102 @@ from typing import Any
 from ..errors import QuantityError, kind_of, shown, suggestion
 from ..fields import Reading, Refused
 from ..units import number
+from .distributions import Array
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number of all machines as a sample shows it, and limits between which it lies with the confidence asked for; infinite where the sample is
+    too small to say."""
+
+    value: float
+    low: float
+    high: float
+
+
+def quantile(values: Array, share: float, confidence: float = CONFIDENCE) -> Estimate:
+    """The value below which a share of all machines lies, from the finite ``values`` of a sample.
+
+    The estimate lies between the values of ranks (n - 1) q below and above. The limits are values of the sample themselves: of n draws the number B
+    below the quantile is binomial, so those of ranks r and s, the greatest r with P(B < r) ≤ α/2 and the least s with P(B ≥ s) ≤ α/2, hold it with
+    at least the confidence 1 - α, whatever the distribution (David, Nagaraja: Order Statistics, 7.1).
+    """
+    import numpy as np
+
+    ranked = np.sort(values)
+    n = len(ranked)
+    if not n:
+        return Estimate(math.nan, -math.inf, math.inf)
+    half = 0.5 * (1.0 - confidence)
+    below = cumulative(n, share)  # P(B ≤ k) at k
+    r = int(np.searchsorted(below, half, side="right"))  # P(B < r) = P(B ≤ r - 1) ≤ α/2
+    s = int(np.searchsorted(below, 1.0 - half, side="left")) + 1  # P(B ≥ s) = 1 - P(B ≤ s - 1) ≤ α/2
+    low = float(ranked[r - 1]) if r >= 1 else -math.inf
+    high = float(ranked[s - 1]) if s <= n else math.inf
+    return Estimate(float(np.quantile(ranked, share)), low, high)
+
+
+def share(count: int, of: int, confidence: float = CONFIDENCE) -> Estimate:
+    """The share of all machines, of whom ``count`` were found in a sample, with Wilson's limits: the shares p for which the count is not further
+    than z standard deviations √(p (1 - p) n) from p n (Wilson 1927)."""
+    from scipy.special import ndtri
+
+    if not of:
+        return Estimate(math.nan, 0.0, 1.0)
+    z = float(ndtri(0.5 * (1.0 + confidence)))
+    z2 = z * z
+    p = count / of
+    middle, half = p + 0.5 * z2 / of, math.sqrt(z2 / of * (p * (1.0 - p) + 0.25 * z2 / of))
+    low, high = ((middle + side * half) / (1.0 + z2 / of) for side in (-1.0, 1.0))
+    return Estimate(p, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < of else 1.0)
+
+
+def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
+    """Estimate the mean of all machines from the finite ``values`` of a sample.
+
+    The limits are z standard errors from the mean of the sample, by the central limit theorem: of skewed measures and
+    few machines they are too narrow. Infinite for fewer than two values.
+    """
+    import numpy as np
+    from scipy.special import ndtri
+
+    n = len(values)
+    if n < 2:
+        return Estimate(float(values[0]) if n else math.nan, -math.inf, math.inf)
+    middle, half = float(np.mean(values)), float(ndtri(0.5 * (1.0 + confidence)) * np.std(values, ddof=1)) / math.sqrt(n)
+    return Estimate(middle, middle - half, middle + half)
+
+
+def widened(estimate: Estimate, error: float) -> Estimate:
+    """An estimate whose limits hold a further error to both sides, too."""
+    return Estimate(estimate.value, estimate.low - error, estimate.high + error)
+
+
+def allowed_failures(of: int, failing: float, confidence: float = CONFIDENCE) -> int:
+    """How many of a sample may fail where at most a share ``failing`` of all machines shall, with this confidence; -1 where it is too small.
+
+    The greatest k with P(B ≤ k) ≤ 1 - confidence, B binomial of the share: did more machines than that fail, so few in a sample would be rarer.
+    """
+    import numpy as np
+
+    return int(np.searchsorted(cumulative(of, failing), 1.0 - confidence, side="right")) - 1
+
+
+def needed(failing: float, confidence: float = CONFIDENCE) -> int:
+    """Machines of which none fails that show with this confidence that at most a share does: (1 - failing)^n ≤ 1 - confidence."""
+    return math.ceil(math.log(1.0 - confidence) / math.log1p(-failing) - 1e-9)
+
+
+def cumulative(n: int, p: float) -> Array:
+    """P(B ≤ k) for k = 0 to n, B binomial."""
+    import numpy as np
+    from scipy.special import bdtr
+
+    found: Array = bdtr(np.arange(n + 1.0), n, p)
+    return found
+
 
 ENDS = ("low", "high")
 

@@ -16,15 +16,13 @@ from ..fields.parts import Many
 from ..model.mechanism import Mechanism
 from ..modelfile.read import raw_of, text_of
 from .allocation import Allocated, Choice, Option, allocate, options_of
-from .carry import units_of
 from .distributions import Array, Clearance, Uniform
-from .growing import BrokenOff, Growing
-from .limits import Bound, flat, read_bounds
+from .limits import CONFIDENCE, Bound, flat, needed, read_bounds
+from .local_search import Refined, refined, slopes_of
 from .optimise import BATCH, Axis, Found, Search, searched
 from .plan import MOST_MEMBERS, SEARCH, Parameter, Plan
-from .planfile import Written, understood
-from .quantiles import CONFIDENCE, needed
-from .refining import Refined, refined, slopes_of
+from .run_missing import BrokenOff, Growing, units_of
+from .study_file import Written, understood
 
 REFINE = 20  # members more that derivatives may lead to
 WIDTH = 128  # members that an allocation asks for at once

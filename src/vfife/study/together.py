@@ -16,9 +16,9 @@ from ..assembly.assembled import Assembly
 from ..assembly.bounds import Bounds
 from ..result import Result
 from ..simulation import Prepared, carry_out, concluded, halved
-from ..solvers.progress import Progress
 from ..solvers.record import Record, recorded_rows
 from ..solvers.repeating import Settling
+from ..solvers.status import Progress
 from ..solvers.streaming import stepped
 from ..solvers.transient import choose_loop
 

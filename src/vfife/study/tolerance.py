@@ -14,12 +14,10 @@ import numpy as np
 from ..errors import ModelError, VfifeError
 from ..results.member_errors import MemberError
 from ..results.studied import Study
-from .designs import value_of
-from .limits import Bound, read_bounds
-from .more import base_of
-from .planfile import Written, understood
-from .points import planned
-from .quantiles import CONFIDENCE, Estimate, mean, quantile, share, widened
+from .limits import CONFIDENCE, Bound, Estimate, mean, quantile, read_bounds, share, widened
+from .run_missing import base_of
+from .sensitivity_indices import value_of
+from .study_file import Written, planned, understood
 
 SHARES = (0.01, 0.5, 0.95, 0.99)
 

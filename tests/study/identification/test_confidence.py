@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from vfife.study.identification.confidence import autocorrelation, confident
 from vfife.study.identification.sought import Sought
+from vfife.study.identification.step_uncertainty import autocorrelation, confident
 
 
 def test_the_autocorrelation_of_a_line_is_known() -> None:

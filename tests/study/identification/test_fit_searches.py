@@ -6,14 +6,13 @@ import math
 import numpy as np
 import pytest
 
-from vfife.study.identification.concluded import Ended, concluded
+from vfife.study.identification.batched_queries import Evaluations, Look
 from vfife.study.identification.curves import Timing, Trace
-from vfife.study.identification.descents import Descents
-from vfife.study.identification.doubt import doubt
-from vfife.study.identification.evaluations import Evaluations, Look
+from vfife.study.identification.fitting import Descents
 from vfife.study.identification.measurements import Curve, Measured
-from vfife.study.identification.misfit import Misfit, Offset
+from vfife.study.identification.residuals import Misfit, Offset
 from vfife.study.identification.sought import Sought
+from vfife.study.identification.step_uncertainty import Ended, concluded, doubt
 
 STEPS = Timing("time", None, 1.0, 200, 10, 1e-3)
 PLACES = np.linspace(0.0, 1.0, 200)

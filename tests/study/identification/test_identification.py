@@ -15,9 +15,9 @@ from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import dump
 from vfife.results.fitfile import FitFile
-from vfife.study.identification.confidence import autocorrelation, confident
 from vfife.study.identification.lawfit import fit_law
 from vfife.study.identification.sought import Sought
+from vfife.study.identification.step_uncertainty import autocorrelation, confident
 
 MASS, STIFFNESS, DAMPING, REST = 2.0, 500.0, 5.0, 0.1
 BOUNDS = {"spring.k.stiffness": ("200 N/m", "1000 N/m"), "spring.k.damping": (0.5, 20.0)}

@@ -10,7 +10,7 @@ from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
 from vfife.study.maps.bifurcation import bifurcation
 from vfife.study.maps.kept import load_map
-from vfife.study.maps.looks import step_count, unit_at
+from vfife.study.maps.section_series import step_count, unit_at
 
 EXAMPLES = "examples"
 SPEED = 20.0

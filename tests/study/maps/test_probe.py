@@ -11,11 +11,10 @@ from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.modelfile import load
 from vfife.results.view import standing
-from vfife.study.maps import looks
+from vfife.study.maps import section_series
 from vfife.study.maps.basins import basins, planned
 from vfife.study.maps.bifurcation import bifurcation
-from vfife.study.maps.looks import models_along, step_count
-from vfife.study.maps.probe import SEARCH_TURNS, default_series, run_step, variations
+from vfife.study.maps.section_series import SEARCH_TURNS, default_series, models_along, run_step, step_count, variations
 from vfife.study.maps.sections import poincare_section
 from vfife.study.maps.starts import Starts, refuse_contradiction
 
@@ -40,7 +39,7 @@ def test_a_map_takes_the_step_that_a_run_finds(monkeypatch) -> None:
     assert step_count([light()], None, search=True) == steps
     monkeypatch.setattr("vfife.study.maps.sections.Sectioning.pieces", lambda *_: iter(()))
     assert poincare_section(light(), turns=2, dropped=0).asked.steps == steps
-    monkeypatch.setattr(looks, "run_step", lambda model: 1e-5)
+    monkeypatch.setattr(section_series, "run_step", lambda model: 1e-5)
     assert poincare_section(light(0.2), turns=2, dropped=0).asked.steps == int(np.ceil(2e3 * np.pi))
     grid = ("start.crank", 0.0, 1.0), ("start.pin.vx", 0.0, 0.1)
     assert planned(light(0.3), *grid, (2, 2), 2, 1, (), 0.0, None, False, 0).steps == int(np.ceil(2e3 * np.pi))
@@ -49,8 +48,8 @@ def test_a_map_takes_the_step_that_a_run_finds(monkeypatch) -> None:
 def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> None:
     """Of a grid: of its corners and its middle. What was found is known when it is asked for again."""
     sizes = iter((4e-5, 3e-5, 1e-5))
-    monkeypatch.setattr(looks, "run_step", lambda model: next(sizes))
-    monkeypatch.setattr(looks, "COUNTS", type(looks.COUNTS)())
+    monkeypatch.setattr(section_series, "run_step", lambda model: next(sizes))
+    monkeypatch.setattr(section_series, "COUNTS", type(section_series.COUNTS)())
     given = {"count": 2, "turns": 2, "dropped": 1, "companions": 0}
     turn = 2.0 * np.pi / 100.0
     assert bifurcation(light(), "joint.pin.clearance", 2e-4, 3e-4, **given).asked.steps == int(np.ceil(turn / 1e-5))
@@ -63,8 +62,8 @@ def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> No
 
 
 def test_what_is_not_written_out_is_refused_before_it_is_run(monkeypatch) -> None:
-    monkeypatch.setattr("vfife.study.maps.probe.choose_loop", lambda *_: "data-driven")
-    monkeypatch.setattr("vfife.study.maps.probe.carry_out", lambda *_: pytest.fail("a large frame takes minutes"))
+    monkeypatch.setattr("vfife.study.maps.section_series.choose_loop", lambda *_: "data-driven")
+    monkeypatch.setattr("vfife.study.maps.section_series.carry_out", lambda *_: pytest.fail("a large frame takes minutes"))
     with pytest.raises(ModelError, match="not swept"):
         run_step(light())
 

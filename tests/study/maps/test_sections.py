@@ -9,11 +9,11 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.laws import Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
-from vfife.solvers.nearby import plain_runner
+from vfife.solvers.impact_section import COLUMNS, Strikes
+from vfife.solvers.lyapunov import plain_runner
 from vfife.solvers.restepped import restepped
-from vfife.solvers.strikes import COLUMNS, Strikes
 from vfife.study.maps.kept import load_map
-from vfife.study.maps.looks import stepped
+from vfife.study.maps.section_series import stepped
 from vfife.study.maps.sections import poincare_section
 from vfife.study.maps.starts import Starts
 

@@ -84,15 +84,15 @@ def test_the_error_of_a_jump_is_that_of_eulers_step():
 
 def test_what_the_mean_of_a_block_leaves_open_is_a_standard_error():
     """Work of 1, 2 and 3 in three turns: deviation 1 of the sample, so 1/sqrt(3) of the mean, over 2."""
-    from vfife.study.tribology import worn
+    from vfife.study.tribology import wear_state
 
     surface = SimpleNamespace(joint="J", side="journal", k=1e-15)
     record = SimpleNamespace(assembly=SimpleNamespace(contact_joints=("J",)))
     part = Rubbed(np.repeat([1.0, 2.0, 3.0], 4) / 4.0, np.zeros(12), np.zeros(12))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worn, "rubbed", lambda *_: part)
-        patch.setattr(worn, "areas", lambda *_: (1.0, 2.0))
-        depth, (spread,) = worn.rates(record, [surface], 3)
+        patch.setattr(wear_state, "rubbed", lambda *_: part)
+        patch.setattr(wear_state, "areas", lambda *_: (1.0, 2.0))
+        depth, (spread,) = wear_state.rates(record, [surface], 3)
         assert spread == pytest.approx(1.0 / math.sqrt(3.0) / 2.0, rel=1e-14)
         assert depth.sum() == pytest.approx(1e-15 / 2.0 * 6.0 / 3.0, rel=1e-12)
-        assert worn.rates(record, [surface], 1)[1] == [0.0]
+        assert wear_state.rates(record, [surface], 1)[1] == [0.0]

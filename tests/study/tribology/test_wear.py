@@ -12,8 +12,8 @@ from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError, VfifeError
 from vfife.model.wear import Wear, depth_at
 from vfife.modelfile import dump, loads
-from vfife.study.tribology.wearing import load_wear, wear
-from vfife.study.tribology.worn import ANGLES, PLACES, jackson, profiles, sharpness, smooth, surfaces_of, swing
+from vfife.study.tribology.simulate_wear import load_wear, wear
+from vfife.study.tribology.wear_state import ANGLES, PLACES, jackson, profiles, sharpness, smooth, surfaces_of, swing
 
 SOFT, HARD = 1e-15, 2e-16  # 1/Pa
 GIVEN = {"block": 2, "settle": 2, "step": 5e-6}

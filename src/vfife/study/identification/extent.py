@@ -17,7 +17,7 @@ from ...modelfile import loads
 from ...units import number
 from .curves import Timing
 from .measurements import Measured
-from .misfit import Offset
+from .residuals import Offset
 from .sought import Numbers, Sought, numbers_at
 
 Array = NDArray[np.float64]

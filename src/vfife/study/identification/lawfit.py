@@ -20,9 +20,9 @@ from ...model.lawtables import read_law
 from ...modelfile.override import parsed
 from ...results.fitted import Fit, Laid, Value
 from ..sampling import sobol
-from .confidence import Confident, confident
 from .measurements import factor, numbers, split, table
 from .sought import Sought
+from .step_uncertainty import Confident, confident
 
 Array = NDArray[np.float64]
 SURFACES = Pair(0.01, 2e-4, 0.02)  # those of `vfife laws`, where a law asks for them

@@ -16,7 +16,7 @@ from ...modelfile.numbers import numbers
 from ...modelfile.override import PathFault, resolve
 from ...modelfile.tables import Raw
 from ...units import ends_of
-from ..between import Between
+from ..optimise import Between
 from ..places import held_at
 
 Array = NDArray[np.float64]

@@ -22,10 +22,21 @@ from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...solvers.orbits import Orbits, Start
 from ...solvers.record import recorded_rows
-from .beside import SAMPLE, Companion, alike, packed, sampled, started_companions, told, unpacked
-from .looks import chosen_series, kept_in, law_words, left_out, models_along, refuse_idle, seed, step_count, tupled
-from .probe import looked, refuse_large_frame
+from .section_series import (
+    chosen_series,
+    kept_in,
+    law_words,
+    left_out,
+    looked,
+    models_along,
+    refuse_idle,
+    refuse_large_frame,
+    seed,
+    step_count,
+    tupled,
+)
 from .starts import Starts, refuse_contradiction, unit_of_start
+from .step_check import SAMPLE, Companion, alike, packed, sampled, started_companions, told, unpacked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,15 +9,15 @@ from typing import TypeAlias
 from ...errors import RunFileError
 from ...results.mapfile import MapFile
 from ...results.tally import warn_of_damage
-from . import basins, diagram, sections, waterfall
+from . import basins, bifurcation, sections, waterfall
 from .basins import Basins
-from .diagram import Bifurcation
+from .bifurcation import Bifurcation
 from .sections import PoincareSection
 from .waterfall import Waterfall
 
 Kept: TypeAlias = Basins | Bifurcation | PoincareSection | Waterfall
 READERS: dict[str, Callable[[MapFile], Kept]] = {
-    basins.WHAT: basins.read_basins, diagram.WHAT: diagram.read_diagram, sections.WHAT: sections.read_section,
+    basins.WHAT: basins.read_basins, bifurcation.WHAT: bifurcation.read_diagram, sections.WHAT: sections.read_section,
     waterfall.WHAT: waterfall.read_waterfall,
 }  # fmt: skip
 

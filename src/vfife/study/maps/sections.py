@@ -17,21 +17,22 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
+from ...solvers.impact_section import COLUMNS
 from ...solvers.sectioning import Sectioning
-from ...solvers.strikes import COLUMNS
-from .looks import (
+from .section_series import (
     chosen_series,
     kept_in,
     law_words,
     left_out,
+    looked,
     refuse_idle,
+    refuse_large_frame,
     refuse_unknown,
     seed,
     step_count,
     stepped,
     tupled,
 )
-from .probe import looked, refuse_large_frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

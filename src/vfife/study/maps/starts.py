@@ -18,7 +18,7 @@ from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...numerics.scalar import hypot
-from .looks import stepped, unit_at
+from .section_series import stepped, unit_at
 
 Array = NDArray[np.float64]
 CRANK = "start.crank"

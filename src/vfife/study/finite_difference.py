@@ -1,29 +1,165 @@
-"""Finite changes of the numbers of a model, and whether derivatives agree with them.
-
-A derivative of a run is that of its steps. It is worthless to a user where the motion is chaotic (it grows
-without end), where an impact is missed a hundredth of a clearance further on, or where a kink of friction
-lies in one step. So every derivative is compared with the change of the measure when the number is changed by
-1 % and by 0.1 %, both ways, and with derivatives and changes at other step sizes.
-"""
+"""A model with one other number each, assembled side by side: the neighbours of a run in every direction that somebody asks for."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assembly.assemble import assemble, refitted
 from ..assembly.assembled import Assembly
+from ..assembly.together import Together
 from ..errors import VfifeError
+from ..fields.members import Differing, members
+from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
+from ..modelfile import loads
 from ..modelfile.numbered import with_number
 from ..results.derivatives import Derivative, Kind
 from ..solvers.record import Record, recorded_rows
+from ..solvers.tangents import Neighbours
 from ..solvers.variants import Look, StepSize, measures_of
-from .nearby import nearby
-from .neighbours import placed
+from .batches import TROUBLE, unforeseen
+from .columns import Column, Unfit, column, together, varied
+
+Change = tuple[str, float]  # a path, and the number (SI) there
+FEW = 2
+
+
+def nearby(text: str, known: Mapping[str, float], changes: Sequence[Change], base: Assembly) -> list[Assembly | None]:
+    """The model of a text with each of ``changes``, assembled for as many steps as ``base``, each the same part of a turn.
+
+    ``known`` has the numbers (SI) of the text by their paths.
+
+    None stands for one that has to be assembled by itself: see :mod:`vfife.assembly.together`. What limits the step of each is not looked at.
+    """
+    raw, mechanism = tomllib.loads(text), loads(text)
+    columns: dict[str, Column | None] = {}
+    for path, _ in changes:
+        if path not in columns:
+            try:
+                columns[path] = column(mechanism, raw, path)
+            except Unfit:
+                columns[path] = None
+    found: list[Assembly | None] = [None] * len(changes)
+    run: dict[str, Any] = {"outputs": base.mechanism.settings.outputs, "force_step": True}
+    choice, met = base.choice, {}  # type: ignore[var-annotated]
+    run |= {"duration": choice.step * choice.steps} if choice.turn is None else {"turns": choice.steps * choice.step / choice.turn}
+    kit = Together(base, None, met, **run)
+    contacts = dict.fromkeys(base.contacts, 1.0)
+
+    def one_of(which: Sequence[int], k: int) -> Mechanism:
+        path, value = changes[which[k]]
+        where = columns[path]
+        return mechanism if where is None else varied(mechanism, [(where, value)])
+
+    def made(which: Sequence[int]) -> None:
+        if len(which) < FEW:
+            return
+        try:
+            paths = list(dict.fromkeys(changes[k][0] for k in which))
+            values = np.array([[changes[k][1] if changes[k][0] == path else known[path] for path in paths] for k in which])
+            model = together(mechanism, [one for path in paths if (one := columns[path]) is not None], values)[0]
+            turn = turn_of(model)
+            scale = 1.0 if turn is None or choice.turn is None else turn / choice.turn
+            steps = members(np.broadcast_to(choice.step * np.asarray(scale), (len(which),)))
+            for k, assembly in zip(which, kit.assembled(model, len(which), contacts, steps, partial(one_of, which)), strict=True):
+                found[k] = assembly
+            return
+        except (Differing, *TROUBLE):
+            pass
+        except Exception as error:  # each made by itself is right whatever is wrong here
+            unforeseen(error)
+        middle = len(which) // 2
+        made(which[:middle])
+        made(which[middle:])
+
+    made([k for k, (path, value) in enumerate(changes) if (one := columns[path]) is not None and one.held.allows(value)])
+    return found
+
+
+NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
+NONE: Mapping[Change, Assembly | None] = {}
+
+
+@dataclass(frozen=True)
+class Way:
+    """A number of the model, its value (SI) and the models to both sides."""
+
+    path: str
+    value: float
+    near: Neighbours
+
+
+def neighbours(text: str, chosen: Mapping[str, float], assembly: Assembly) -> tuple[list[Way], dict[str, str]]:
+    """The models to both sides of each number; and of those that cannot be assembled, why."""
+    ways, refused = [], {path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0}
+    changes = [(path, value + sign * NEAR * abs(value)) for path, value in chosen.items() if path not in refused for sign in (1.0, -1.0)]
+    made = dict(zip(changes, nearby(text, chosen, changes, assembly), strict=True))
+    for path, value in chosen.items():
+        if path in refused:
+            continue
+        try:
+            ways.append(Way(path, value, beside(text, path, value, assembly, made)))
+        except VfifeError as error:
+            refused[path] = str(error).strip().splitlines()[-1].strip()
+    return ways, refused
+
+
+def beside(
+    text: str, path: str, value: float, assembly: Assembly, made: Mapping[Change, Assembly | None] = NONE, *, ideal: bool = False
+) -> Neighbours:
+    """A number a little larger and a little smaller; where only one of them is a mechanism, that and the model itself.
+
+    ``made`` are known already. ``ideal``: of the mechanism without its play, which ``assembly`` is then of, while ``text`` has it.
+    """
+    models: list[tuple[float, Assembly]] = []
+    trouble: VfifeError | None = None
+    for sign in (1.0, -1.0):
+        change = path, value + sign * NEAR * abs(value)
+        try:
+            models.append((sign, made.get(change) or placed(text, path, value, change[1], assembly, ideal=ideal)))
+        except VfifeError as error:
+            trouble = error
+    if trouble is not None and not models:
+        raise trouble
+    if trouble is not None:
+        models.append((0.0, assembly))
+        models.sort(key=lambda one: -one[0])
+    (above, up), (below, down) = models
+    return Neighbours(up, down, (above - below) * NEAR * abs(value))
+
+
+def placed(text: str, path: str, was: float, value: float, assembly: Assembly, *, ideal: bool = False) -> Assembly:
+    """The model with another number, assembled for as many steps, each the same part of a turn."""
+    mechanism = with_number(assembly.mechanism, path, was, value)
+    if mechanism is None:
+        mechanism = loads(text, set=[(path, value)])
+        mechanism = mechanism.ideal() if ideal else mechanism
+    elif path.startswith("joint.") and path.split(".")[1] in assembly.contacts:
+        with suppress(ValueError):  # numbers of play reach the rows of their contact alone, in most mechanisms
+            if all(name in mechanism.contacts for name in assembly.contacts):  # a block in a guide has four contacts with names of their own
+                return refitted(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
+    return alike(mechanism, assembly)
+
+
+def alike(mechanism: Mechanism, assembly: Assembly) -> Assembly:
+    """A mechanism assembled for as many steps as another one, each the same part of a turn."""
+    choice, turn = assembly.choice, turn_of(mechanism)
+    scale = turn / choice.turn if turn is not None and choice.turn is not None else 1.0
+    length: dict[str, Any] = {"duration": choice.step * scale * choice.steps} if choice.turn is None else {
+        "turns": choice.steps * choice.step / choice.turn
+    }  # fmt: skip
+    outputs = assembly.mechanism.settings.outputs
+    found = assemble(mechanism, choice.step * scale, outputs=outputs, force_step=True, **length)
+    return replace(found, layout=assembly.layout) if found.topology == assembly.topology else found
+
 
 WIDE, CLOSE = 0.01, 0.001  # of a number: the change that users have in mind, and one at which a curve is nearly straight
 SHARES = tuple(sign * share for share in (WIDE, CLOSE) for sign in (1.0, -1.0))
@@ -41,7 +177,7 @@ FACTOR = 5.0
 # Fewer step sizes give no range: a very short run, or one whose coarser steps diverge.
 LEAST_SIZES = 3
 
-Change: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
+Share: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
 Values: TypeAlias = Mapping[str, float]
 Span: TypeAlias = tuple[float, float]
 
@@ -65,7 +201,7 @@ class FiniteChanges:
     """
 
     own: Sequence[Values | None]
-    changed: Mapping[Change, Sequence[Values | None]]
+    changed: Mapping[Share, Sequence[Values | None]]
 
     def quotients(self, measure: str, path: str, value: float, share: float) -> list[float]:
         """Return the change of a measure over the change of the number, at each step size at which both
@@ -87,13 +223,13 @@ class FiniteChanges:
         return [0.5 * (one + other) for one, other in zip(up, down, strict=False)]
 
 
-def assembled(text: str, chosen: Mapping[str, float], base: Assembly) -> dict[Change, Assembly]:
+def assembled(text: str, chosen: Mapping[str, float], base: Assembly) -> dict[Share, Assembly]:
     """Return the variants of a model with each number of ``chosen`` changed by each of ``SHARES``; none
     where the model does not allow it.
     """
     changes = [(path, value + share * abs(value), share) for path, value in chosen.items() for share in SHARES]
     made = nearby(text, chosen, [(path, value) for path, value, _ in changes], base)
-    found: dict[Change, Assembly] = {}
+    found: dict[Share, Assembly] = {}
     for (path, value, share), one in zip(changes, made, strict=True):
         try:
             found[path, share] = one or placed(text, path, chosen[path], value, base)
@@ -102,9 +238,9 @@ def assembled(text: str, chosen: Mapping[str, float], base: Assembly) -> dict[Ch
     return found
 
 
-def references(text: str, chosen: Mapping[str, float], ideal: Assembly, peaks: Look) -> dict[Change, Values | None]:
+def references(text: str, chosen: Mapping[str, float], ideal: Assembly, peaks: Look) -> dict[Share, Values | None]:
     """Return the largest values of the ideal mechanism for each change of a number that it has."""
-    variants: dict[Change, Assembly] = {}
+    variants: dict[Share, Assembly] = {}
     for path, value in chosen.items():
         if path.startswith("joint.") and with_number(ideal.mechanism, path, value, value) is None:
             continue  # a number of the clearance
@@ -119,11 +255,11 @@ def references(text: str, chosen: Mapping[str, float], ideal: Assembly, peaks: L
 
 def finite_changes(
     base: Assembly,
-    variants: Mapping[Change, Assembly],
+    variants: Mapping[Share, Assembly],
     sizes: Sequence[StepSize],
     rows: NDArray[np.uint32],
     measured: Measured,
-    ideals: Mapping[Change, Values | None],
+    ideals: Mapping[Share, Values | None],
     reference: Values | None,
     *,
     whole: bool,
@@ -133,7 +269,7 @@ def finite_changes(
 
     ``whole``: all measures are of extremes and totals.
     """
-    keys: list[Change | None] = [None, *variants]
+    keys: list[Share | None] = [None, *variants]
     tasks = []
     for size in sizes:  # runs with one step stay in phase: contacts begin in all lanes of a register at nearly the same time
         for key in keys:

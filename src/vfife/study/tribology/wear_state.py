@@ -46,7 +46,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of wear: see :func:`~vfife.study.tribology.wearing.wear`; ``steps`` in a turn."""
+    """What is asked of wear: see :func:`~vfife.study.tribology.simulate_wear.wear`; ``steps`` in a turn."""
 
     model: str
     turns: float

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kernels.topology import LINE, SLOT
 from ..numerics.elementwise import atan2, sincos
-from .nearby import plain_runner
-from .pace import Pace
+from .interrupts import Pace
+from .lyapunov import plain_runner
 
 Array = NDArray[np.float64]
 COLUMNS = ("contact", "time", "crank", "place", "speed", "count")

@@ -14,14 +14,13 @@ from ...analysis.chaos import exponent
 from ...analysis.verdict import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, verdict
 from ...assembly.assembled import Assembly
 from ...errors import VfifeError
-from ...solvers.nearby import ALIGNED, Nearby, plain_runner, steps_of_turn
+from ...solvers.interrupts import Pace
+from ...solvers.lyapunov import ALIGNED, Nearby, plain_runner, steps_of_turn
 from ...solvers.orbits import Orbits, Start
-from ...solvers.pace import Pace
 from ...solvers.record import recorded_rows
 from ...solvers.restepped import restepped
 from ...solvers.tangents import Neighbours
-from .looks import stepped
-from .probe import looked
+from .section_series import looked, stepped
 
 Array = NDArray[np.float64]
 RATIOS = (0.8, 2.0)  # steps in a turn for each of the map

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from ..numerics.elementwise import log
-from .pace import Pace
+from .interrupts import Pace
 from .record import recorded_rows
 from .tangents import Neighbours, changes, rates
 
