@@ -17,7 +17,7 @@ import vfife
 from vfife.analysis.measures import PEAKS, last_turn, over_turn
 from vfife.assembly.assemble import assemble
 from vfife.modelfile import dump
-from vfife.modelfile.numbers import numbers
+from vfife.modelfile.parameter import numbers
 from vfife.solvers.record import Record
 from vfife.solvers.tangents import comparable, tangents
 from vfife.solvers.transient import run
@@ -46,7 +46,7 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
     """Largest values of the last turn by the numbers ``to``; ``length`` and ``step`` as :func:`assemble` takes them."""
     text = dump(mechanism)
     assembly = assemble(mechanism, force_step=True, **length)
-    chosen = {path: value for path, value in numbers(text) if any(fnmatchcase(path, one) for one in to)}
+    chosen = {path: value for path, value in numbers(mechanism).items() if any(fnmatchcase(path, one) for one in to)}
     ways = [way for way in neighbours(text, chosen, assembly)[0] if comparable(assembly, way.near)]
 
     own = largest(run(assembly))

@@ -15,7 +15,7 @@ from vfife.assembly.assembled import Assembly
 from vfife.errors import VfifeError
 from vfife.model.functions import turn_of
 from vfife.modelfile import dump, loads
-from vfife.modelfile.numbers import numbers
+from vfife.modelfile.parameter import numbers
 from vfife.solvers.companions import measured_rows
 from vfife.solvers.variants import measures_of
 
@@ -46,7 +46,7 @@ class Outside:
 def outside(mechanism: vfife.Mechanism, count: int, *, seed: int = 0, **length: Any) -> Outside:
     """Compare what is shown by ``count`` numbers, drawn from those of a model, with the truth."""
     text = dump(mechanism)
-    known = {path: value for path, value in numbers(text) if value}
+    known = {path: value for path, value in numbers(mechanism).items() if value}
     paths = random.Random(seed).sample(list(known), min(count, len(known)))
     found = vfife.sensitivity(mechanism, None, paths, **length)
     base = vfife.simulate(mechanism, reference=False, **length).record.assembly

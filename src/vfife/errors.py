@@ -8,7 +8,6 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -81,22 +80,46 @@ class StorageError(RunFileError):
     """What cannot be written or read because of the disk, its permissions or another writer: what is needed, what is free, what is kept."""
 
 
-@dataclass(frozen=True)
-class Fault:
-    """One fault: where it is (table and key), what is wrong, the value as written, what is allowed, what to do."""
+class Fault(VfifeError):
+    """One fault: where it is, what is wrong, the value as written, what is allowed, what to do.
 
-    where: str
-    what: str
-    value: str = ""
-    limit: str = ""
-    remedy: str = ""
+    ``where`` is a text, or a path of keys, which is kept as ``path``. A fault is raised where one value is read, and collected in a
+    :class:`ModelError` where all values of a file are.
+    """
+
+    def __init__(self, where: str | Path, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
+        self.path = where if isinstance(where, tuple) else ()
+        self.where = place(where) if isinstance(where, tuple) and where else str(where or "")
+        self.what, self.value, self.limit, self.remedy = what, value, limit, remedy
+        super().__init__(self.where, what, value, limit, remedy)
+
+    def at(self, where: str | Path, given: Iterable[Path] = (), *, value: str = "") -> Fault:
+        """The same fault at another place; ``value`` is shown where the fault has none. Paths ``given`` beside the file are marked."""
+        found = Fault(where, self.what, self.value or value, self.limit, self.remedy)
+        if isinstance(where, tuple):
+            found.where = place(where, given)
+        return found
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Fault) and self._parts == other._parts
+
+    def __hash__(self) -> int:
+        return hash(self._parts)
+
+    @property
+    def _parts(self) -> tuple[str, ...]:
+        return self.where, self.what, self.value, self.limit, self.remedy
+
+    def __repr__(self) -> str:
+        return f"Fault{self._parts}"
 
     def __str__(self) -> str:
-        value = f" = {self.value}" if self.value else ""
+        value = f" = {self.value}" if self.value and self.where else self.value
         limit = f"; allowed: {self.limit}" if self.limit else ""
         remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
         end = "" if remedy.endswith(("?", ".", "!")) else "."
-        return printable(f"{self.where}{value}: {self.what}{limit}{remedy}{end}")
+        begin = f"{self.where}{value}: " if self.where or value else ""
+        return printable(f"{begin}{self.what}{limit}{remedy}{end}")
 
 
 def article(word: Any) -> str:

@@ -18,8 +18,7 @@ from vfife.fields.members import Alone, Differing, Members, members
 from vfife.kinematics import initial
 from vfife.kinematics.solve import close
 from vfife.model.mechanism import Mechanism
-from vfife.modelfile import dump
-from vfife.modelfile.numbers import numbers as numbers_of
+from vfife.modelfile.parameter import numbers as numbers_of
 from vfife.solvers.transient import run
 from vfife.study import preparing
 from vfife.study.columns import column, together
@@ -187,7 +186,7 @@ def test_a_step_that_is_too_large_for_a_member_fails_that_one_alone() -> None:
 def test_what_cannot_be_assembled_side_by_side_is_assembled_alone(name: str, path: str) -> None:
     """Elastic links, guides with play, loads over a travel, slots, redundant joints: the same members, whichever way they are made."""
     base = load_model(EXAMPLES / f"{name}.toml")
-    value = dict(numbers_of(dump(base)))[path]
+    value = numbers_of(base)[path]
     numbers = [{path: value * (1.0 + 0.01 * k)} for k in range(4)]
     found, by_itself = made(base, numbers), Preparing(base, Wanted(("C.force.max",), 2))
     for k in (1, 3):

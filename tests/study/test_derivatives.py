@@ -14,8 +14,7 @@ from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.kernels.polynomial import polynomial
 from vfife.modelfile import dump, loads
-from vfife.modelfile.numbered import with_number
-from vfife.modelfile.numbers import numbers
+from vfife.modelfile.parameter import Parameter, holds, numbers
 from vfife.solvers.tangents import changes, displaced, jacobian
 from vfife.solvers.transient import run
 from vfife.study.derivatives import floors, rounding, sensitivity, silent_moments
@@ -63,7 +62,7 @@ def test_derivatives_are_differences_of_whole_runs(case_b):
     mechanism = vfife.load(f"{EXAMPLES}/four_bar_case_b.toml")
     text, base = dump(mechanism), vfife.simulate(mechanism, turns=0.4, step=4e-6, reference=False, companions=0).record.assembly
     for path in ("joint.C.clearance", "joint.C.contact.stiffness", "joint.C.friction.coefficient", "body.coupler.mass"):
-        value = dict(numbers(text))[path]
+        value = numbers(mechanism)[path]
         up, down = (run(placed(text, path, value, (1.0 + sign * 1e-5) * value, base)) for sign in (1.0, -1.0))
         for measure in ("C.force.max", "follower.angular_acceleration.max"):
             both = [over_turn(record, last_turn(record))[measure] for record in (up, down)]
@@ -105,7 +104,7 @@ def test_a_series_has_its_jacobian():
     """The force over time of a journal that meets its bearing, by two numbers: differences of whole runs."""
     mechanism = vfife.load(f"{EXAMPLES}/journal_in_bearing.toml")
     text, assembly = dump(mechanism), assemble(mechanism, 1e-6, duration=3e-4, force_step=True)
-    chosen = {path: value for path, value in numbers(text) if path in ("joint.O.contact.restitution", "body.journal.mass")}
+    chosen = {path: value for path, value in numbers(mechanism).items() if path in ("joint.O.contact.restitution", "body.journal.mass")}
 
     def force(record):
         return record.block("contact_normal_force")[:, 0]
@@ -130,12 +129,13 @@ def test_displaced_runs_stand_at_other_places_of_their_small_steps_too():
 def test_a_number_replaced_in_the_nouns_is_one_that_was_read(name):
     mechanism = vfife.load(f"{EXAMPLES}/{name}.toml")
     text, seen = dump(mechanism), 0
-    for path, value in numbers(text):
-        if value and (found := with_number(mechanism, path, value, 1.01 * value)) is not None and seen < 24:
+    for path, value in numbers(mechanism).items():
+        if value and holds(mechanism, path, value) and seen < 24:
             seen += 1
+            found = Parameter(mechanism, path).set(1.01 * value)
             assert replace(found, source=None) == replace(loads(text, set=[(path, 1.01 * value)]), source=None)
     assert seen > 4
-    assert with_number(mechanism, "gravity.0", 77.0, 78.0) is None
+    assert not holds(mechanism, "gravity.0", 77.0)
 
 
 def test_an_ideal_slider_crank_scales_as_its_laws_say():
@@ -260,7 +260,7 @@ def test_neighbours_are_what_they_are_alone(name, least):
     """Assembled side by side, against each assembled by itself: start, tables, steps, to the bit; some are closed before the first step."""
     mechanism = vfife.load_model(f"{EXAMPLES}/{name}.toml")
     text, assembly = dump(mechanism), assemble(mechanism, turns=1)
-    known = {path: value for path, value in numbers(text) if value}
+    known = {path: value for path, value in numbers(mechanism).items() if value}
     asked = [(path, value * (1.0 + NEAR)) for path, value in known.items() if not path.startswith("material")]
     found = [(change, one) for change, one in zip(asked, nearby(text, known, asked, assembly), strict=True) if one is not None]
     assert len(found) >= least

@@ -20,7 +20,7 @@ def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     from ..fields import Chosen
     from ..model.mechanism import Mechanism
     from ..modelfile.csvtables import expand
-    from ..modelfile.override import override
+    from ..modelfile.paths import override
     from ..modelfile.reader import Written
     from ..modelfile.tables import Table
 

@@ -154,13 +154,9 @@ def one_by_one(turns: set[float], asked: Asked) -> str:
 
 def groups(numbers: Sequence[dict[str, Any]], base: Mechanism) -> list[str]:
     """Members of other topologies, which share no lanes, in words: those that differ in words or in whole numbers of the model."""
-    from ..fields import Measure
-    from ..modelfile import dump
-    from ..modelfile.read import raw_of
-    from ..study.places import held_at
+    from ..modelfile.parameter import Parameter
 
-    raw = raw_of(dump(base), "model")
-    paths = [path for path in next(iter(numbers), {}) if not isinstance(held_at(raw, steps_of(path)), Measure)]
+    paths = [path for path in next(iter(numbers), {}) if Parameter(base, path).quantity is None]
     counted: dict[tuple[Any, ...], int] = {}
     for one in numbers if paths else ():
         key = tuple(one[path] for path in paths)
@@ -172,8 +168,3 @@ def groups(numbers: Sequence[dict[str, Any]], base: Mechanism) -> list[str]:
     listed = "; ".join(f"{text}: {count:,}" for text, count in list(zip(words, counted.values(), strict=True))[:MOST_KINDS])
     more = "; ..." if len(counted) > MOST_KINDS else ""
     return [f"members of {len(counted)} kinds are run group by group, each with its own compiled step ({listed}{more})."]
-
-
-def steps_of(path: str) -> tuple[str | int, ...]:
-    """Keys and indices of a path in full."""
-    return tuple(int(part) if part.isdecimal() else part for part in path.split("."))

@@ -40,7 +40,7 @@ def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> 
     from ..model.lawtables import read_law
     from ..model.validate.laws import senseless
     from ..modelfile.csvtables import expand_curves
-    from ..modelfile.override import parsed
+    from ..modelfile.paths import parsed
 
     holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
     broken = expand_curves(holder, "laws") if kind == "contact" else []

@@ -35,8 +35,7 @@ def told_of(
     from ..assembly.assemble import assemble
     from ..codegen.native import CONTACT_LANES
     from ..errors import VfifeError
-    from ..modelfile import dump
-    from ..modelfile.numbers import numbers
+    from ..modelfile.parameter import numbers
     from ..results.cost import estimate, too_much
 
     asked: dict[str, Any] = {"turns": turns, "duration": None if duration is None else positive("--duration", duration, "s")}
@@ -49,7 +48,7 @@ def told_of(
     if one_by_one(assembly):  # again, as the first one also loads what it needs
         assemble(mechanism, size, force_step=force_step, **asked)
     variant = max(time.process_time() - began, BATCH)
-    count = sum(any(fnmatchcase(path, pattern) for pattern in to) for path, value in numbers(dump(mechanism)) if value)
+    count = sum(any(fnmatchcase(path, pattern) for pattern in to) for path, value in numbers(mechanism).items() if value)
     cores, lanes = os.cpu_count() or 1, CONTACT_LANES
     alone, displaced = estimate(assembly), runs or 2 if assembly.contacts else 1
     each = EACH * (displaced + SIZES - 1.0) + CHANGES * SIZES

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import Fault, ModelError, Path, place, shown
-from .override import assign, clear_idle, parsed
+from .paths import assign, clear_idle, parsed
 from .write import dotted, key, value
 
 KeyPath = tuple[str, ...]

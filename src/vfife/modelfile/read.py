@@ -16,7 +16,7 @@ from ..model.validate import Checks, across, check_laws
 from ..model.validate.names import check_name
 from .csvtables import expand
 from .kept import kept
-from .override import override
+from .paths import override
 from .reader import Written
 from .tables import Raw, table
 
@@ -58,8 +58,11 @@ def raw_of(text: str, known_as: str) -> Raw:
 
 def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
     """The mechanism of a model file's text; ``file`` names it in messages. See :func:`load`."""
-    known_as = file or "model"
-    raw = raw_of(text, known_as)
+    return of_tables(raw_of(text, file or "model"), set, file)
+
+
+def of_tables(raw: Raw, set: Items = (), file: str | None = None) -> Mechanism:
+    """The mechanism of a model file's tables, in which the values of ``set`` are put. See :func:`load`."""
     faults, given = override(raw, set)
     broken = expand(raw, file)
     reading = Written(raw, given)
@@ -72,7 +75,7 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
         faults += [Fault(place(path, given), one.what, one.value, one.limit, one.remedy) for path, one in broken]
     faults = faults or check_laws(mechanism)
     if faults:
-        raise ModelError(faults, known_as)
+        raise ModelError(faults, file or "model")
     return replace(mechanism, source=file)
 
 

@@ -8,13 +8,15 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..fields import Chosen, Direction, Named, Names
+from ..fields import Chosen, Direction, Field, Named
+from ..fields import Names as NamedValues
 from ..laws import Law, Material
 from ..model.bodies import Frame
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from .tables import Table, tables
+from .tables import Raw, Table, tables
 
+Names = tuple[str, ...]
 Entries = Mapping[str, Any]
 
 
@@ -24,33 +26,60 @@ def dump(mechanism: Mechanism) -> str:
     What equals its default is left out, and so is what a link's model or the kind of analysis has no use for. Raises ValueError
     where two different materials share a name, and TypeError for a noun that the file has no table for.
     """
+    lines = ["# All numbers are in SI units.", *assignments(heads(mechanism))]
+    for header, entries in contents(mechanism):
+        lines += ["", f"[{dotted(*header)}]", *assignments(entries)]
+    return "\n".join(lines) + "\n"
+
+
+def tables_of(mechanism: Mechanism) -> Raw:
+    """The tables of a mechanism, equal to those that a TOML parser reads from :func:`dump`. Raises as that does."""
+    raw: Raw = {key: plain(entry) for key, entry in heads(mechanism).items()}
+    for header, entries in contents(mechanism):
+        here = raw
+        for name in header:
+            here = here.setdefault(name, {})
+        here |= {name: plain(entry) for name, entry in entries.items() if entry is not None}
+    return raw
+
+
+def plain(entry: Any) -> Any:
+    """A value as a TOML parser returns it."""
+    if isinstance(entry, bool | str | int):
+        return entry
+    if isinstance(entry, Material):
+        return entry.name
+    if dataclasses.is_dataclass(entry):
+        return {name: plain(one) for name, one in vars(entry).items() if one is not None}
+    return [plain(one) for one in entry] if isinstance(entry, tuple | list) else float(entry)
+
+
+def heads(mechanism: Mechanism) -> Entries:
+    """What stands before all tables."""
     top: dict[str, Any] = {"name": mechanism.name}
     if mechanism.note:
         top["note"] = mechanism.note
     if any(mechanism.gravity):
         top["gravity"] = mechanism.gravity
-    lines = ["# All numbers are in SI units.", *assignments(top)]
-    for header, entries in contents(mechanism):
-        lines += ["", f"[{header}]", *assignments(entries)]
-    return "\n".join(lines) + "\n"
+    return top
 
 
-def contents(mechanism: Mechanism) -> Iterator[tuple[str, Entries]]:
+def contents(mechanism: Mechanism) -> Iterator[tuple[Names, Entries]]:
     """Headers and entries of the tables, in the order a reader wants them."""
-    yield from noun_tables("run", Table(Settings), mechanism.settings, brief=True)
-    yield from noun_tables("start", Table(StartSettings), mechanism.start, brief=True)
+    yield from noun_tables(("run",), Table(Settings), mechanism.settings, brief=True)
+    yield from noun_tables(("start",), Table(StartSettings), mechanism.start, brief=True)
     for material in materials(mechanism):
-        yield from noun_tables(dotted("material", material.name), Table(Material), material)
+        yield from noun_tables(("material", material.name), Table(Material), material)
     if mechanism.points:
-        yield "ground", mechanism.points
+        yield ("ground",), mechanism.points
     for name, body in mechanism.bodies.items():
-        yield from noun_tables(dotted("body", name), table_of("body", name, body), body, {"model": body.model}, brief=True)
+        yield from noun_tables(("body", name), table_of("body", name, body), body, {"model": body.model}, brief=True)
     fields = Table(Mechanism).fields
     for section in ("joint", "gear", "spring", "driver", "load"):
         for name, noun in vars(mechanism)[fields[section].name].items():
             what = table_of(section, name, noun)
             said = {} if what.optional or not what.tag else {what.tag: what.word}
-            yield from noun_tables(dotted(section, name), what, noun, said | aimed(name, noun), brief=section == "load")
+            yield from noun_tables((section, name), what, noun, said | aimed(name, noun), brief=section == "load")
 
 
 def table_of(section: str, name: str, noun: Any) -> Table:
@@ -69,7 +98,7 @@ def aimed(name: str, noun: Any) -> dict[str, Any]:
     return {"body": noun.body if noun.body != name else None, "against": noun.against if noun.against != "ground" else None}
 
 
-def noun_tables(header: str, what: Table, noun: Any, said: Entries | None = None, *, brief: bool = False) -> Iterator[tuple[str, Entries]]:
+def noun_tables(header: Names, what: Table, noun: Any, said: Entries | None = None, *, brief: bool = False) -> Iterator[tuple[Names, Entries]]:
     """The table of a noun and those within it; a ``brief`` one leaves out what equals its default.
 
     Laws are written with every parameter, so that a later default changes nothing.
@@ -79,25 +108,25 @@ def noun_tables(header: str, what: Table, noun: Any, said: Entries | None = None
         entry, held = getattr(noun, field.name), what.value(key)
         default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
         # A round beside another has a direction by default, and none in a file.
-        if key in entries or entry is None or unused(what, key, noun) or ((brief or isinstance(held, Direction)) and entry == default):
+        if key in entries or entry is None or unused(noun, field) or ((brief or isinstance(held, Direction)) and entry == default):
             continue
         if isinstance(held, Named):
             if entry.name != "steel" or default is None:
                 entries[key] = entry.name
         elif isinstance(held, Chosen):
-            inner.append((f"{header}.{key}", law_entries(entry)))
-        elif isinstance(held, Names):
-            inner += [(f"{header}.{key}", entry)] if entry else []
+            inner.append(((*header, key), law_entries(entry)))
+        elif isinstance(held, NamedValues):
+            inner += [((*header, key), entry)] if entry else []
         else:
             entries[key] = entry
-    if entries or inner or header not in ("run", "start"):
+    if entries or inner or header not in (("run",), ("start",)):
         yield header, entries
     yield from inner
 
 
-def unused(what: Table, key: str, noun: Any) -> bool:
-    """Whether the noun's model, or the kind of analysis, has no use for a key; what stands in the header is no key."""
-    only = what.fields[key].metadata["only"]
+def unused(noun: Any, field: Field) -> bool:
+    """Whether the noun's model, or the kind of analysis, has no use for a field; what stands in the header is no key."""
+    only = field.metadata.get("only") or ()
     return bool(only) and getattr(noun, noun.selected_by) not in only
 
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Path
+from ..errors import Fault, Path
 from ..fields import Each, Measure, Names, Refused, described_fields, key_of, value_of
 from ..fields.members import Members
 from ..fields.members import members as of_members
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
-from ..modelfile.override import PathFault, parsed, resolve
+from ..modelfile.paths import parsed, resolve
 
 Numbers = Mapping[str, float | str]
 SECTIONS = {key_of(field): field.name for field in described_fields(Mechanism)}
@@ -50,7 +50,7 @@ def column(mechanism: Mechanism, raw: dict[str, Any], path: str) -> Column:
     """The number of a mechanism at a path. Raises Unfit where only the reader of a model knows it."""
     try:
         at = resolve(raw, path)
-    except PathFault as error:
+    except Fault as error:
         raise Unfit from error
     section = str(at[0])
     if section in APART or section not in SECTIONS or len(at) < 2:

@@ -20,8 +20,7 @@ from ..assembly.timestep import size_of
 from ..errors import Fault, ModelError, VfifeError, suggestion
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
-from ..modelfile.numbered import with_number
-from ..modelfile.numbers import numbers
+from ..modelfile.parameter import holds, numbers
 from ..result import Result
 from ..results.derivatives import Derivative, Sensitivity
 from ..results.studied import UNITS, unit_of
@@ -80,7 +79,7 @@ def sensitivity(
     given.tell()
     refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
-    chosen = matching("to", to, dict(numbers(text)))
+    chosen = matching("to", to, numbers(mechanism))
     result = simulate(mechanism, turns=turns, duration=duration, step=step, force_step=force_step, companions=companions, progress=progress)
     refuse_unended(result.record)
     record, reference = result.record, None if result.reference is None else result.reference.measures
@@ -250,7 +249,7 @@ def references(text: str, ways: list[Way], result: Result) -> dict[str, tuple[Re
     if result.reference is None:
         return {}
     ideal = result.reference.record.assembly
-    own = [one for one in ways if not one.path.startswith("joint.") or with_number(ideal.mechanism, one.path, one.value, one.value) is not None]
+    own = [one for one in ways if not one.path.startswith("joint.") or holds(ideal.mechanism, one.path, one.value)]
     near = [Way(one.path, one.value, beside(text, one.path, one.value, ideal, ideal=True)) for one in own]
 
     def both(pair: tuple[Record, Record]) -> tuple[Reference, Reference]:

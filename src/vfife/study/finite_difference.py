@@ -20,7 +20,7 @@ from ..fields.members import Differing, members
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
-from ..modelfile.numbered import with_number
+from ..modelfile.parameter import Parameter, holds
 from ..results.derivatives import Derivative, Kind
 from ..solvers.record import Record, recorded_rows
 from ..solvers.tangents import Neighbours
@@ -138,11 +138,11 @@ def beside(
 
 def placed(text: str, path: str, was: float, value: float, assembly: Assembly, *, ideal: bool = False) -> Assembly:
     """The model with another number, assembled for as many steps, each the same part of a turn."""
-    mechanism = with_number(assembly.mechanism, path, was, value)
-    if mechanism is None:
+    if not holds(assembly.mechanism, path, was):
         mechanism = loads(text, set=[(path, value)])
-        mechanism = mechanism.ideal() if ideal else mechanism
-    elif path.startswith("joint.") and path.split(".")[1] in assembly.contacts:
+        return alike(mechanism.ideal() if ideal else mechanism, assembly)
+    mechanism = Parameter(assembly.mechanism, path).set(value)
+    if path.startswith("joint.") and path.split(".")[1] in assembly.contacts:
         with suppress(ValueError):  # numbers of play reach the rows of their contact alone, in most mechanisms
             if all(name in mechanism.contacts for name in assembly.contacts):  # a block in a guide has four contacts with names of their own
                 return refitted(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
@@ -242,7 +242,7 @@ def references(text: str, chosen: Mapping[str, float], ideal: Assembly, peaks: L
     """Return the largest values of the ideal mechanism for each change of a number that it has."""
     variants: dict[Share, Assembly] = {}
     for path, value in chosen.items():
-        if path.startswith("joint.") and with_number(ideal.mechanism, path, value, value) is None:
+        if path.startswith("joint.") and not holds(ideal.mechanism, path, value):
             continue  # a number of the clearance
         for share in SHARES:
             try:

@@ -21,12 +21,12 @@ from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.possible import outlook
 from ..assembly.refit import Refit
-from ..errors import Path, VfifeError
+from ..errors import Fault, Path, VfifeError
 from ..fields import Measure, Refused, value_of
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..modelfile.override import PathFault, parsed, resolve
+from ..modelfile.paths import parsed, resolve
 from ..results.reductions import Reductions
 from ..simulation import ideal_of
 from ..solvers.status import Status
@@ -149,7 +149,7 @@ class Preparing:
     def _of_play(self, path: str) -> tuple[Path, Measure] | None:
         try:
             at = resolve(self.raw, path)
-        except PathFault:
+        except Fault:
             return None
         joint = self.base.joints.get(str(at[1])) if at[0] == "joint" and len(at) in (3, 4) else None
         if joint is None or not joint.refits:
@@ -242,7 +242,7 @@ class Preparing:
         if path not in self.forces:
             try:
                 at = resolve(self.raw, path)
-            except PathFault:
+            except Fault:
                 at = ("",)
             self.forces[path] = (
                 at[0] in FORCES or (len(at) == 3 and (at[0], at[2]) in OF_FORCE) or (drivers == 1 and at[0] == "driver" and at[-1] == "speed")

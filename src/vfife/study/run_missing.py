@@ -16,7 +16,7 @@ from ..errors import VfifeError, shown, suggestion
 from ..laws import ContactLaw, FrictionLaw
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..modelfile.override import parsed
+from ..modelfile.paths import parsed
 from ..results.member_errors import sample_of
 from ..results.provenance import own_laws, versions
 from ..results.reductions import REDUCTION

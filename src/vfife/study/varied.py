@@ -7,13 +7,13 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import Path, shown
+from ..errors import Fault, Path, shown
 from ..fields import Choice, Measure, Reading, Refused, Value, Whole
-from ..modelfile.override import PathFault, resolve
+from ..modelfile.parameter import NO_NUMBER
+from ..modelfile.parameter import Parameter as ModelParameter
 from ..modelfile.tables import Raw
 from ..numerics.scalar import power
 from .distributions import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
-from .places import held_at
 from .plan import Number, Parameter, Varied
 
 ZONE = re.compile(r"[A-Za-z]{1,2}[0-9]{1,2}")
@@ -53,20 +53,22 @@ def places(where: Path, texts: tuple[str, ...], raw: Raw, by: Reading) -> tuple[
     found: list[tuple[str, Value]] = []
     for text in texts:
         try:
-            path = resolve(raw, text)
-        except PathFault as fault:
+            one = ModelParameter(raw, text)
+        except Fault as fault:
             by.tell(where, Refused(fault.what, shown(text), "", fault.remedy))
             continue
-        if path[0] == "run" and path[-1] in SAID:
-            by.tell(where, Refused("the study says this itself, for all members", shown(text), "", f"remove it: {SAID[str(path[-1])]}"))
+        if one.keys[0] == "run" and one.keys[-1] in SAID:
+            remedy = f"remove it: {SAID[str(one.keys[-1])]}"
+            by.tell(where, Refused("the study says this itself, for all members", shown(text), "", remedy))
             continue
-        held = held_at(raw, path)
+        held = one.field
         if not isinstance(held, Measure | Whole | Choice):
-            kind = "what stands there is of a kind that has no such number" if len(path) > 2 else "a table, not a number of the model, is there"
+            kind = "what stands there is of a kind that has no such number"
+            kind = kind if len(one.keys) > 2 else "a table, not a number of the model, is there"
             what = kind if held is None else "this is no number that can be varied"
-            by.tell(where, Refused(what, shown(text), "", "name a number of the model by its path, such as joint.C.clearance"))
+            by.tell(where, Refused(what, shown(text), "", NO_NUMBER))
             continue
-        found.append((".".join(map(str, path)), held))
+        found.append((one.path, held))
     if len(found) < len(texts):
         return None, tuple(path for path, _ in found)
     kinds = {(type(held), unit_of(held)) for _, held in found}

@@ -11,7 +11,7 @@ from ... import gallery
 from ...files import read_bytes
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, load
-from ...modelfile.override import resolve
+from ...modelfile.paths import resolve
 from ..together import model_of
 from .documents import LARGEST, Conflict, Document, Json
 

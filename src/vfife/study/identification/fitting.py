@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -246,7 +245,7 @@ def planned(
         raise ModelError([Fault("run.analysis", "a static analysis has no curves over time", "static", "dynamic")], mechanism.name)
     seen = data if isinstance(data, Measured) else measured(data, units_of(mechanism), columns_of(columns), weights)
     text = dump(mechanism)
-    sought = understood(parameters, tomllib.loads(text), text)
+    sought = understood(parameters, mechanism)
     laid = offset_of(offset, seen, mechanism)
     few(seen, sought)
     timing = timing_of(mechanism, text, seen, sought, laid, skip, step)

@@ -17,7 +17,7 @@ from ...errors import Fault, ModelError, VfifeError, suggestion
 from ...fields import Measure, value_of
 from ...laws import ContactLaw, Pair
 from ...model.lawtables import read_law
-from ...modelfile.override import parsed
+from ...modelfile.paths import parsed
 from ...results.fitted import Fit, Laid, Value
 from ..sampling import sobol
 from .measurements import factor, numbers, split, table

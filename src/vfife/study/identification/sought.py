@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 
 from ...errors import Fault, ModelError, shown, suggestion
 from ...fields import Measure, Refused
-from ...modelfile.numbers import numbers
-from ...modelfile.override import PathFault, resolve
-from ...modelfile.tables import Raw
+from ...model.mechanism import Mechanism
+from ...modelfile.parameter import NO_NUMBER, Parameter, numbers
 from ...units import ends_of
 from ..optimise import Between
-from ..places import held_at
 
 Array = NDArray[np.float64]
 Numbers = dict[str, float]
@@ -46,14 +44,14 @@ def numbers_at(sought: Sequence[Sought], shares: Array) -> Numbers:
     return {path: one.value(float(share)) for one, share in zip(sought, shares, strict=True) for path in one.paths}
 
 
-def parameters(given: Mapping[Any, Any] | Sequence[str], raw: Raw, text: str) -> list[Sought]:
+def parameters(given: Mapping[Any, Any] | Sequence[str], mechanism: Mechanism) -> list[Sought]:
     """Parameters from texts as ``"joint.C.clearance=0.1..1 mm"``, several paths with commas between and ``*`` for any signs, or from a mapping of
     paths to two bounds. Raises ModelError with all that is wrong.
     """
     faults: list[Fault] = []
-    known, found, owners = dict(numbers(text)), list[Sought](), dict[str, str]()
+    known, found, owners = numbers(mechanism), list[Sought](), dict[str, str]()
     for told, bounds in pairs(given, faults):
-        one = parameter(told, bounds, raw, known, faults)
+        one = parameter(told, bounds, mechanism, known, faults)
         if one is None:
             continue
         for path in one.paths:
@@ -84,7 +82,7 @@ def pairs(given: Mapping[Any, Any] | Sequence[str], faults: list[Fault]) -> list
     return found
 
 
-def parameter(told: str, bounds: tuple[Any, Any], raw: Raw, known: Mapping[str, float], faults: list[Fault]) -> Sought | None:
+def parameter(told: str, bounds: tuple[Any, Any], mechanism: Mechanism, known: Mapping[str, float], faults: list[Fault]) -> Sought | None:
     """One parameter; None where something is wrong, which is told."""
     before, paths, held = len(faults), list[str](), list[Measure]()
     for text in (part.strip() for part in told.split(",")):
@@ -93,17 +91,15 @@ def parameter(told: str, bounds: tuple[Any, Any], raw: Raw, known: Mapping[str, 
             faults.append(Fault(told, "fits no number of this model", remedy=suggestion(text, known, "* stands for any characters")))
         for one in several:
             try:
-                path = resolve(raw, one)
-            except PathFault as fault:
-                faults.append(Fault(told, fault.what, shown(one), "", fault.remedy))
+                number = Parameter(mechanism, one)
+            except Fault as fault:
+                faults.append(fault.at(told, value=shown(one)))
                 continue
-            there = held_at(raw, path)
-            if not isinstance(there, Measure) or there.series:
-                remedy = suggestion(one, known, "name a number of the model by its path, such as joint.C.clearance")
-                faults.append(Fault(told, "no number is there that can be looked for", shown(one), "", remedy))
+            if number.quantity is None:
+                faults.append(Fault(told, "no number is there that can be looked for", shown(one), "", suggestion(one, known, NO_NUMBER)))
                 continue
-            paths.append(".".join(map(str, path)))
-            held.append(there)
+            paths.append(number.path)
+            held.append(number.quantity)
     if len({one.unit for one in held}) > 1:
         units = ", ".join(f"{path} in {one.unit}" for path, one in zip(paths, held, strict=True))
         faults.append(Fault(told, "numbers of different units cannot be one", units, remedy="look for each by itself"))

@@ -20,9 +20,7 @@ from ...fields import Measure
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...modelfile.numbers import numbers
-from ...modelfile.override import PathFault, resolve
-from ...modelfile.read import raw_of
+from ...modelfile.parameter import Parameter, numbers
 from ...result import Result
 from ...results.askedfile import AskedFile
 from ...results.channels import entities
@@ -37,7 +35,6 @@ from ...solvers.status import Status
 from ...solvers.sweeping import carried_on
 from ...solvers.tangents import Neighbours
 from ...solvers.transient import choose_loop
-from ..places import held_at
 
 Array = NDArray[np.float64]
 # Turns of the run that finds a step. In ten a run sees that its turns do not repeat: then it halves its step less often.
@@ -207,17 +204,16 @@ def refuse_unknown(where: str, names: Sequence[str], known: Sequence[str], what:
 
 def unit_at(mechanism: Mechanism, path: str) -> str:
     """Unit of the number at a path. Raises ValueError where there is none."""
-    raw = raw_of(dump(mechanism), mechanism.name)
     try:
-        held = held_at(raw, resolve(raw, path))
-    except PathFault as fault:
+        number = Parameter(mechanism, path)
+    except Fault as fault:
         raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
-    if not isinstance(held, Measure):
+    if not isinstance(number.field, Measure):
         at = path.split(".")
         alike = lambda name: sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), at, strict=False)))  # noqa: E731
-        known = sorted((name for name, _ in numbers(dump(mechanism))), key=alike, reverse=True)
+        known = sorted(numbers(mechanism), key=alike, reverse=True)
         raise ValueError(f"{path}: this is no number of the model; {suggestion(path, known, 'name one')}")
-    return held.unit
+    return number.unit
 
 
 def unit_of(start: View, series: str) -> str:
@@ -227,12 +223,12 @@ def unit_of(start: View, series: str) -> str:
 
 def seed(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbours:
     """Two models to both sides in a number that moves no pin: the difference between motions that is watched begins as one of it."""
-    text = dump(mechanism)
-    rank = {path: next((k for k, end in enumerate(LIKELY) if path.endswith(end)), len(LIKELY)) for path, value in numbers(text) if value}
+    known = {path: value for path, value in numbers(mechanism).items() if value}
+    rank = {path: next((k for k, end in enumerate(LIKELY) if path.endswith(end)), len(LIKELY)) for path in known}
     for path in sorted(rank, key=rank.__getitem__):
-        value = dict(numbers(text))[path]
+        value = known[path]
         with suppress(VfifeError):
-            both = [stepped(loads(text, set=[(path, value * (1.0 + sign * NEAR))]), steps) for sign in (1.0, -1.0)]
+            both = [stepped(Parameter(mechanism, path).set(value * (1.0 + sign * NEAR)), steps) for sign in (1.0, -1.0)]
             moves = np.abs(both[0].state - both[1].state)[first.layout.of("parameter")].any()
             if moves and all(carried_on(first, one) is None for one in both):
                 return Neighbours(both[0], both[1], 2.0 * NEAR * value)

@@ -1,24 +1,22 @@
-"""Numbers and texts of a model set by their path, before the model is checked."""
+"""Paths into the tables of a model file: which key is meant, values set before the model is checked, what may stand there."""
 
 from __future__ import annotations
 
 import copy
+import dataclasses
 import tomllib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
+from ..fields import Choice, Chosen, Each, Inner, Many, Measure, Names, Value, value_of
 from ..laws import MATERIALS
-from ..model.lawtables import LAWS
-from .tables import FAMILIES, NAMED, Raw, body_table, entries, known_keys, law_fields, table, tables
+from ..model.lawtables import DEFAULTS, LAWS
+from ..model.mechanism import Mechanism
+from .tables import FAMILIES, NAMED, TARGETS, Raw, Table, body_table, entries, kind_table, known_keys, law_fields, table, tables, target_of
 
-
-class PathFault(Exception):
-    """A path that leads nowhere, and what to do about it."""
-
-    def __init__(self, what: str, remedy: str) -> None:
-        super().__init__(what)
-        self.what, self.remedy = what, remedy
+# How many keys of a path name a table; the next one is a key in it.
+DEPTHS = {"material": 2, "body": 2, "joint": 2, "gear": 2, "spring": 2, "driver": 2, "load": 2, "run": 1, "start": 1}
 
 
 def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
@@ -29,8 +27,8 @@ def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], s
             path = resolve(raw, text)
             assign(raw, path, parsed(value) if isinstance(value, str) else copy.deepcopy(value))
             given.add(path)
-        except PathFault as fault:
-            faults.append(Fault(f"path {shown(text)} (given by set)", fault.what, "", "", fault.remedy))
+        except Fault as fault:
+            faults.append(fault.at(f"path {shown(text)} (given by set)"))
     for path in given:
         clear_idle(raw, path, given)
     return faults, given
@@ -46,16 +44,16 @@ def parsed(text: str) -> Any:
 
 
 def resolve(raw: Raw, text: str) -> Path:
-    """Keys and list indices of a dotted path; ``joint.BODY-BODY`` stands for the joint that connects the two."""
+    """Keys and list indices of a dotted path; ``joint.BODY-BODY`` stands for the joint that connects the two. Raises Fault for another."""
     parts: list[str | int] = [part.strip() for part in text.split(".")]
     if not all(parts):
-        raise PathFault("a path is names joined by dots", 'write it as in "joint.C.clearance"')
+        raise Fault("", "a path is names joined by dots", remedy='write it as in "joint.C.clearance"')
     top = known_keys(()) or ()
     if parts[0] not in top:
-        raise PathFault(f"there is nothing called {parts[0]!r} at the top of a model", nearest(raw, text))
+        raise Fault("", f"there is nothing called {parts[0]!r} at the top of a model", remedy=nearest(raw, text))
     if parts[0] in NAMED:
         if len(parts) < 2:
-            raise PathFault(f"a table, not a number of the model, is at {parts[0]}", nearest(raw, text))
+            raise Fault("", f"a table, not a number of the model, is at {parts[0]}", remedy=nearest(raw, text))
         parts[1] = entry(raw, str(parts[0]), str(parts[1]), text)
     for depth in range(1, len(parts)):
         parts[depth] = step(raw, tuple(parts[:depth]), str(parts[depth]), text)
@@ -75,8 +73,8 @@ def entry(raw: Raw, section: str, name: str, text: str) -> str:
     if len(found) == 1:
         return found[0]
     if found:
-        raise PathFault(f"more than one joint connects {name}", f"name the one that is meant: {' or '.join(found)}")
-    raise PathFault(f"there is no {section} {name!r}", nearest(raw, text))
+        raise Fault("", f"more than one joint connects {name}", remedy=f"name the one that is meant: {' or '.join(found)}")
+    raise Fault("", f"there is no {section} {name!r}", remedy=nearest(raw, text))
 
 
 def connected(raw: Raw) -> Iterator[tuple[str, tuple[str, str]]]:
@@ -94,15 +92,12 @@ def step(raw: Raw, above: Path, part: str, text: str) -> str | int:
     if isinstance(here, list):
         if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(here):
             return int(part)
-        raise PathFault(
-            f"{'.'.join(map(str, above))} is a list of {len(here)}",
-            f"end the path in a number from 0 to {len(here) - 1}",
-        )
+        raise Fault("", f"{'.'.join(map(str, above))} is a list of {len(here)}", remedy=f"end the path in a number from 0 to {len(here) - 1}")
     if not isinstance(here, dict):
-        raise PathFault(f"{'.'.join(map(str, above))} is a value, not a table", nearest(raw, text))
+        raise Fault("", f"{'.'.join(map(str, above))} is a value, not a table", remedy=nearest(raw, text))
     known = known_keys(above)
     if part not in here and (known is None or part not in known):
-        raise PathFault(f"there is no {part!r} in {'.'.join(map(str, above))}", nearest(raw, text))
+        raise Fault("", f"there is no {part!r} in {'.'.join(map(str, above))}", remedy=nearest(raw, text))
     return part
 
 
@@ -162,3 +157,60 @@ def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
     for key in idle:
         if not any(have[: len(path)] == (*path[:-1], key) for have in given):
             holder.pop(key, None)
+
+
+def field_at(raw: Raw, path: Path) -> Value | None:
+    """What may stand at a path, from the fields of the model classes; None for a table and for a path that a model does not have."""
+    section = str(path[0])
+    depth = DEPTHS.get(section, 0)
+    if depth and len(path) <= depth:
+        return None
+    top = Table(Mechanism)
+    if not depth:
+        return _inside(top.value(section), path[1:], raw.get(section)) if section in top.fields else None
+    holder, key = table(raw, *path[:depth]), str(path[depth])
+    kind = next((one for one in _kinds(section, holder) if key in one.fields), None)
+    return None if kind is None else _inside(kind.value(key), path[depth + 1 :], holder.get(key))
+
+
+def _kinds(section: str, holder: Raw) -> tuple[Table, ...]:
+    """Kinds of table by which an entry may be read, the likeliest first."""
+    if section == "body":
+        return (body_table(holder),)
+    if section in FAMILIES:
+        return (kind_table(section, holder),)
+    if section == "driver":
+        target = target_of(holder)
+        own = [one for one in tables("driver") if one.target == target]
+        return tuple(sorted(own, key=lambda one: len(set(holder) - set(one.fields) - set(TARGETS[target]))))
+    return tables(section)
+
+
+def _inside(held: Value, rest: Path, holder: Any) -> Value | None:
+    """The field deeper in a value."""
+    for depth, part in enumerate(rest):
+        found: Value | None = None
+        if isinstance(held, Each) and isinstance(part, int) and part < len(held.parts):
+            found = held.parts[part]
+        elif isinstance(held, Many | Names):
+            found = held.part
+        elif isinstance(held, Measure) and held.series and isinstance(part, int):
+            found = dataclasses.replace(held, series=False)
+        elif isinstance(held, Chosen):
+            found = _of_law(held, str(part), table(holder, *rest[:depth]))
+        elif isinstance(held, Inner):
+            known, shapes = Table(held.noun), getattr(held.noun, "shapes", {})
+            found = known.value(str(part)) if part in known.fields else shapes[part][0] if part in shapes else None
+        if found is None:
+            return None
+        held = found
+    return None if isinstance(held, Inner | Chosen | Each | Names) else held
+
+
+def _of_law(held: Chosen, key: str, holder: Raw) -> Value | None:
+    """A parameter of the law that is named there, or its name."""
+    registry = LAWS[held.word].known()
+    if key == "law":
+        return Choice(tuple(sorted(registry)))
+    law = registry.get(str(holder.get("law", DEFAULTS[held.word].name)))
+    return next((value_of(one) for one in dataclasses.fields(law) if one.name == key), None) if law is not None else None

@@ -1,0 +1,196 @@
+"""A value of a model by its path: unit, limits, default, value, and the model with another value.
+
+A path such as ``joint.C.clearance`` names a key of the model file. The value is read and changed in the objects of the mechanism where one of them
+holds that very number, and else through the tables of its model file, which know shapes of sections, shared materials and kinds.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ..errors import Fault, Path, shown
+from ..fields import Each, Field, Inner, Many, Measure, Named, Names, Value, described_fields, key_of, value_of
+from ..laws import MATERIALS, Law
+from ..model.drivers import Driver
+from ..model.mechanism import Mechanism
+from .paths import field_at, parsed, resolve
+from .read import of_tables
+from .tables import Raw
+from .write import tables_of, unused
+
+STEEL = "steel"  # the material of what names none
+NO_NUMBER = "name a number of the model by its path, such as joint.C.clearance"
+
+
+class Parameter:
+    """A value of a model by its path; ``joint.BODY-BODY`` stands for the joint that connects the two bodies.
+
+    ``model``: a mechanism, or the tables of a model file, which need not be sound. Raises Fault for a path that leads nowhere.
+
+    >>> from vfife.gallery import four_bar
+    >>> gap = Parameter(four_bar(), "joint.C.clearance")
+    >>> gap.unit, gap.limits, gap.set("0.5 mm").joints["C"].clearance
+    ('m', 'above 0 m', 0.0005)
+    """
+
+    def __init__(self, model: Mechanism | Raw, path: str) -> None:
+        self.mechanism = model if isinstance(model, Mechanism) else None
+        parts = tuple(part.strip() for part in path.split("."))
+        found = held_by(self.mechanism, parts) if self.mechanism is not None else None
+        self.steps: Path | None = None  # attributes, names and indices from the mechanism to the number, where an object holds it
+        self.keys: Path
+        self.field: Value | None
+        if found is not None:
+            self.keys, self.steps, self.field = found
+        else:
+            self.tables = tables_of(model) if isinstance(model, Mechanism) else model
+            self.keys = resolve(self.tables, path)
+            self.field = field_at(self.tables, self.keys)
+
+    @property
+    def path(self) -> str:
+        """The path in full."""
+        return ".".join(map(str, self.keys))
+
+    @property
+    def unit(self) -> str:
+        """SI unit, "1" for what has none."""
+        return self.field.unit if isinstance(self.field, Measure) else "1"
+
+    @property
+    def limits(self) -> str:
+        """Limits of a number in words."""
+        return self.field.limits() if isinstance(self.field, Measure) else next(self.field.units(), "") if self.field else ""
+
+    @property
+    def quantity(self) -> Measure | None:
+        """The field of a single number with a unit; None of whole numbers, words, lists and tables."""
+        return self.field if isinstance(self.field, Measure) and not self.field.series else None
+
+    def read(self, value: Any) -> Any:
+        """A value as it is written, a text with a unit perhaps, in SI units. Raises Fault for one that cannot stand there."""
+        if self.field is None:
+            raise Fault("", "this is no number of the model", shown(value), "", NO_NUMBER)
+        return self.field.take(parsed(value) if isinstance(value, str) else value, written=True)
+
+    def get(self) -> Any:
+        """The value, None where the model does not give it."""
+        here: Any = self.tables if self.steps is None else self.mechanism
+        for step in self.keys if self.steps is None else self.steps:
+            here = getattr(here, str(step), None) if dataclasses.is_dataclass(here) else part_of(here, step)
+        return here if here is None or self.steps is not None or self.field is None else self.read(here)
+
+    def set(self, value: Any) -> Mechanism:
+        """The mechanism with another value, or with an array of the values of many. Raises Fault or ModelError where it cannot be so."""
+        if self.steps is None:
+            return of_tables(copy.deepcopy(self.tables), [(self.path, value)])
+        many = getattr(value, "ndim", 0) > 0
+        changed: Mechanism = replaced(self.mechanism, self.steps, value if many else self.read(value))
+        return dataclasses.replace(changed, source=None)
+
+
+def with_values(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
+    """The mechanism with other values, by their paths. Raises Fault or ModelError with all that cannot be so."""
+    found = mechanism
+    for path, value in values.items():
+        parameter = Parameter(found, path)
+        if parameter.steps is None:
+            return of_tables(tables_of(mechanism), values.items())
+        found = parameter.set(value)
+    return found
+
+
+def holds(mechanism: Mechanism, path: str, value: float) -> bool:
+    """Whether an object of the mechanism has that very number at a full path: not of a shared material, nor of one that others follow from."""
+    found = held_by(mechanism, path.split("."))
+    return found is not None and Parameter(mechanism, path).get() == value
+
+
+def numbers(mechanism: Mechanism) -> dict[str, float]:
+    """Values (SI) of all numbers of a model by their paths; counts and numbers of the table ``run`` are left out.
+
+    Those of materials that it names, and of steel, the material of what names none, are among them.
+    """
+    tables = tables_of(mechanism)
+    materials = sorted({STEEL, *_texts(tables)} & MATERIALS.keys() - tables.get("material", {}).keys())
+    named = {f"material.{name}": vars(MATERIALS[name]) for name in materials}
+    return dict(pair for key, value in {**tables, **named}.items() if key != "run" for pair in _within(key, value))
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        yield from _texts(inner)
+
+
+def _within(path: str, value: Any) -> Iterator[tuple[str, float]]:
+    if isinstance(value, float):
+        yield path, value
+    elif isinstance(value, dict | list):
+        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _within(f"{path}.{key}", inner)
+
+
+def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Measure] | None:
+    """Keys, steps (attributes, names, indices) and field of a number that an object of the mechanism holds; None for any other path."""
+    here: Any = mechanism
+    field: Value = Inner(Mechanism)
+    keys, steps = list[str | int](), list[str | int]()
+    for part in parts:
+        key: str | int = part
+        step: str | int = part
+        if dataclasses.is_dataclass(here) and not isinstance(field, Named):
+            own = own_field(here, part)
+            if own is None or unused(here, own):
+                return None
+            field, step = value_of(own, isinstance(here, Driver) and here.along), own.name
+            here = getattr(here, own.name)
+        elif isinstance(here, dict) and part in here:
+            here = here[part]
+            field = field.part if isinstance(field, Names) else Inner(type(here))
+        elif isinstance(here, tuple) and part.isdecimal() and int(part) < len(here):
+            key = step = at = int(part)
+            here, field = here[at], field.parts[at] if isinstance(field, Each) else field.part if isinstance(field, Many) else field
+        else:
+            return None
+        keys.append(key)
+        steps.append(step)
+    if not isinstance(field, Measure) or not isinstance(here, float | None) or (field.series and here is None):
+        return None
+    return tuple(keys), tuple(steps), dataclasses.replace(field, series=False) if field.series else field
+
+
+def own_field(noun: Any, key: str) -> Field | None:
+    """The field of an object by its key in a file; of a law's by its name."""
+    along = isinstance(noun, Driver) and noun.along
+    fields = dataclasses.fields(noun) if isinstance(noun, Law) else described_fields(type(noun))
+    return next((one for one in fields if key_of(one, along) == key), None)
+
+
+def part_of(here: Any, key: str | int) -> Any:
+    """An entry of a table or a list, None where there is none."""
+    if isinstance(here, list | tuple):
+        return here[int(key)] if int(key) < len(here) else None
+    return here.get(key) if isinstance(here, dict) else None
+
+
+def replaced(value: Any, steps: Path, number: Any) -> Any:
+    """A mechanism, or a part of one, with another number (or the numbers of many mechanisms)."""
+    if not steps:
+        return number
+    step, rest = steps[0], steps[1:]
+    if isinstance(value, dict):
+        return {**value, step: replaced(value[step], rest, number)}
+    if isinstance(value, tuple):
+        return (*value[: int(step)], replaced(value[int(step)], rest, number), *value[int(step) + 1 :])
+    inner = replaced(getattr(value, str(step)), rest, number)
+    if getattr(number, "ndim", 0) == 0 or isinstance(value, Mechanism):
+        return dataclasses.replace(value, **{str(step): inner})
+    found = object.__new__(type(value))  # a class of the model refuses what is no number
+    for field in dataclasses.fields(value):
+        object.__setattr__(found, field.name, inner if field.name == step else getattr(value, field.name))
+    return found
