@@ -7,7 +7,7 @@ MAKEFLAGS += --no-print-directory
 
 VENV := .venv
 PYTHON := $(VENV)/bin/python
-XDIST ?= -n 2 --dist loadfile
+XDIST ?= -n 2 --dist worksteal
 # Which Python makes .venv: the first of these that will do.
 BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 
@@ -30,16 +30,19 @@ export MPLBACKEND ?= Agg
 # A test run starts a hundred processes, and each would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test matrix golden oldest coverage lint docs package release bench verify soak mutations clean help
+.PHONY: demo test system matrix golden oldest coverage lint docs package release bench verify soak mutations clean help
 
 demo: $(VENV)/.runtime  ## what play costs an air compressor in force, noise and energy, with figures in runs/demo
 	@$(PYTHON) examples/compressor.py runs/demo
 	@echo "Next: $(VENV)/bin/vfife run examples/compressor.toml --set joint.small-end.clearance=\"50 um\" -o runs/mine --figures"
 	@echo "      $(VENV)/bin/vfife new compressor -o mine.toml    $(VENV)/bin/vfife run examples/four_bar.toml (the paper's four-bar)"
 
-test: $(VENV)/.test  ## run every test but the verify and soak suites (PYTEST="-k name" narrows it)
+test: $(VENV)/.test  ## run the tests of every idea, in two minutes (PYTEST="-k name" narrows it)
 	@command -v chromium >/dev/null || echo "No chromium here: tests of pages in a browser are skipped (on Debian: apt-get install chromium)."
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
+
+system: $(VENV)/.test  ## the tests that start processes, browsers and emulators, and those that take long
+	@$(PYTHON) -m pytest $(XDIST) -m system $(PYTEST)
 
 matrix: $(VENV)/.test  ## commands of a user under other kernels of BLAS, processors, libraries and versions: the same bits? (MATRIX="--example NAME")
 	@$(PYTHON) tests/matrix/matrix.py $(MATRIX)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 import sys
 
+import pytest
+
 from architecture.sources import PROJECT, ROOT, files, imports, parsed, report
 
 KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
@@ -27,6 +29,7 @@ NOT_IMPORTED = {
 IMPORTED_AS = {"PIL": "pillow", "bochscpu": "bochscpu-python", "cuda": "cuda-bindings", "xdist": "pytest-xdist"}
 
 
+@pytest.mark.system("starts a process")
 def test_kernels_import_only_numpy_and_each_other() -> None:
     offenders = []
     for name, tree, _ in files():
@@ -107,6 +110,7 @@ def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported()
     report("Installed, but never imported:", sorted(declared - used.keys() - NOT_IMPORTED.keys()))
 
 
+@pytest.mark.system("parses every file of the tests")
 def test_what_the_tests_import_is_declared_and_what_is_declared_is_imported() -> None:
     declared, used = requirements("test", "verify"), imported("tests")
     report("Imported by tests, but not installed for them:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])

@@ -69,6 +69,7 @@ class Killed(BaseException):
     """What nobody catches."""
 
 
+@pytest.mark.system("kills a process")
 def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
     """With the runs that were complete, to the bit; nothing is run again, and what kept them is gone at the end."""
     words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,pereira,hertz,flores", "--turns", 0.2, "--no-figures", "--json")

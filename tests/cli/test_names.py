@@ -52,6 +52,7 @@ def test_names_are_text(command: Callable, clear: bool) -> None:
 HOSTILE = ("<script>alert(1)</script>", "../x", "a/b", "nul\x00", "\u202eevil", "\x1b[31mred", "new\nline", "{0}", "%s", "-o", "x" * 3000)
 
 
+@pytest.mark.system("every command with names of every kind")
 @pytest.mark.parametrize("place", ["name", "body", "joint"])
 @pytest.mark.parametrize("name", HOSTILE, ids=lambda name: repr(name[:12]))
 def test_any_name_is_text_or_is_told(command: Callable, name: str, place: str) -> None:

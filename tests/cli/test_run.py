@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 import vfife
+from choice import default_cases
 from cli.conftest import ENVIRONMENT
 from cli.models import CASE_C, ROOT
 from vfife.codegen import native
@@ -219,6 +220,7 @@ def test_ctrl_c(process: Callable, pendulum: Path, tmp_path: Path) -> None:
     assert "Traceback" not in err
 
 
+@pytest.mark.system("kills a process")
 def test_killed_run_is_readable(process: Callable, command: Callable, tmp_path: Path) -> None:
     began = long_run(process, tmp_path / "long", CASE_C, "--turns", "100000", "--outputs", "30")
     began.kill()
@@ -255,7 +257,10 @@ def test_companions_are_asked_for_and_turned_off(command: Callable) -> None:
     assert wrong.exit_code == 2 and "from 0 to 7, or auto" in wrong.stderr
 
 
-@pytest.mark.parametrize("way", ["python -m", "a script that is not on the path", "a script on the path"])
+@pytest.mark.parametrize(
+    "way",
+    default_cases(["python -m", "a script that is not on the path", "a script on the path"], lambda way: way == "python -m", "starts processes"),
+)
 def test_what_comes_next_works_as_printed(tmp_path: Path, pendulum: Path, way: str) -> None:
     """The first of the commands that a run ends with, typed into a shell of the same environment."""
     environment = dict(ENVIRONMENT)

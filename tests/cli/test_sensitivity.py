@@ -47,6 +47,7 @@ def test_measures_that_are_rounding_are_left_out_and_told(command):
     assert {line.split()[0] for line in done.stdout.splitlines() if ".max" in line} == {"crank.torque.max"}
 
 
+@pytest.mark.system("starts processes with other libraries")
 @pytest.mark.parametrize("kernel", ["Haswell", "Nehalem", "SkylakeX"])
 def test_rounding_decides_no_exit_code(kernel):
     """The moment of that guide is 1e-45 N m or exactly 0, which the linear algebra of the machine decides; a run leaves out the latter."""
@@ -56,6 +57,7 @@ def test_rounding_decides_no_exit_code(kernel):
     assert "rounding beside the largest of their unit: guide.moment.max" in " ".join(done.stderr.split())
 
 
+@pytest.mark.system("displaced runs of a chaotic motion")
 def test_a_change_stands_where_the_derivative_does_not_describe_it(command):
     """The largest gas force is at a point of the table of pressures: more there makes it larger, less lets another point be the largest."""
     words = ("sensitivity", EXAMPLES / "compressor.toml", "--of", "main.force.max", "--to", "load.gas.pressure.1[23]", "--turns", 1)

@@ -39,6 +39,7 @@ def test_while_what_a_command_needs_is_loaded(held: Callable, pendulum: Path) ->
     assert not (pendulum.parent / "runs").exists()
 
 
+@pytest.mark.system("starts a process and sends it signals")
 def test_a_second_one_while_the_first_is_told(held: Callable, pendulum: Path) -> None:
     """What tells it is loaded only then, and may not be done when somebody presses Ctrl-C again."""
     process = held("rich", "run", pendulum, "-o", pendulum)
@@ -48,6 +49,7 @@ def test_a_second_one_while_the_first_is_told(held: Callable, pendulum: Path) ->
     assert process.returncode in (129, 130) and "interrupted: Stopped by" in err and "Traceback" not in err
 
 
+@pytest.mark.system("starts a process and sends it a signal")
 def test_while_figures_are_drawn(held: Callable, pendulum: Path) -> None:
     process = held("matplotlib", "run", pendulum, "--figures", "-o", "out", "--json", "--duration", "0.001")
     process.send_signal(signal.SIGTERM)

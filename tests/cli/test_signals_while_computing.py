@@ -38,6 +38,7 @@ def patience() -> float:
     return 4.0 * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
 
 
+@pytest.mark.system("starts processes and sends them signals")
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
 def test_signals_are_heard_between_outputs(process: Callable, command: Callable, pendulum: Path, tmp_path: Path, name: str, code: int) -> None:
     """One output for a run of hours: it ends within two seconds, and goes on from where it was."""
@@ -63,6 +64,7 @@ def test_signals_are_heard_between_outputs(process: Callable, command: Callable,
     assert not stages()
 
 
+@pytest.mark.system("starts a process and sends it a signal")
 def test_a_signal_that_is_not_heard_ends_the_process_all_the_same(tmp_path: Path) -> None:
     """What a compiler in a library does: it sits in the main thread, and lets no signal through."""
     text = """

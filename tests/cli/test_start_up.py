@@ -65,6 +65,7 @@ def test_loads_nothing_heavy(behind_light_ones: dict[str, set[str]], words: list
     assert not found & HEAVY
 
 
+@pytest.mark.system("starts a process")
 def test_a_run_loads_what_it_needs(tmp_path: Path) -> None:
     """Neither what draws on a terminal, nor what checks arguments that are plain, nor what reads the names of installed packages."""
     (found,), _ = loaded(

@@ -51,6 +51,7 @@ WRITES = {
 }
 
 
+@pytest.mark.system("a full disk at each write in turn")
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("what", ["the folder", "the lock", "the move", "the figures", "the summary"])
 def test_every_write_in_turn(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, what: str, fault: Any) -> None:

@@ -87,6 +87,7 @@ def test_a_second_process_compiles_nothing_and_needs_no_numba(folder):
     assert {p.name: p.stat().st_mtime_ns for p in folder.iterdir()} == before
 
 
+@pytest.mark.system("starts several processes")
 @pytest.mark.rounds
 def test_several_processes_may_start_at_once(folder):
     """All write under names of their own; none fails, all are right, one entry is left."""
@@ -171,6 +172,7 @@ def test_without_a_place_to_write_steps_are_compiled_all_the_same(monkeypatch, t
     assert first[0] == second[0] == 1 and (bits(first[1]) == bits(second[1])).all()
 
 
+@pytest.mark.system("starts a process that compiles everything")
 def test_without_a_home_steps_are_compiled_all_the_same(tmp_path):
     nowhere = environment(HOME=str(tmp_path / "missing" / "home"))
     for name in ("VFIFE_CACHE", "XDG_CACHE_HOME"):

@@ -48,6 +48,7 @@ def run(place: Path, code: str, **given: object) -> subprocess.CompletedProcess[
     return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=False)
 
 
+@pytest.mark.system("starts a process with a library in the driver's place")
 def test_our_calls_reach_the_driver(place):
     """A member stepped by a kernel that the driver loads and launches: arguments, addresses and copies go through the bindings."""
     llvm = native._target()
@@ -60,6 +61,7 @@ def test_our_calls_reach_the_driver(place):
     assert done.stdout == rows_on_card(member()).tobytes()
 
 
+@pytest.mark.system("starts processes")
 def test_the_driver_that_is_not_there_and_the_one_that_is_too_old(place, tmp_path):
     for folder, given, words in (
         (place, {"VFIFE_CUDA": 11080}, "the NVIDIA driver is too old: it knows CUDA 11.8"),

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from choice import default_cases
 from lane_models import LANES, cylinder, elastic_bars, journals, machinery, one_clearance, rigid_bars, swing, two_particle_bars, worn_bars
 from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
@@ -90,7 +91,9 @@ console.log(JSON.stringify(rows));
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs node, which runs JavaScript")
-@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+@pytest.mark.parametrize(
+    "model", default_cases(RUNS, lambda model: model is not machinery, "starts a process for a long text"), ids=lambda model: model.__name__
+)
 def test_javascript_is_data_driven(model, tmp_path):
     """The text that a page would run, in the engine of a browser."""
     rows, names = computed(model, "data-driven", LANES)

@@ -67,6 +67,7 @@ def test_ptx_has_the_operations_of_the_text(mechanism, capability):
     assert found["sqrt.rn.f64"] == asked["call double @llvm.sqrt"] > 0
 
 
+@pytest.mark.system("assembles code for a card")
 def test_registers_and_spills(tmp_path):
     """Case c on an H100: its lean step has the whole state in registers and puts aside 1.0 kB of what they do not hold, as ptxas 12.9 has it."""
     said = assembled(ptx(text_of(four_bar("BCD"))), 90, tmp_path)
@@ -77,6 +78,7 @@ def test_registers_and_spills(tmp_path):
     assert {name for name, size in re.findall(r"for (\w+)\n.*?(\d+) bytes spill stores", said) if int(size) > 200} == {"lean"}
 
 
+@pytest.mark.system("assembles code for a card")
 def test_machine_code_fuses_nothing(tmp_path):
     """Quotients and roots are made of fused products inside, which is how IEEE's rounding is had there; a text without them has none.
 

@@ -64,6 +64,7 @@ def alone() -> list[np.ndarray]:
     return [rows(model, "data-driven") for model in MODELS]
 
 
+@pytest.mark.system("compiles in several threads")
 @pytest.mark.rounds
 def test_steps_are_traced_compiled_and_run_at_once(alone, empty):
     for _ in range(rounds(3)):
@@ -73,6 +74,7 @@ def test_steps_are_traced_compiled_and_run_at_once(alone, empty):
             assert (bits(found) == bits(alone[k % len(MODELS)])).all()
 
 
+@pytest.mark.system("compiles in several threads")
 @pytest.mark.rounds
 def test_texts_are_written_at_once(empty):
     def text(model: Mechanism) -> tuple[str, str]:

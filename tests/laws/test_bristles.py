@@ -123,6 +123,7 @@ def pulled(law, dt, end):
     return np.array(places)
 
 
+@pytest.mark.system("integrates a stiff law with SciPy")
 def test_lugre_stick_slip_is_that_of_scipy():
     """The example of the 1995 paper (mass, spring, speed and parameters are its own): four slips in 40 s, stiff for SciPy, not for us."""
     law, end = (

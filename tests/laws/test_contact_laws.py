@@ -77,13 +77,14 @@ def test_every_field_has_a_unit_and_a_meaning(law):
 
 
 @each_law
-@pytest.mark.parametrize("pair", PAIRS, ids=lambda pair: f"{pair.clearance:g}")
-def test_slots_name_the_parameters(law, pair):
-    p = contact_law(law).parameters(pair)
-    assert len(p) == len(law.slots) or law.tabled, "a table's pieces follow"
-    assert len(law.slots) == len(set(law.slots))
-    assert all(isinstance(value, float) and math.isfinite(value) for value in p)
-    assert set(contact_law(law).derived(pair)) == set(law.slots)
+def test_slots_name_the_parameters(law, subtests):
+    for pair in PAIRS:
+        with subtests.test(pair=pair):
+            p = contact_law(law).parameters(pair)
+            assert len(p) == len(law.slots) or law.tabled, "a table's pieces follow"
+            assert len(law.slots) == len(set(law.slots))
+            assert all(isinstance(value, float) and math.isfinite(value) for value in p)
+            assert set(contact_law(law).derived(pair)) == set(law.slots)
 
 
 @each_law
@@ -184,16 +185,17 @@ def free_impact(law: type[ContactLaw], p: tuple[float, ...], mass: float, speed:
 
 
 @each_proportional_law
-@pytest.mark.parametrize("restitution", RESTITUTIONS)
-def test_delivers_the_restitution_of_the_oracle(law, restitution):
+def test_delivers_the_restitution_of_the_oracle(law, subtests):
     """Rebound and hysteresis area, at ten coefficients, masses, speeds and surfaces."""
-    chosen = with_restitution(law, restitution)
-    pair, mass, speed = PAIRS[round(10 * restitution) % 3], 0.5 + restitution, 0.2 + 0.7 * restitution
-    p = chosen.parameters(pair)
-    expected = oracle(damping_factor(law, p))
-    rebound, lost = free_impact(law, p, mass, speed)
-    assert rebound / speed == pytest.approx(expected, abs=1e-6)
-    assert lost == pytest.approx(0.5 * mass * speed**2 * (1 - expected**2), abs=1e-6 * mass * speed**2)
+    for restitution in RESTITUTIONS:
+        with subtests.test(restitution=restitution):
+            chosen = with_restitution(law, restitution)
+            pair, mass, speed = PAIRS[round(10 * restitution) % 3], 0.5 + restitution, 0.2 + 0.7 * restitution
+            p = chosen.parameters(pair)
+            expected = oracle(damping_factor(law, p))
+            rebound, lost = free_impact(law, p, mass, speed)
+            assert rebound / speed == pytest.approx(expected, abs=1e-6)
+            assert lost == pytest.approx(0.5 * mass * speed**2 * (1 - expected**2), abs=1e-6 * mass * speed**2)
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.9])
@@ -216,12 +218,13 @@ def rebound_in_a_run(law: ContactLaw) -> float:
 
 
 @each_proportional_law
-@pytest.mark.parametrize("restitution", [0.5, 0.9])
-def test_delivers_it_in_a_run(law, restitution):
+def test_delivers_it_in_a_run(law, subtests):
     """The step itself, dissipation solved in closed form and the onset located: a journal thrown against its bearing."""
-    chosen = with_restitution(law, restitution)
-    expected = oracle(damping_factor(law, chosen.parameters(PAIRS[1])))
-    assert rebound_in_a_run(chosen) == pytest.approx(expected, abs=1e-4)
+    for restitution in [0.5, 0.9]:
+        with subtests.test(restitution=restitution):
+            chosen = with_restitution(law, restitution)
+            expected = oracle(damping_factor(law, chosen.parameters(PAIRS[1])))
+            assert rebound_in_a_run(chosen) == pytest.approx(expected, abs=1e-4)
 
 
 # ----------------------------------------------------------------------------------------------------- published numbers
@@ -241,15 +244,16 @@ PRINTED = {
 
 
 @each_proportional_law
-@pytest.mark.parametrize("restitution", RESTITUTIONS)
-def test_damping_factor_of_the_literature(law, restitution):
+def test_damping_factor_of_the_literature(law, subtests):
     """That of the law's name; cylinders take Lankarani and Nikravesh's unless another is named."""
-    p = with_restitution(law, restitution).parameters(PAIRS[1])
-    printed = PRINTED.get(law.name, PRINTED["lankarani-nikravesh"])
-    if law.tabled:
-        return  # loses what its two branches are apart: test_tabulated.py
-    assert law.name in PRINTED or law.film or "damping" in {f.name for f in dataclasses.fields(law)}
-    assert damping_factor(law, p) == pytest.approx(printed(restitution), rel=1e-12, abs=1e-15)
+    for restitution in RESTITUTIONS:
+        with subtests.test(restitution=restitution):
+            p = with_restitution(law, restitution).parameters(PAIRS[1])
+            printed = PRINTED.get(law.name, PRINTED["lankarani-nikravesh"])
+            if law.tabled:
+                continue  # loses what its two branches are apart: test_tabulated.py
+            assert law.name in PRINTED or law.film or "damping" in {f.name for f in dataclasses.fields(law)}
+            assert damping_factor(law, p) == pytest.approx(printed(restitution), rel=1e-12, abs=1e-15)
 
 
 # Delivered restitution, from method.md (section 3) to five digits: law, c_r, e.

@@ -208,29 +208,31 @@ def steady(law, v):
 
 
 @each_law
-@pytest.mark.parametrize("v", [1e-5, 3e-4, 1e-3, 2.7e-3, 0.02, 0.5, 9.0])
-def test_its_curve_in_steady_sliding(law, v):
+def test_its_curve_in_steady_sliding(law, subtests):
     """Against the closed form, both ways; bristles have come to rest long before the twelve steps of 10 s end."""
-    fields = {field.name for field in dataclasses.fields(law)}
-    values = {"viscous": 0.07, "shape": 1.3} if "shape" in fields else {}
-    for sign in (1.0, -1.0):
-        force = run(law(**values), [sign * v] * 12, normal=250.0, dt=10.0)[-1]
-        assert force == pytest.approx(-sign * 250.0 * steady(law(**values), v), rel=1e-11)
+    for v in [1e-5, 3e-4, 1e-3, 2.7e-3, 0.02, 0.5, 9.0]:
+        with subtests.test(v=v):
+            fields = {field.name for field in dataclasses.fields(law)}
+            values = {"viscous": 0.07, "shape": 1.3} if "shape" in fields else {}
+            for sign in (1.0, -1.0):
+                force = run(law(**values), [sign * v] * 12, normal=250.0, dt=10.0)[-1]
+                assert force == pytest.approx(-sign * 250.0 * steady(law(**values), v), rel=1e-11)
 
 
 @each_law
-@pytest.mark.parametrize("amplitude", [1e-6, 1e-4, 0.3])
-def test_dissipates_over_a_closed_cycle(law, amplitude):
+def test_dissipates_over_a_closed_cycle(law, subtests):
     """To and fro, from cycle to cycle, from motions within the bristles to long slides."""
-    per_cycle, dt = 400, 1e-4
-    velocity = [amplitude * 2 * math.pi / (per_cycle * dt) * math.cos(2 * math.pi * (k + 0.5) / per_cycle) for k in range(4 * per_cycle)]
-    forces = run(dry(law), velocity, dt=dt)
-    lost = [-force * v * dt for force, v in zip(forces, velocity, strict=True)]
-    for cycle in range(1, 4):
-        work = sum(lost[cycle * per_cycle : (cycle + 1) * per_cycle])
-        assert work >= 0.0
-        if law is not Frictionless and amplitude > 1e-3:
-            assert work == pytest.approx(4 * amplitude * 1000.0 * 0.1, rel=0.01)
+    for amplitude in [1e-6, 1e-4, 0.3]:
+        with subtests.test(amplitude=amplitude):
+            per_cycle, dt = 400, 1e-4
+            velocity = [amplitude * 2 * math.pi / (per_cycle * dt) * math.cos(2 * math.pi * (k + 0.5) / per_cycle) for k in range(4 * per_cycle)]
+            forces = run(dry(law), velocity, dt=dt)
+            lost = [-force * v * dt for force, v in zip(forces, velocity, strict=True)]
+            for cycle in range(1, 4):
+                work = sum(lost[cycle * per_cycle : (cycle + 1) * per_cycle])
+                assert work >= 0.0
+                if law is not Frictionless and amplitude > 1e-3:
+                    assert work == pytest.approx(4 * amplitude * 1000.0 * 0.1, rel=0.01)
 
 
 # ---------------------------------------------------------------------------------------------------------------- Ambrosio

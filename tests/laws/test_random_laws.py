@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from choice import default_cases
 from emulated import card
 from laws.random_laws import laws, source
 from vfife.codegen import compile as compiling
@@ -87,9 +88,17 @@ def none_differs(seeds: range, foreign: float) -> int:
     return total
 
 
-def test_random_laws_are_computed_as_python_computes_them():
-    """240 laws in every loop of this machine, in JavaScript where node is there, and as PTX in an interpreter."""
-    assert none_differs(range(10, 14), 0.0) + none_differs(range(20, 21), 0.2) >= 220
+@pytest.mark.parametrize(
+    ("seeds", "foreign"),
+    [
+        (range(10, 11), 0.0),
+        pytest.param(range(11, 14), 0.0, marks=pytest.mark.system("compiles 150 laws")),
+        pytest.param(range(20, 21), 0.2, marks=pytest.mark.system("compiles 50 laws")),
+    ],
+)
+def test_random_laws_are_computed_as_python_computes_them(seeds, foreign):
+    """240 laws, 50 of them by default, in every loop of this machine, in JavaScript where node is there, and as PTX in an interpreter."""
+    assert none_differs(seeds, foreign) >= 45 * len(seeds)
 
 
 def test_what_is_not_in_the_language_is_refused():
@@ -153,7 +162,7 @@ PLANTED = {
 }
 
 
-@pytest.mark.parametrize("fault", PLANTED)
+@pytest.mark.parametrize("fault", default_cases(PLANTED, lambda fault: fault == "and for or", "compiles thirty laws in every loop"))
 def test_a_planted_fault_is_found(monkeypatch, fault):
     """By 30 laws."""
     plant, loop = PLANTED[fault]

@@ -117,6 +117,7 @@ def test_names_are_text_and_nothing_else(opened):
     assert page.evaluate("() => window.struck") is None
 
 
+@pytest.mark.system("a browser")
 def test_everything_goes_by_keys(opened):
     mechanism = gallery.four_bar_case_b()
     page = opened(page_of(mechanism, with_ends(asked_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))))
@@ -148,6 +149,7 @@ def test_everything_goes_by_keys(opened):
     assert {"play", "back", "forth", "scrub", "speed", "magnify", "slide-0", "keep", "theme", "help"} <= reached
 
 
+@pytest.mark.system("a browser")
 def test_what_is_taken_away(opened):
     """Model, numbers and pictures: the numbers are those of the outputs, in as many lines; pictures are well-formed."""
     from xml.etree import ElementTree
@@ -174,6 +176,7 @@ def test_what_is_taken_away(opened):
         assert ElementTree.fromstring(text).tag.endswith("svg") and "NaN" not in text
 
 
+@pytest.mark.system("a browser")
 def test_it_fits_a_phone_in_light_and_dark_and_drawing_does_not_wait_for_steps(opened):
     page = opened(page_of(gallery.quick_return()), viewport={"width": 360, "height": 740}, color_scheme="light", has_touch=True, is_mobile=True)
     drawn = page.evaluate("() => live.frames.count")

@@ -42,6 +42,7 @@ def test_a_result_runs_with_its_step():
     assert given["step"] == result.record.assembly.choice.step and given["slides"] == []
 
 
+@pytest.mark.system("a browser")
 @needs_browser
 def test_cells_run_on_a_page_that_is_opened_from_disk(browser, tmp_path: Path):
     cells = [gallery.four_bar_case_b().live(()), gallery.quick_return().live(())]

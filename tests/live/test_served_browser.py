@@ -100,6 +100,7 @@ def test_a_field_is_edited_and_wrong_values_get_the_sentence_of_the_model_there(
     assert bar.read_text("utf-8").startswith("# kept\n") and 'clearance = "0.25 mm"' in bar.read_text("utf-8")
 
 
+@pytest.mark.system("several browsers")
 def test_browsers_follow_the_file_and_one_another(visit, bar):
     visit.session.pages.sliders = True
     one, other = visit(), visit(viewport={"width": 390, "height": 780}, color_scheme="dark")
@@ -139,6 +140,7 @@ def test_a_page_from_elsewhere_gets_nothing(visit):
     context.close()
 
 
+@pytest.mark.system("a browser")
 def test_the_gallery_is_where_it_begins(visit):
     page = visit("")
     card = page.locator(".card", has_text="double pendulum").first

@@ -66,6 +66,7 @@ def test_every_text_is_text_and_nothing_is_fetched(grid: vfife.Study) -> None:
     assert not re.search(r"https?://|fetch\(|@import", outside)
 
 
+@pytest.mark.system("a browser")
 @needs_browser
 def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.Study, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "page.html"

@@ -28,6 +28,7 @@ def base(tmp_path_factory):
     return answers(carried_out(settings()[0], folder), folder)
 
 
+@pytest.mark.system("runs the commands of a user under other libraries")
 @pytest.mark.parametrize("setting", [one for one in settings() if one.name in UNLIKE], ids=lambda one: one.name)
 def test_a_few_examples_answer_the_same_elsewhere(setting: Setting, base, tmp_path):
     """Another kernel of BLAS, NumPy and the C library without their wide instructions; and libraries that round everything otherwise."""
@@ -37,6 +38,7 @@ def test_a_few_examples_answer_the_same_elsewhere(setting: Setting, base, tmp_pa
     assert [str(one) for one in differences(here, found)] == []
 
 
+@pytest.mark.system("runs fifty commands of a user")
 def test_all_examples_answer_as_kept(base):
     """The answers of all commands, as they were taken on another machine, with other versions of NumPy: ``make golden`` takes them anew."""
     kept = json.loads(KEPT.read_text())

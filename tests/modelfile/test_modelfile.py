@@ -211,6 +211,7 @@ def test_reference_cases_have_their_laws() -> None:
             assert (joint.friction_moment, joint.impact_speed_floor) == ("mid-overlap", 1e-3)
 
 
+@pytest.mark.system("starts a process")
 def test_examples_need_neither_pint_nor_numba() -> None:
     code = (
         "import sys\nfrom vfife.modelfile import load\n"

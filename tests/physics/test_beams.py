@@ -61,6 +61,7 @@ def elastica(strain: str) -> float:
     return float(tip(clamp)[1]) - LENGTH * math.sin(TILT)
 
 
+@pytest.mark.system("relaxes frames of several sizes")
 @pytest.mark.parametrize("strain", STRAINS)
 def test_a_thick_cantilever_bends_as_the_extensible_elastica(strain):
     """Of second order in the elements, so 16 and 8 give what shooting gives; the two laws are 0.2 % apart."""
@@ -76,7 +77,7 @@ def test_the_reference_length_is_that_of_beam_codes():
     assert elastica("current") == pytest.approx(EXUDYN * (1.0 - 0.00197), rel=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.system("relaxes 64 elements")
 def test_with_as_many_elements_as_exudyn():
     assert cantilever(64, "reference") == pytest.approx(EXUDYN, abs=1.5e-5)
 

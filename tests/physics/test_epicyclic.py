@@ -90,6 +90,7 @@ def test_a_free_train_keeps_its_moment_of_momentum():
     assert total == pytest.approx(total[0], abs=1e-10)
 
 
+@pytest.mark.system("compiles two trains of gears")
 @pytest.mark.parametrize("fixed", ["sun", "ring"])
 def test_a_torque_on_the_arm_meets_the_inertia_of_the_train(fixed):
     """T = (I_arm + m a^2 + I_planet i_p^2 + I_free i_f^2) alpha, with the ratios that Willis gives where one wheel stands still on the ground."""

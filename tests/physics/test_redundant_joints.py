@@ -24,6 +24,7 @@ from vfife.result import Result
 from vfife.simulation import simulate
 
 
+@pytest.mark.system("runs a million steps")
 def test_moments_of_gears_in_a_ring_do_not_drift():
     """Nothing is accelerated, so no moment is right; extrapolated reactions came to 587 and 1467 N m within 20 s."""
     record = go(geared_ring(), "auto", duration=20.0, outputs=200)

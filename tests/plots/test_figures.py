@@ -275,6 +275,7 @@ def test_wear_over_turns_is_readable() -> None:
     assert [line.get_label() for line in figure.axes[0].lines][-2:] == ["10 million", "new"]
 
 
+@pytest.mark.system("draws every figure of several runs")
 def test_no_text_covers_another_or_leaves_the_sheet() -> None:
     every = {**drawn("slider_crank_loose_guide"), **{name: drawn("elastic_pendulum")[name] for name in ("stress", "deflection", "traces")}}
     assert not {figure: found for figure, one in every.items() if (found := faults(one))}

@@ -12,6 +12,7 @@ from rich.console import Console
 
 import gallery_runs
 import vfife
+from choice import default_cases
 from drawn_texts import faults
 from mechanisms import everything
 from vfife import gallery
@@ -21,6 +22,9 @@ from vfife.plots.outlines import outline
 from vfife.report.summary import show
 from vfife.result import Result
 from vfife.results.netcdf import write_netcdf
+
+# By default those that other tests of this file draw as well.
+DRAWN = ("everything", "quick_return", "four_bar_case_c", "squeezer", "slider_crank_loose_guide", "gear_train")
 
 
 @cache
@@ -49,7 +53,7 @@ def slim(data: xarray.Dataset) -> xarray.Dataset:
     return data[[name for name in data.data_vars if name not in known or first[data[name].dims] == name]]
 
 
-@pytest.mark.parametrize("name", [*gallery.__all__, "everything"])
+@pytest.mark.parametrize("name", default_cases([*gallery.__all__, "everything"], lambda name: name in DRAWN, "draws every mechanism"))
 def test_every_mechanism_is_drawn_told_and_exported(name: str, tmp_path: Path):
     result, found = run(name), drawn(name)
     assert {"mechanism"} < set(found) and ("orbits" in found) == bool(result.record.assembly.mechanism.clearances)

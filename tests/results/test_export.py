@@ -158,6 +158,7 @@ def test_the_command_knows_what_is_written() -> None:
     assert set(ended.ENDINGS) == {*FORMATS, *PICTURES}
 
 
+@pytest.mark.system("draws every figure of a run")
 def test_a_notebook_shows_summary_and_figures_and_escapes_names() -> None:
     shown = vfife.simulate(renamed("<i>&"), duration="0.1 ms", outputs=2, loop="data-driven", companions=0, reference=False)
     page = shown._repr_html_()

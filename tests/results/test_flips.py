@@ -122,6 +122,7 @@ def test_no_damage_goes_unreported(kind, damage, tmp_path):
     unreported(kind, damage, tmp_path / "b", COUNT)
 
 
+@pytest.mark.system("starts a process")
 def test_a_warning_blames_the_line_of_the_user(tmp_path):
     path = tmp_path / "a.study"
     path.write_bytes(study_file(tmp_path).read_bytes())

@@ -81,6 +81,7 @@ def kill_and_compare(tmp_path: Path, kills: int) -> None:
             same(tmp_path / name / "whole.sqlite", tmp_path / name / "run.sqlite")
 
 
+@pytest.mark.system("kills twenty processes")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_twenty_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(interrupts, "SECONDS", 5e-3)

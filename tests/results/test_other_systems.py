@@ -35,6 +35,7 @@ app()
 """
 
 
+@pytest.mark.system("starts a process on a system made poorer")
 def test_it_runs_without_what_posix_alone_has(tmp_path: Path) -> None:
     import vfife
 

@@ -112,6 +112,7 @@ def test_rows_are_those_of_a_run_without_a_file(tmp_path: Path, monkeypatch: pyt
         assert (bits(record.rows) == bits(rows)).all() and len(record.steps) == len(rows)
 
 
+@pytest.mark.system("measures the memory of a long run")
 def test_memory_is_flat_as_a_run_grows(tmp_path: Path) -> None:
     """Ten times the outputs, of which a run without a file keeps all."""
     run(assemble(journal_in_bearing(), 1e-6, duration=1e-4, outputs=10), loop="data-driven")

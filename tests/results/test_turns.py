@@ -131,6 +131,7 @@ def test_the_force_that_varies_is_named_with_digits() -> None:
     assert "A.force.max lie -0.2 to +0.1 % from" in stray(told)
 
 
+@pytest.mark.system("runs hundreds of turns")
 def test_means_of_a_chaotic_motion_hold_where_single_turns_do_not() -> None:
     """At another step all turns are others; the mean over turns and companions is nearly the same.
 

@@ -100,6 +100,7 @@ def frame(elements: int) -> Mechanism:
     return m
 
 
+@pytest.mark.system("relaxes frames of several sizes")
 @pytest.mark.parametrize("elements", [1, 2])
 def test_a_portal_of_members_lies_in_the_ranges(elements: int) -> None:
     """One element a member, which is the default, cannot be halved: there four times as many tell."""

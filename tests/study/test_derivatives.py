@@ -157,6 +157,7 @@ def test_elastic_links_obey_dimensional_analysis():
     assert abs(found.elasticity(measure, "material.rubber.youngs_modulus")) > 1e-4
 
 
+@pytest.mark.system("compiles a tangent of each kind of driver")
 def test_drives_of_every_kind_carry_their_derivatives():
     """Ramps, harmonics, tables over time and angle: central differences of whole runs, in which kinks of tables may fall into other steps."""
     mechanism = mechanisms.every_drive()

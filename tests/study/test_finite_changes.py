@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import vfife
+from choice import default_cases
 from sensitivities import outside
 from vfife import gallery
 from vfife.analysis.measures import PEAKS, last_turn, over_turn
@@ -32,7 +33,7 @@ def test_the_list_has_every_model_with_contact():
     assert {name for name in gallery.__all__ if getattr(gallery, name)().contacts} == WITH_CONTACT.keys()
 
 
-@pytest.mark.parametrize("name", WITH_CONTACT)
+@pytest.mark.parametrize("name", default_cases(WITH_CONTACT, lambda name: name == "slider_crank_loose_guide", "displaced runs of every model"))
 def test_every_model_with_contact_has_derivatives_by_the_numbers_of_its_joints(name):
     found = vfife.sensitivity(getattr(gallery, name)(), None, ["joint.*"], companions=0, **WITH_CONTACT[name])
     assert found.derivatives and found.measures
@@ -148,7 +149,7 @@ def test_a_step_near_its_limit_is_compared_with_finer_ones():
     assert min(steps) == pytest.approx(0.5 * steps[0], rel=0.05)
 
 
-@pytest.mark.parametrize("turns", [2.5, 3.0])
+@pytest.mark.parametrize("turns", default_cases([2.5, 3.0], lambda turns: turns == 2.5, "the same with whole turns"))
 def test_variants_in_lanes_have_the_measures_of_runs_alone(turns):
     """The last turn begins within a part that a lane hands over, or with one, and has as many outputs."""
     base = assemble(vfife.load("examples/slider_crank_loose_pin.toml"), turns=turns)
@@ -176,6 +177,7 @@ def test_a_variant_that_diverges_has_no_measures(times):
     assert found[0] is not None and found[1] is None
 
 
+@pytest.mark.system("runs with a tenth of the step")
 def test_ranges_hold_the_truth_of_a_step_ten_times_smaller():
     """A small part of what tests/verification counts: no derivative and no change that is shown without a
     question mark is outside.
@@ -201,6 +203,7 @@ def test_changes_of_what_play_adds_take_those_of_the_ideal_mechanism():
     assert found.change(name, "body.coupler.mass") == pytest.approx(change, rel=1e-6)
 
 
+@pytest.mark.system("displaced runs of a chaotic motion")
 def test_a_chaotic_motion_shows_no_derivative_that_its_changes_contradict():
     """Tangents of this run come to -443 % by 1 % of the restitution, of one sign in both displaced runs,
     and were shown as they were.

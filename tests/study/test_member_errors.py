@@ -211,6 +211,7 @@ def test_quantiles_move_by_no_more_than_is_said() -> None:
     assert MemberError(3, 1.0, 1.0, 9.0, 1.5).at_quantile(0.75) == 2.0 and MemberError(3, 1.0, 1.0, 2.0, 1.5).at_quantile(0.995) == 2.0
 
 
+@pytest.mark.system("repeats a study with finer steps")
 def test_members_are_known_as_well_as_is_said(tmp_path) -> None:
     """Members of case b, beside the same with an eighth of the step. Everybody who shows the study tells the error."""
     path = tmp_path / "b.study"

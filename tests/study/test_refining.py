@@ -141,6 +141,7 @@ def test_where_finite_changes_contradict_derivatives_the_search_goes_on_by_value
     assert [one.number for one in found.members] == list(range(1, len(found.members) + 1))
 
 
+@pytest.mark.system("displaced runs of a chaotic motion")
 def test_derivatives_of_a_chaotic_motion_are_contradicted_by_finite_changes() -> None:
     """The largest force of a slider-crank with a loose guide by the restitution there."""
     pytest.importorskip("optuna")
@@ -190,6 +191,7 @@ def test_means_of_several_turns_and_runs_that_diverge_have_no_slopes() -> None:
         vfife.sensitivity(vfife.load("examples/four_bar_case_c.toml"), turns=1, step=1e-4, force_step=True, companions=0)
 
 
+@pytest.mark.system("a search of hundreds of runs")
 def test_a_slider_crank_has_its_least_force_where_two_limits_meet() -> None:
     """m w² r (1 + r/l), least with the block as fast as 5 m/s and no farther out than 180 mm: one root in r, found in a handful of runs."""
     pytest.importorskip("optuna")

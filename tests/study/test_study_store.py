@@ -69,6 +69,7 @@ def after(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sqlite3, "connect", connect)
 
 
+@pytest.mark.system("breaks a study off before each statement")
 @pytest.mark.skipif(os.name != "posix", reason="a process is forked and killed")
 def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
     asked: Path, tmp_path: Path, closed: Closed, monkeypatch: pytest.MonkeyPatch
@@ -113,6 +114,7 @@ def test_what_came_of_other_numbers_is_not_taken_for_a_member(asked: Path, tmp_p
     assert told(studies.made(path, plan, base, "asked")) == whole and len(closed.computed) == 1
 
 
+@pytest.mark.system("kills a process")
 @pytest.mark.skipif(os.name != "posix", reason="a process is forked and killed")
 def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked.write_text(ASKED.replace("turns = 2", "turns = 1\nstep = 1e-5").replace('"0.3 mm"', '"0.25 mm"').replace('"0.1 mm", ', ""))

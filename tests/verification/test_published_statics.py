@@ -367,6 +367,7 @@ def test_a_journal_finds_the_lowest_point():
     assert math.atan2(x, -y) == pytest.approx(math.atan2(5.0, 9.81), abs=1e-6)
 
 
+@pytest.mark.system("relaxes a long rod")
 @pytest.mark.parametrize("clear", [False, True])
 def test_a_rod_comes_to_hang(clear):
     m = Mechanism("rod", gravity=(0.0, -9.81), settings=static())

@@ -152,6 +152,7 @@ def judged(seeds: range) -> tuple[int, int, float, int]:
     return every, inside, worst, runs
 
 
+@pytest.mark.system("integrates random mechanisms a second time")
 def test_the_truth_lies_in_the_ranges_of_random_smooth_mechanisms() -> None:
     every, inside, worst, runs = judged(QUICK)
     assert runs >= len(QUICK) // 2 and every > 5 * runs

@@ -175,6 +175,7 @@ def test_ctrl_c_tells_the_best_so_far(tmp_path):
     assert math.isnan(found["spring.k.damping"].error) and 0.5 <= found["spring.k.damping"].value <= 20.0
 
 
+@pytest.mark.system("breaks a fit off several times")
 def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
     """To the bit, wherever that was; what is asked anew has the points in common, and another question is refused."""
     t, file = np.linspace(0.0, 1.0, 100), tmp_path / "a.fit"
@@ -376,6 +377,7 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     assert told.exit_code == 2 and 'Did you mean "s.csv"' in told.output
 
 
+@pytest.mark.system("a fit of hundreds of runs")
 def test_the_papers_four_bar_gives_three_numbers_back(tmp_path):
     """Two clearances and the drive speed from a force, a torque and an acceleration with 2 % noise, measured at another step, from somewhere in a
     turn on. The full one, in wide bounds, is in tests/verification.

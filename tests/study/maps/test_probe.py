@@ -33,6 +33,7 @@ def steps_of_a_run(model: vfife.Mechanism) -> int:
     return round(choice.turn / choice.step)
 
 
+@pytest.mark.system("runs a map and its runs one by one")
 def test_a_map_takes_the_step_that_a_run_finds(monkeypatch) -> None:
     """Sections, sweeps and basins: not the step that a run tries first."""
     steps = steps_of_a_run(light())
@@ -108,6 +109,7 @@ def sides(path: str, low: float, high: float) -> np.ndarray:
     return np.sign(ends)
 
 
+@pytest.mark.system("runs a map and its runs one by one")
 def test_a_velocity_of_a_body_counts_beside_the_start_of_the_crank() -> None:
     """The block's velocity decides to which side it comes, wherever the crank stands, which has nothing to do with it."""
     alone = sides("body.crank.mass", 0.1, 0.2)
