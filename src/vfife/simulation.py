@@ -20,6 +20,7 @@ from .assembly.possible import Outlook, outlook
 from .assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from .codegen.cache import sources as sources_of_the_step
 from .errors import Fault, ModelError
+from .kinematics.initial import Motion
 from .model.mechanism import Mechanism
 from .model.validate import validate
 from .modelfile import dump
@@ -102,16 +103,23 @@ def comparable(mechanism: Mechanism) -> bool:
 
 
 def ideal_of(
-    mechanism: Mechanism, turns: float | None = None, duration: float | None = None, start: Result | States | None = None
+    mechanism: Mechanism,
+    turns: float | None = None,
+    duration: float | None = None,
+    start: Result | States | None = None,
+    motion: Motion | None = None,
 ) -> Assembly | None:
-    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run, from its start."""
+    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run, from its start.
+
+    ``motion``: the start of the mechanism, solved before.
+    """
     if not comparable(mechanism):
         return None
     if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
         turns, duration, start = 1.0, None, None
     ideal = mechanism.ideal()
     given = None if start is None else initial_state(start, ideal)
-    return assemble(ideal, beside=mechanism, turns=turns, duration=duration, given=given)
+    return assemble(ideal, beside=mechanism, turns=turns, duration=duration, given=given, motion=motion)
 
 
 def reference_of(
@@ -222,7 +230,7 @@ def prepare(
     seen = outlook(mechanism, asked.turns, asked.duration) if start is None else Outlook()
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and seen.through:
-        alone = ideal_of(mechanism, asked.turns, asked.duration, former)
+        alone = ideal_of(mechanism, asked.turns, asked.duration, former, seen.motion)
         if check is not None and alone is not None and estimate_cost(alone)["seconds"] > BRIEF:
             check(alone)
         ideal = referred(alone)
@@ -231,7 +239,7 @@ def prepare(
     wanted = companions_of(mechanism, asked.companions)
 
     def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
-        found = assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, **length)
+        found = assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, motion=seen.motion, **length)
         return dataclasses.replace(found, notes=(*found.notes, *seen.notes))
 
     begin = first_contact_steps(mechanism, wanted, asked.loop)
@@ -425,14 +433,17 @@ def assembled_at(
     *,
     expected: Mapping[str, float] | None = None,
     contact_steps: int = CONTACT_STEPS,
+    motion: Motion | None = None,
     **length: Unpack[Length],
 ) -> Assembly:
     """The assembled mechanism at its own start, or where a former run was at ``time`` (s; its end unless given), or at states given by name.
 
+    ``motion``: its own start, solved before.
+
     A run that ended and is cut alike goes on with its whole state, element and contact forces with it.
     """
     if start is None:
-        return assemble(mechanism, step, expected=expected, contact_steps=contact_steps, **length)
+        return assemble(mechanism, step, expected=expected, contact_steps=contact_steps, motion=motion, **length)
     mechanism = on_clock(mechanism, start, time)
     given = initial_state(start, mechanism, time)
     assembly = assemble(mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length)

@@ -13,7 +13,7 @@ from ..errors import VfifeError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
-from ..kinematics.initial import Given, ideal_motion, seated
+from ..kinematics.initial import Given, Motion, ideal_motion, seated
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..laws.check import try_out
 from ..model.functions import Polynomials
@@ -52,12 +52,14 @@ def assemble(
     expected: Mapping[str, float] | None = None,
     beside: Mechanism | None = None,
     given: Given | None = None,
+    motion: Motion | None = None,
     **run: Any,
 ) -> Assembly:
     """Numbers the mechanism and fills its arrays.
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
-    step. ``given``: a start from known positions. ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation.
+    step. ``given``: a start from known positions. ``motion``: the start, solved before (:func:`ideal_motion`).
+    ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation.
     ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises VfifeError (AssemblyError where links cannot reach,
     StepError where the step is too large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
@@ -68,9 +70,9 @@ def assemble(
     laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
     pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
     try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
-    seats = seated(mechanism)
+    seats = seated(mechanism, motion)
     with np.errstate(over="ignore", invalid="ignore"):
-        motion = ideal_motion(standing(mechanism), seats=seats, given=given)
+        motion = ideal_motion(standing(mechanism), seats=seats, given=given, known=motion)
     refuse_infinite(motion)
     if not numbering.meshes:  # what is held as rigid may still bend
         refuse_stuck(motion)

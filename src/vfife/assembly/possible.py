@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from ..errors import AssemblyError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
+from ..kinematics.full_turn import FullTurn, full_turn
 from ..kinematics.initial import Motion, ideal_motion
 from ..kinematics.linalg import DENSE
 from ..kinematics.nearest import unclosed
@@ -29,25 +30,35 @@ MOST_KNOWN = 64  # motions whose outlook is kept: to follow one takes longer tha
 
 @dataclass(frozen=True)
 class Outlook:
-    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it gets ``through``, so that a reference can be run."""
+    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it gets ``through``, so that a reference can be run.
+
+    ``motion`` is the start that was solved for that, ``turn`` the turn of its crank, or of that of the
+    neighbour, where one was looked at as a whole.
+    """
 
     notes: tuple[str, ...] = ()
     through: bool = True
+    motion: Motion | None = None
+    turn: FullTurn | None = None
 
 
 KNOWN: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
 
 
-def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Outlook:
+def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None, neighbour: Outlook | None = None) -> Outlook:
     """Follows the ideal mechanism through a run. AssemblyError where it jams and neither play nor elastic links can bridge what opens.
 
-    Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a static analysis.
+    Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a static analysis. ``neighbour``: the
+    outlook of a mechanism that differs in numbers alone, with which a turn of a crank is looked at as a whole; only where that leaves doubt is it
+    followed.
     """
     doubts = suspects(mechanism)
     driven = any(driver.moves for driver in mechanism.drivers.values())
     if mechanism.settings.analysis == "static" or not driven or 3 * len(mechanism.bodies) > DENSE:
         return Outlook(doubts)
     length = length_of(mechanism, turns, duration, turn_of(mechanism))
+    if neighbour is not None:
+        return _followed(mechanism, length, doubts, neighbour)
     key = _key(mechanism, length)
     found = KNOWN.get(key) if key is not None else None
     if found is not None:
@@ -68,7 +79,7 @@ def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
         return None
 
 
-def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...]) -> Outlook:
+def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...], neighbour: Outlook | None = None) -> Outlook:
     """The outlook of a mechanism that is driven for so long (s)."""
     try:
         motion = ideal_motion(mechanism)
@@ -79,14 +90,39 @@ def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...]) -> O
             as_it_is = "As it is, " if doubts else ""
             raise AssemblyError(" ".join((*doubts, f"{as_it_is}{error}{least}")), error.joints, error.gaps) from None
         return Outlook(doubts)  # told where the run is assembled
+    notes = (*doubts, *turned(mechanism, motion))
+    if neighbour is not None:
+        if neighbour.through and neighbour.motion is not None and _moves_alike(motion, neighbour.motion):
+            return Outlook(notes, True, motion, neighbour.turn)
+        speed = _one_speed(mechanism)
+        turn = full_turn(motion, speed, neighbour.turn) if speed else None
+        if turn is not None:
+            return Outlook(notes, True, motion, turn)
     jam, passed = passage(mechanism, max(length, turn_of(mechanism) or 0.0), motion)  # the reference takes a whole turn
-    notes = (*doubts, *turned(mechanism, motion), *singular(mechanism, tuple(one for one in passed if one.time <= length)))
+    notes = (*notes, *singular(mechanism, tuple(one for one in passed if one.time <= length)))
+    before = None if neighbour is None else neighbour.turn
     if jam is None or jam.time > length:
-        return Outlook(notes, jam is None)
+        return Outlook(notes, jam is None, motion, before)
     bridge = bridged(mechanism, jam)
     if bridge is None:
         raise AssemblyError(" ".join((*doubts, refused(mechanism, jam))), jam.joints)
-    return Outlook((*notes, f"{jammed(mechanism, jam)}. {bridge} There is no ideal motion to compare with."), through=False)
+    return Outlook((*notes, f"{jammed(mechanism, jam)}. {bridge} There is no ideal motion to compare with."), False, motion, before)
+
+
+def _one_speed(mechanism: Mechanism) -> float | None:
+    """The constant speed of the only driver that prescribes a motion."""
+    speeds = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
+    return speeds[0] if len(speeds) == 1 else None
+
+
+def _moves_alike(one: Motion, other: Motion) -> bool:
+    """Whether two mechanisms pass the same positions in a run of as many turns: masses and the size of a steady speed do not change them."""
+    if one.mechanism is None or other.mechanism is None or one.hand != other.hand:
+        return False
+    speeds = _one_speed(one.mechanism), _one_speed(other.mechanism)
+    driven = speeds[0] is not None and speeds[1] is not None and speeds[0] * speeds[1] > 0.0
+    alike = [[constraint.geometry for constraint in motion.system.constraints] for motion in (one, other)]
+    return alike[0] == alike[1] and (driven or one.mechanism.drivers == other.mechanism.drivers)
 
 
 def refused(mechanism: Mechanism, jam: Jam) -> str:

@@ -83,6 +83,17 @@ class Constraint:
         return turn_row(self.held)
 
     @property
+    def geometry(self) -> tuple[Any, ...]:
+        """All of it by which positions are closed, to be compared."""
+        ends = self.name, self.body_a, self.body_b, self.body_c, *self.point_a, *self.point_b  # type: ignore[misc]
+        return (*ends, self.held, self.aim, self.driven)
+
+    @property
+    def content(self) -> tuple[Any, ...]:
+        """All that it says, to be compared."""
+        return (*self.geometry, self.speed, self.acceleration)
+
+    @property
     def numbers(self) -> tuple[Any, ...]:
         """All by which positions are closed."""
         return (*self._points[0], *self._points[1], self.aim, self.ratio)

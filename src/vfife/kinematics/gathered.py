@@ -65,39 +65,41 @@ class Gathered:
         return G, np.concatenate(at)
 
     def aimed(self, aims: Array) -> Array:
-        """What the rows keep with the drives at ``aims`` [d] (rad, m)."""
-        kept = self.fixed.copy()
-        kept[self.driven] = self.scale * aims
+        """What the rows keep with the drives at ``aims`` [..., d] (rad, m)."""
+        kept = np.broadcast_to(self.fixed, (*aims.shape[:-1], self.rows)).copy()
+        kept[..., self.driven] = self.scale * aims
         return kept
 
     def at(self, position: Array, kept: Array) -> tuple[Array, Array]:
-        """phi and G at a position [n, 3]."""
-        phi, G = np.zeros(self.rows), self.pinned.copy()
-        x, y, angle = position.T
+        """phi [..., r] and G [..., r, 3(n-1)] at positions [..., n, 3]."""
+        lead = position.shape[:-2]
+        phi, G = np.zeros((*lead, self.rows)), np.broadcast_to(self.pinned, (*lead, self.rows, self.columns)).copy()
+        x, y, angle = position[..., 0], position[..., 1], position[..., 2]
         s, c = sincos(angle)
         for kind, group in self.places:
             a, b, row = group.a, group.b, group.row
-            ax, ay = KERNEL.arm(c[a], s[a], *group.point_a)
-            bx, by = KERNEL.arm(c[b], s[b], *group.point_b)
-            foot_x, foot_y = bx + x[b] - x[a], by + y[b] - y[a]
+            ax, ay = KERNEL.arm(c[..., a], s[..., a], *group.point_a)
+            bx, by = KERNEL.arm(c[..., b], s[..., b], *group.point_b)
+            foot_x, foot_y = bx + x[..., b] - x[..., a], by + y[..., b] - y[..., a]
             ex, ey = foot_x - ax, foot_y - ay
             if kind == -1:
-                phi[row], phi[row + 1] = ex, ey
+                phi[..., row], phi[..., row + 1] = ex, ey
                 levers = [sign * KERNEL.lever(*arm, *n) for arm, sign in (((ax, ay), -1.0), ((bx, by), 1.0)) for n in AXES]
-                G.ravel()[self.levers] = np.concatenate(levers)
+                G.reshape(*lead, -1)[..., self.levers] = np.concatenate(levers, axis=-1)
             else:
-                phi[row], nx, ny = KERNEL.placed((), kind, 0, 0, c[a], s[a], *group.direction, ex, ey)
+                phi[..., row], nx, ny = KERNEL.placed((), kind, 0, 0, c[..., a], s[..., a], *group.direction, ex, ey)
                 _put(G, row, a, -nx, -ny, -KERNEL.lever(foot_x, foot_y, nx, ny))
                 _put(G, row, b, nx, ny, KERNEL.lever(bx, by, nx, ny))
         for k in self.odd:
-            self._one(k, position, phi, G)
+            for at in np.ndindex(lead):
+                self._one(k, position[at], phi[at], G[at])
         if len(self.turns.row):
             a, b, row = self.turns.a, self.turns.b, self.turns.row
-            phi[row] = self.length * KERNEL.relative_turn(angle[a], angle[b], self.ratio, angle[self.carrier])
-            G[row, 3 * a + 2] = -self.length * self.ratio
-            G[row, 3 * b + 2] = self.length
-            G[row, 3 * self.carrier + 2] -= self.length * (1.0 - self.ratio)
-        return phi - kept, (G / self.reach)[:, 3:]
+            phi[..., row] = self.length * KERNEL.relative_turn(angle[..., a], angle[..., b], self.ratio, angle[..., self.carrier])
+            G[..., row, 3 * a + 2] = -self.length * self.ratio
+            G[..., row, 3 * b + 2] = self.length
+            G[..., row, 3 * self.carrier + 2] -= self.length * (1.0 - self.ratio)
+        return phi - kept, (G / self.reach)[..., 3:]
 
     def _one(self, k: int, position: Array, phi: Array, G: Array) -> None:
         """The row of a pin in a slot, and no more of its constraint."""
@@ -130,4 +132,4 @@ def _kind(one: Constraint) -> int | None:
 
 
 def _put(G: Array, row: Array, body: Array, x: Array | float, y: Array | float, turn: Array) -> None:
-    G[row, 3 * body], G[row, 3 * body + 1], G[row, 3 * body + 2] = x, y, turn
+    G[..., row, 3 * body], G[..., row, 3 * body + 1], G[..., row, 3 * body + 2] = x, y, turn

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -38,7 +39,7 @@ class Motion:
     journal's body at the journal's pin and moment (N m) on it (of a gear: on ``second``); the bearing's body has the opposite at the same place.
     ``torque`` (N m), or force (N) along a driven travel or path, that each driver applies: by body where it turns a body against the ground, else
     by the driver's name. ``datum``: where travels and springs count from;
-    ``applied``: loads, torques and springs at work.
+    ``applied``: loads, torques and springs at work. ``system`` is in the mirror image in which it was solved, as is the ``guess``.
     """
 
     names: tuple[str, ...]
@@ -51,6 +52,18 @@ class Motion:
     applied: tuple[Applied, ...]
     system: RigidSystem
     hand: float
+    mechanism: Mechanism | None = None
+    guess: Array | None = None
+
+    def solves(self, system: RigidSystem, guess: Array) -> bool:
+        """Whether equations and first guess (in the solved mirror image) are those that this motion was solved from, number by number."""
+        mine = self.system
+        return (
+            self.guess is not None
+            and mine.names == system.names
+            and [one.content for one in mine.constraints] == [one.content for one in system.constraints]
+            and np.array_equal(mine.mass, system.mass) and np.array_equal(mine.inertia, system.inertia) and np.array_equal(self.guess, guess)
+        )  # fmt: skip
 
     @cached_property
     def mobility(self) -> Mobility:
@@ -89,11 +102,11 @@ class Seat:
     force: float
 
 
-def seated(mechanism: Mechanism) -> dict[str, Seat]:
+def seated(mechanism: Mechanism, known: Motion | None = None) -> dict[str, Seat]:
     """Seats of the journals where the ideal reactions press them, if the start asks for it."""
     if mechanism.start.journals != "seated" or not mechanism.clearances:
         return {}
-    motion = ideal_motion(mechanism)
+    motion = ideal_motion(mechanism, known=known)
     seats = {}
     for name, joint in mechanism.clearances.items():
         fx, fy, _ = motion.reaction.get(name, (0.0, 0.0, 0.0))
@@ -218,6 +231,13 @@ def alike_closed(values: list[Any]) -> tuple[Places | None, Places | None, list[
     return first, back.reshape(-1), [(places, same, row.tobytes()) for row in rows]
 
 
+def _forced_alike(one: Mechanism | None, other: Mechanism) -> bool:
+    """Whether the same forces, and no velocities of bodies of their own, act on two mechanisms whose equations are the same."""
+    if one is None or any(any(body.velocity) for body in (*one.bodies.values(), *other.bodies.values())):
+        return False
+    return not one.loads and (one.loads, one.springs, one.drivers, one.gravity) == (other.loads, other.springs, other.drivers, other.gravity)
+
+
 def ideal_motion(
     mechanism: Mechanism,
     time: float = 0.0,
@@ -228,14 +248,20 @@ def ideal_motion(
     datum: Datum | None = None,
     given: Given | None = None,
     named: bool = True,
+    known: Motion | None = None,
 ) -> Motion:
     """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch nearest the guess.
 
     ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. ``datum``: where
     travels and springs count from, :func:`datum_of` unless given. ``given``: a start from known positions and velocities.
+    ``known``: a motion solved before. It is taken where it is that of this very mechanism, and its position where that follows from the same
+    numbers, as it does of a mechanism and its ideal reference; so it never changes the result.
     Joints with clearance whose body was given a velocity of its own are closed in position only; those between bodies of a given start are
     left as they are. Raises AssemblyError where links cannot reach, which says what stays open by how much where that is to be ``named``.
     """
+    plain = not (time or seats or inertial) and guess is None and datum is None and given is None
+    if plain and known is not None and known.mechanism is mechanism:
+        return known
     datum = datum_of(mechanism, given) if datum is None else datum
     eccentric = {name: seat.at for name, seat in (seats or {}).items()}
     apart = frozenset() if given is None else given.apart(mechanism)
@@ -244,7 +270,10 @@ def ideal_motion(
     hand = handedness(guess)  # solved in one of the two mirror images, so that the other one starts from the same bits
     flip = np.array([1.0, hand, hand])
     solved = mirrored(system) if hand < 0.0 else system
-    position = close(solved, guess * flip, named).position * flip
+    same = known if known is not None and known.solves(solved, guess * flip) else None
+    if same is not None and plain and _forced_alike(same.mechanism, mechanism):
+        return dataclasses.replace(same, mechanism=mechanism)
+    position = close(solved, guess * flip, named).position * flip if same is None else same.position
     own = {name for name, body in mechanism.bodies.items() if any(body.velocity)} if given is None else set()
     loose = apart | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
     moving, moved = system, solved
@@ -267,7 +296,8 @@ def ideal_motion(
     acceleration, reaction, driving = accelerations(moved, position * flip, velocity * flip, force * flip)
     reactions = {one.name: (float(x), float(y), float(m)) for one, (x, y, m) in zip(moving.joints, reaction * flip, strict=True)}
     torque = {d.name: float(value) * (hand if d.turns else 1.0) for d, value in zip(moving.drives, driving, strict=True)}
-    return Motion(system.names, position, velocity, acceleration * flip, reactions, torque, datum, pushed, solved, hand)
+    found = Motion(system.names, position, velocity, acceleration * flip, reactions, torque, datum, pushed, solved, hand)
+    return dataclasses.replace(found, mechanism=mechanism, guess=guess * flip) if plain else found
 
 
 __all__ = [

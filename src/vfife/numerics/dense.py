@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,22 @@ def solve(matrix: Any, right: Any) -> Any:
         raise np.linalg.LinAlgError("Singular matrix")
     found = found[..., 0] if vector else found
     return found.view(type(matrix)) if isinstance(matrix, np.ndarray) else found
+
+
+class Solved(NamedTuple):
+    """x of A x = b, and the determinants of A; where one is 0, x is not solved."""
+
+    x: Array
+    determinant: Array
+
+
+def solve_with_determinant(matrix: Array, right: Array) -> Solved:
+    """x (..., n, columns) of A x = b by elimination with partial pivoting, and the determinant of each A."""
+    own, lead, count, size = _square(matrix)
+    triangle, found, signs = np.array(own, order="C"), np.array(right, dtype=np.float64, order="C"), np.empty(count)
+    call("eliminate", triangle.reshape(-1), found.reshape(-1), signs, count, size, found.shape[-1])
+    diagonal = np.diagonal(triangle, axis1=-2, axis2=-1)
+    return Solved(found, signs.reshape(lead) * np.abs(np.multiply.reduce(diagonal, axis=-1)))
 
 
 def determinant_sign(matrix: Any) -> Any:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -19,12 +20,13 @@ from ..analysis.measures import PEAKS, last_turn, over_turn
 from ..analysis.wanted import WantedMeasures
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..assembly.possible import outlook
+from ..assembly.possible import Outlook, outlook
 from ..assembly.refit import Refit
 from ..errors import Fault, Path, VfifeError
 from ..fields import Measure, Refused, value_of
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
+from ..model.validate import Checks, across
 from ..modelfile import dump, loads
 from ..modelfile.paths import parsed, resolve
 from ..results.reductions import Reductions
@@ -32,6 +34,7 @@ from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run
 from .batches import FEW, Batches, Through
+from .columns import Column, Unfit, column, varied
 from .member import Plan, Stepped, Wanted, streams
 
 Numbers = Mapping[str, float | str]
@@ -79,6 +82,8 @@ class Preparing:
     paths: dict[str, tuple[Path, Measure] | None] = field(default_factory=dict)
     forces: dict[str, bool] = field(default_factory=dict)
     through_already: set[Any] = field(default_factory=set)
+    columns: dict[str, Column | None] = field(default_factory=dict)
+    neighbour: Outlook = field(default_factory=Outlook)  # of the member before
 
     def __post_init__(self) -> None:
         settings = dataclasses.replace(self.base.settings, settle=self.wanted.settle, companions=0)
@@ -197,12 +202,14 @@ class Preparing:
     def make(self, numbers: Numbers) -> Made | None:
         """A mechanism read, assembled and run without its play; None for one that does not go into a lane."""
         wanted = self.wanted
-        mechanism = loads(self.text, set=list(numbers.items()))
+        mechanism = self.mechanism(numbers)
         turns = float(wanted.turns)
         if mechanism.settings.analysis == "static":
             return None
-        through = self.through(numbers, mechanism)
-        ideal = ideal_of(mechanism, turns) if through else None
+        seen = outlook(mechanism, turns, neighbour=self.neighbour)
+        self.neighbour = seen
+        through = seen.through
+        ideal = ideal_of(mechanism, turns, motion=seen.motion) if through else None
         reference = None
         if ideal is not None:
             record = run(ideal)
@@ -211,12 +218,32 @@ class Preparing:
             reference = over_turn(record, last_turn(record), PEAKS)
         expected = {name.removesuffix(".force.max"): value for name, value in (reference or {}).items() if name.endswith(".force.max")}
         asked: dict[str, Any] = {"turns": turns}
-        assembly = assemble(mechanism, wanted.step, expected=expected, **asked)
+        assembly = assemble(mechanism, wanted.step, expected=expected, motion=seen.motion, **asked)
         if not streams(assembly):
             return None
         refit = Refit(assembly, wanted.step, expected, **asked)
         refit.usable = refit.usable and through  # where play has to bridge what opens, it decides whether it can
         return Made(refit, Plan(assembly, wanted, self.measures), reference, partial(assemble, expected=expected, **asked), ideal, through)
+
+    def mechanism(self, numbers: Numbers) -> Mechanism:
+        """The mechanism with other numbers. Raises VfifeError, as its text does that is read with them, which is needed for some of them."""
+        with suppress(Unfit):
+            columns = [self.column(path) for path in numbers]
+            found = varied(self.base, [(one, one.read(value)) for one, value in zip(columns, numbers.values(), strict=True)])
+            if not across(Checks(found)):
+                return found
+        return loads(self.text, set=list(numbers.items()))
+
+    def column(self, path: str) -> Column:
+        """Where a number is. Raises Unfit where that takes a reader of models."""
+        if path not in self.columns:
+            try:
+                self.columns[path] = column(self.base, self.raw, path)
+            except Unfit:
+                self.columns[path] = None
+        if (found := self.columns[path]) is None:
+            raise Unfit
+        return found
 
     def through(self, numbers: Numbers, mechanism: Mechanism) -> bool:
         """Whether the ideal mechanism gets through its turns: its geometry decides, and which way it is driven. Raises VfifeError."""
