@@ -8,25 +8,23 @@ neither on those beside it nor on the loop, to the bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import cast
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds
 from ..codegen.cuda import card
 from ..errors import VfifeError
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from .arguments import Arguments, Loop
-from .record import Record, recorded_rows
+from .record import Record
 from .repeating import compared_rows, distance
 from .status import Status
-from .streaming import stepped
+from .streaming import Lane, stepped
 
 Array = NDArray[np.float64]
 
@@ -115,63 +113,41 @@ def advance(
 ) -> list[Member]:
     """As :func:`ensemble`, for mechanisms that are assembled already."""
     found: dict[int, Member] = {}
-    every = (_Lane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
-    for one in stepped(every, len(assemblies), lanes=lanes, workers=workers, device=device):
-        lane = cast(_Lane, one)
+    every = (_Member(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
+    for lane in stepped(every, len(assemblies), lanes=lanes, workers=workers, device=device):
         found[lane.number] = lane.member()
         if progress is not None:
             progress(len(found), len(assemblies))
     return [found[k] for k in range(len(assemblies))]
 
 
-def _per_turn(assembly: Assembly) -> int:
-    """Outputs in a turn."""
-    choice = assembly.choice
-    return round((choice.turn or 0.0) / (choice.step * choice.outputs_every))
+class _Member(Lane):
+    """A member in a lane."""
 
-
-@dataclass
-class _Lane:
-    """A member while it is stepped."""
-
-    number: int
-    assembly: Assembly
-    tolerance: float | None
-    loop: str
-    summaries: list[Array] = field(default_factory=list)
-    distances: list[float] = field(default_factory=list)
-    settled: int | None = None
-    status: Status = Status.COMPLETE
-
-    def __post_init__(self) -> None:
-        self.handed = self.kept = recorded_rows(self.assembly)
-        self.every, self.outputs = self.assembly.choice.outputs_every, _per_turn(self.assembly)
-        self.turns = self.assembly.choice.outputs // self.outputs
-        self.bounds = Bounds(self.assembly, self.kept)
-        layout = self.assembly.layout
-        extreme = set(layout.of("extreme"))
-        self.extreme = np.array([int(row) in extreme for row in self.kept])
-        rows = set(compared_rows(layout))
-        self.repeated = np.array([int(row) in rows for row in self.kept])
-        self.rows = np.zeros((0, len(self.kept)))
+    def __init__(self, number: int, assembly: Assembly, tolerance: float | None, loop: str) -> None:
+        super().__init__(number, assembly, loop=loop)
+        self.tolerance, self.status = tolerance, Status.COMPLETE
+        self.settled: int | None = None
+        self.summaries: list[Array] = []
+        self.distances: list[float] = []
+        self.rows = np.zeros((0, len(self.handed)))
+        layout = assembly.layout
+        self.extreme, self.repeated = (np.isin(self.handed, rows) for rows in (layout.of("extreme"), compared_rows(layout)))
 
     @property
     def ended(self) -> bool:
         """Whether it needs no further turn."""
-        return self.settled is not None or self.status != Status.COMPLETE or len(self.distances) == self.turns
-
-    def end(self) -> None:
-        """It is as it is."""
+        turns = self.assembly.choice.outputs // self.per
+        return self.settled is not None or self.status != Status.COMPLETE or len(self.distances) == turns
 
     def start(self, state: Array) -> None:
-        """The output of step 0."""
-        row = state[self.kept]
-        self.summaries.append(row)
-        self.rows = row[None, :]
+        """Take the output of step 0."""
+        self.rows = state[None, self.handed]
+        self.summaries.append(self.rows[0])
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """A turn, and the step after which it was seen broken, less than 0 where it was not; what comes after that is no number."""
-        rows = np.concatenate([rows, np.full((self.outputs - len(rows), rows.shape[1]), np.nan)])
+        """Take a turn; what comes after numbers left all bounds is no number."""
+        rows = np.concatenate([rows, np.full((self.per - len(rows), rows.shape[1]), np.nan)])
         bad = self.bounds.unsound(rows).any(axis=1)
         if broken >= 0:
             done = len(self.distances) * len(rows)
@@ -189,10 +165,14 @@ class _Lane:
             self.settled = len(self.distances)
 
     def member(self) -> Member:
-        """What it leaves."""
-        per = _per_turn(self.assembly)
-        end, every = len(self.distances) * per, self.assembly.choice.outputs_every
-        outputs = np.arange(end - per, end + 1, dtype=np.int64)
-        turns = Record(self.assembly, np.arange(0, end + 1, per, dtype=np.int64) * every, np.array(self.summaries), self.kept, status=self.status)
-        last = Record(self.assembly, outputs * every, self.rows, self.kept, status=self.status)
-        return Member(turns, last, np.array(self.distances), self.settled, self.status)
+        """Return what it leaves."""
+        end, step = len(self.distances) * self.per, self.every
+        ends, last = np.arange(0, end + 1, self.per, dtype=np.int64), np.arange(end - self.per, end + 1, dtype=np.int64)
+        turns = Record(self.assembly, ends * step, np.array(self.summaries), self.handed, status=self.status)
+        return Member(
+            turns,
+            Record(self.assembly, last * step, self.rows, self.handed, status=self.status),
+            np.array(self.distances),
+            self.settled,
+            self.status,
+        )

@@ -13,17 +13,18 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeAlias, cast
+from functools import cached_property
+from typing import Any, Protocol, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import bounds, limited_rows
+from ..assembly.bounds import Bounds, bounds, limited_rows
 from ..codegen.native import stream_lanes
 from ..codegen.ondevice import MEMBERS, DeviceStream
 from ..codegen.streams import Starter, Stream
-from .record import recorded_rows
+from .record import Record, recorded_rows
 from .transient import choose_loop
 
 Array = NDArray[np.float64]
@@ -41,23 +42,65 @@ class Ending(Protocol):
         """Whether it needs no more."""
 
 
-class Member(Ending, Protocol):
-    """A simulation for a lane: it takes the rows ``handed`` after ``every`` of its steps, ``outputs`` of them at a time, until it has ``ended``."""
+class Lane:
+    """A simulation in a lane, stepped by :func:`stepped`: every ``every`` steps it hands out the rows ``handed`` of its state.
 
-    assembly: Assembly
-    handed: NDArray[np.uint32]
-    every: int
-    outputs: int
-    loop: str
+    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``ended``. It is ``doubtful`` where numbers left all bounds.
+    ``per`` is the number of outputs of a turn, or of all where there is no turn; ``done`` counts outputs after that of step 0.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        assembly: Assembly,
+        handed: NDArray[np.uint32] | None = None,
+        *,
+        limited: NDArray[np.intp] | None = None,
+        loop: str = "auto",
+    ) -> None:
+        choice = assembly.choice
+        self.number, self.assembly, self.loop, self.limited = number, assembly, loop, limited
+        self.handed = recorded_rows(assembly) if handed is None else handed
+        self.every, self.per = choice.outputs_every, choice.outputs
+        if choice.turn is not None:
+            self.per = round(choice.turn / (choice.step * choice.outputs_every))
+        self.parts: list[Array] = []
+        self.done, self.doubtful = 0, False
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """Bounds of the rows handed out; ``limited`` are the columns that have some, where they are known."""
+        return Bounds(self.assembly, self.handed, self.limited)
+
+    @property
+    def outputs(self) -> int:
+        """Outputs up to the next call of :meth:`take`."""
+        return self.per
+
+    @property
+    def ended(self) -> bool:
+        """Whether it needs no further step."""
+        return self.doubtful or self.done >= self.assembly.choice.outputs
 
     def start(self, state: Array) -> None:
-        """The state after its first step, (rows,)."""
+        """Take the output of step 0 from the state after its first step, shape (rows,)."""
+        self.parts.append(state[None, self.handed])
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Outputs, shape (outputs, handed), fewer where it broke after so many of its steps (-1: it did not), and its present state, (rows,)."""
+        """Take outputs, shape (outputs, handed), fewer where it broke after step ``broken`` (-1: it did not), and its present state, (rows,)."""
+        self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any())
+        self.parts.append(rows)
+        self.done += len(rows)
 
-    def end(self) -> Member | None:
-        """Its last word: what takes its place, where it has to be made again."""
+    def end(self) -> Lane | None:
+        """Return what takes its place, where it has to be made again."""
+        return None
+
+    @property
+    def record(self) -> Record:
+        """The record of the outputs that it keeps."""
+        rows = np.concatenate(self.parts)
+        return Record(self.assembly, np.arange(len(rows), dtype=np.int64) * self.every, rows, self.handed)
 
 
 Kind: TypeAlias = tuple[int, str, int, int, int]
@@ -72,7 +115,7 @@ class Kinds:
         self.numbers: dict[Any, int] = {}
         self.loops: dict[int, str] = {}
 
-    def of(self, member: Member) -> Kind:
+    def of(self, member: Lane) -> Kind:
         """Topology and rows that are handed out by their number, loop, length of tables, parts, outputs."""
         assembly, handed = member.assembly, member.handed
         key = id(assembly.topology), id(handed), member.loop
@@ -89,16 +132,16 @@ class Kinds:
 class Waiting:
     """Members that wait for a lane, by their kinds; they are made when they are asked for, ``ahead`` of them before, by one thread at a time."""
 
-    source: Iterator[Member | Ending]
+    source: Iterator[Lane | Ending]
     found: Found
     share: int  # that one thread takes at first, so that few members are shared fairly
     ahead: int = 0
     lock: threading.Lock = field(default_factory=threading.Lock)  # of what waits
     making: threading.Lock = field(default_factory=threading.Lock)  # of the source: who makes members holds up nobody for whom some wait
-    queues: dict[Kind, deque[Member]] = field(default_factory=dict)
+    queues: dict[Kind, deque[Lane]] = field(default_factory=dict)
     kinds: Kinds = field(default_factory=Kinds)
 
-    def next(self, wanted: Kind | None) -> tuple[Kind, Member] | None:
+    def next(self, wanted: Kind | None) -> tuple[Kind, Lane] | None:
         """A member of a kind, or of any; None where there is none left."""
         if (found := self._first(wanted)) is not None:
             return found
@@ -116,7 +159,7 @@ class Waiting:
             finally:
                 self.making.release()
 
-    def _first(self, wanted: Kind | None) -> tuple[Kind, Member] | None:
+    def _first(self, wanted: Kind | None) -> tuple[Kind, Lane] | None:
         with self.lock:
             for found, waiting in self.queues.items():
                 if waiting and wanted in (None, found):
@@ -129,7 +172,7 @@ class Waiting:
             if member.ended:
                 self.found.put(member)
                 continue
-            member = cast(Member, member)
+            member = cast(Lane, member)
             found = self.kinds.of(member)
             with self.lock:
                 self.queues.setdefault(found, deque()).append(member)
@@ -137,11 +180,14 @@ class Waiting:
         return False
 
 
+Client = TypeVar("Client", bound=Ending)
+
+
 def stepped(
-    members: Iterable[Member | Ending], count: int, *, alike: int | None = None, lanes: int | None = None, workers: int | None = None,
+    members: Iterable[Client], count: int, *, alike: int | None = None, lanes: int | None = None, workers: int | None = None,
     stop: threading.Event | None = None, device: str | None = None, tick: Callable[[], None] | None = None,
-) -> Iterator[Ending]:  # fmt: skip
-    """Steps members, ``count`` of them or so, and gives each when it has ended, what had ended before as it is; with ``stop`` set, no more.
+) -> Iterator[Client]:  # fmt: skip
+    """Step lanes, ``count`` of them or so, and yield each when it has ended, what had ended before as it is; with ``stop`` set, no more.
 
     ``lanes``: side by side in one vector register, :func:`~vfife.codegen.native.stream_lanes` if not given, or as many as there are members that
     may share one, which are ``alike``, all of them if not given; ``workers``: threads, one a core if not given.
@@ -171,7 +217,7 @@ def stepped(
             if one is None:
                 workers -= 1
             else:
-                yield one
+                yield cast(Client, one)
     finally:
         ended.set()
         for thread in threads:
@@ -192,7 +238,7 @@ class Lanes:
     """The lanes of a thread, and who is in them."""
 
     def __init__(
-        self, shared: Kind, first: Member, waiting: Waiting, found: Found, lanes: int | None, streaming: type[Stream | DeviceStream]
+        self, shared: Kind, first: Lane, waiting: Waiting, found: Found, lanes: int | None, streaming: type[Stream | DeviceStream]
     ) -> None:
         _, loop, tables, parts, outputs = shared
         topology = first.assembly.topology
@@ -203,14 +249,14 @@ class Lanes:
         self.stream = streaming(topology, lanes, loop, first.handed, outputs, sound, limited, tables, parts)
         self.lanes = self.stream.lanes
         self.starter = Starter(topology, lanes if streaming is Stream else usual, loop, tables, parts)
-        self.members: dict[int, Member] = {}
-        self.next: dict[int, Member | None] = {lane: first if lane == 0 else None for lane in range(self.lanes)}
+        self.members: dict[int, Lane] = {}
+        self.next: dict[int, Lane | None] = {lane: first if lane == 0 else None for lane in range(self.lanes)}
         for lane in range(1, min(self.lanes, waiting.share)):
             self.next[lane] = self._next()
         self.begins = np.zeros(self.lanes, dtype=np.int64)
         self.room = FIRST
 
-    def _next(self) -> Member | None:
+    def _next(self) -> Lane | None:
         found = self.waiting.next(self.kind)
         return None if found is None else found[1]
 

@@ -8,8 +8,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
-from typing import cast
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from ..assembly.timestep import SAFETY, coarse
 from ..kernels.topology import Topology
 from .record import Columns, Record
 from .repeating import whole_outputs
-from .streaming import stepped
+from .streaming import Lane, stepped
 
 Array = NDArray[np.float64]
 Look = Callable[[Record], Mapping[str, float]]
@@ -112,9 +111,8 @@ def measures_of(variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]], *
     within a second.
     """
     columns: dict[int, Columns] = {}
-    lanes = [_Lane(k, *one, columns, whole) for k, one in enumerate(variants)]
-    for ended in stepped(lanes, len(lanes)) if lanes else ():
-        lane = cast(_Lane, ended)
+    lanes = [_Variant(k, *one, columns, whole) for k, one in enumerate(variants)]
+    for lane in stepped(lanes, len(lanes)) if lanes else ():
         lane.parts.clear()
     return [lane.values for lane in lanes]
 
@@ -130,24 +128,16 @@ def merged_outputs(assembly: Assembly) -> int:
     return 1 if turn is None else math.gcd(turn, choice.outputs)
 
 
-@dataclass
-class _Lane:
-    """A variant while it is stepped."""
+class _Variant(Lane):
+    """A variant in a lane."""
 
-    number: int
-    assembly: Assembly
-    handed: NDArray[np.uint32]
-    look: Look
-    columns: dict[int, Columns]
-    whole: bool
-    done: int = 0
-    sound: bool = True
     values: Mapping[str, float] | None = None
-    parts: list[tuple[int, Array]] = field(default_factory=list)  # the number of the first output of each part, and its rows
 
-    def __post_init__(self) -> None:
-        choice, self.loop = self.assembly.choice, "auto"
-        merged = merged_outputs(self.assembly) if self.whole else 1
+    def __init__(self, number: int, assembly: Assembly, handed: NDArray[np.uint32], look: Look, columns: dict[int, Columns], whole: bool) -> None:
+        super().__init__(number, assembly, handed)
+        self.look, self.columns, self.first = look, columns, 0  # the number of the first output that is kept
+        merged = merged_outputs(assembly) if whole else 1
+        choice = assembly.choice
         self.every, self.count = merged * choice.outputs_every, choice.outputs // merged
         turn = choice.turn / (choice.step * self.every) if choice.turn else float(self.count)
         self.oldest = max(0, int(np.floor(self.count - turn - 0.5)))
@@ -160,26 +150,22 @@ class _Lane:
     @property
     def ended(self) -> bool:
         """Whether it needs no further step."""
-        return not self.sound or self.done >= self.count
-
-    def start(self, state: Array) -> None:
-        """Keep the output of step 0."""
-        self.parts.append((0, state[None, self.handed]))
+        return self.doubtful or self.done >= self.count
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
         """Keep outputs, and drop those before the last turn."""
-        self.sound = broken < 0 and bool(np.isfinite(rows).all())
-        self.parts.append((self.done + 1, rows))
+        self.doubtful = broken >= 0 or not np.isfinite(rows).all()
+        self.parts.append(rows)
         self.done += len(rows)
-        while len(self.parts) > 1 and self.parts[1][0] <= self.oldest:
-            del self.parts[0]
+        while len(self.parts) > 1 and self.first + len(self.parts[0]) <= self.oldest:
+            self.first += len(self.parts.pop(0))
 
     def end(self) -> None:
         """Take the measures."""
-        if not self.sound:
+        if self.doubtful:
             return
-        first, rows = self.parts[0][0], np.concatenate([rows for _, rows in self.parts])
-        steps = (first + np.arange(len(rows), dtype=np.int64)) * self.every
+        rows = np.concatenate(self.parts)
+        steps = (self.first + np.arange(len(rows), dtype=np.int64)) * self.every
         columns = self.columns.setdefault(id(self.handed), Columns(self.assembly.layout, self.handed))
         alike = columns if columns.layout is self.assembly.layout else None
         self.values = self.look(Record(self.assembly, steps, rows, self.handed, columns=alike))

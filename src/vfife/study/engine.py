@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import partial
-from typing import cast
 
 from ..analysis.turns import each_turn
 from ..codegen.cuda import WITHOUT, card
@@ -75,7 +74,7 @@ def run_members(
             step, every = one.assembly.choice.step, one.per * one.assembly.choice.outputs_every
             yield one.number, Outcome(one.values, one.turns, one.settled, str(Status.COMPLETE), None, step, one.turns * every)
         else:
-            alone.append(cast(Stepped | Unstepped, one).number)
+            alone.append(one.number)
     yield from by_themselves(preparing, numbers, alone, workers, stop)
 
 

@@ -4,51 +4,38 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.measures import PEAKS, highest_of_each, last_turn, over_turn
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds, limited_rows
+from ..assembly.bounds import limited_rows
 from ..model.bodies import PointMass
 from ..solvers.record import Columns, Record, places, recorded_rows
 from ..solvers.status import Status
-from ..solvers.streaming import stepped
+from ..solvers.streaming import Lane, stepped
 from ..solvers.transient import run
 
 Array = NDArray[np.float64]
 
 
-@dataclass
-class Ideal:
+class Ideal(Lane):
     """An ideal mechanism in a lane, over its turn, of which the extremes are handed out at its end."""
 
-    number: int
-    assembly: Assembly
-    handed: NDArray[np.uint32]
-    limited: NDArray[np.intp]
-    loop: str = "auto"
-    ended: bool = False
-    sound: bool = False
+    def __init__(self, number: int, assembly: Assembly, handed: NDArray[np.uint32], limited: NDArray[np.intp]) -> None:
+        super().__init__(number, assembly, handed, limited=limited)
+        self.every, self.per = assembly.choice.steps, 1
 
-    def __post_init__(self) -> None:
-        self.every, self.outputs = self.assembly.choice.steps, 1
-
-    def start(self, state: Array) -> None:
-        """The first output."""
-        self.rows = [state[None, self.handed]]
+    @property
+    def ended(self) -> bool:
+        """Whether its turn is over."""
+        return self.doubtful or self.done > 0
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """The last one."""
-        self.ended = True
-        self.rows.append(rows)
-        self.sound = broken < 0 and (not len(self.limited) or not Bounds(self.assembly, self.handed, self.limited).unsound(rows).any())
-
-    def end(self) -> None:
-        """Nothing takes its place."""
+        """The last output."""
+        super().take(rows, broken, state)
+        self.doubtful |= not np.isfinite(self.parts[0]).all()
 
 
 def peaks_of(ideals: Sequence[Assembly]) -> list[dict[str, float] | None]:
@@ -60,9 +47,9 @@ def peaks_of(ideals: Sequence[Assembly]) -> list[dict[str, float] | None]:
     limited = places(handed, limited_rows(ideals[0]))
     found: list[dict[str, float] | None] = [None] * len(ideals)
     every = (Ideal(k, assembly, handed, limited) for k, assembly in enumerate(ideals))
-    ended = [cast(Ideal, one) for one in stepped(every, len(ideals), workers=max(1, (os.cpu_count() or 1) // 2))]  # others have lanes to step
+    ended = list(stepped(every, len(ideals), workers=max(1, (os.cpu_count() or 1) // 2)))  # others have lanes to step
     for one, peaks in zip(ended, peaks_at_ends(ended), strict=True):
-        if one.sound and all(np.isfinite(rows).all() for rows in one.rows):
+        if not one.doubtful:
             found[one.number] = peaks
     return found
 
@@ -72,10 +59,10 @@ def peaks_at_ends(ended: Sequence[Ideal]) -> list[dict[str, float]]:
     first, columns = ended[0], Columns(ended[0].assembly.layout, ended[0].handed)
 
     def turn(one: Ideal) -> Record:
-        return Record(one.assembly, np.array([0, one.every]), np.concatenate(one.rows), one.handed, columns=columns)
+        return Record(one.assembly, np.array([0, one.every]), np.concatenate(one.parts), one.handed, columns=columns)
 
     own = any(isinstance(body, PointMass) for body in first.assembly.mechanism.bodies.values())  # of those without inertia nothing is told
     if own or last_turn(turn(first))[0]:
         return [over_turn(turn(one), last_turn(turn(one)), PEAKS) for one in ended]
-    every = np.concatenate([one.rows[-1] for one in ended])
+    every = np.concatenate([one.parts[-1] for one in ended])
     return highest_of_each(Record(first.assembly, np.arange(len(ended)), every, first.handed, columns=columns))

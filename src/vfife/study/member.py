@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,13 @@ from ..analysis.energy import ledger
 from ..analysis.trust import DEEP_HALVINGS
 from ..analysis.wanted import WantedMeasures
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds, limited_rows
+from ..assembly.bounds import limited_rows
 from ..model.mechanism import Mechanism
 from ..solvers.arguments import Loop
 from ..solvers.companions import measured_rows
 from ..solvers.record import Columns, Record, places, recorded_rows
-from ..solvers.repeating import Settling, outputs_of_a_turn, whole_outputs
+from ..solvers.repeating import Settling, outputs_of_a_turn
+from ..solvers.streaming import Lane
 from ..solvers.transient import choose_loop
 
 Array = NDArray[np.float64]
@@ -66,28 +67,21 @@ class Plan:
         self.deep = assembly.layout["contact_deep"]
 
 
-@dataclass
-class Stepped:
-    """A simulation in a lane. ``again`` assembles it with another step, ``reference`` are measures of the ideal mechanism.
+class Stepped(Lane):
+    """A member in a lane. ``again`` assembles it with another step, ``reference`` are measures of the ideal mechanism.
 
     It is ``doubtful`` where its own run has to tell what became of it: where numbers left all bounds, or energy may be unaccounted for.
     """
 
-    number: int
-    assembly: Assembly
-    plan: Plan
-    reference: Mapping[str, float] | None
-    again: Callable[[Mechanism, float], Assembly]
-    loop: str = "auto"
-    turns: int = field(default=0, init=False)
-    doubtful: bool = field(default=False, init=False)
-    values: dict[str, float] = field(default_factory=dict, init=False)
-
-    def __post_init__(self) -> None:
-        assembly, plan = self.assembly, self.plan
-        self.per = whole_outputs(assembly.choice) or 1  # its nouns, which are made when somebody asks for them, are not needed for that
-        self.handed, every = plan.handed, assembly.choice.outputs_every
-        self.rows, self.every = (self.per, every) if plan.fine else (1, every * self.per)  # of a turn, steps between two
+    def __init__(
+        self, number: int, assembly: Assembly, plan: Plan, reference: Mapping[str, float] | None, again: Callable[[Mechanism, float], Assembly]
+    ) -> None:
+        super().__init__(number, assembly, plan.handed, limited=plan.limited)
+        self.plan, self.reference, self.again = plan, reference, again
+        if not plan.fine:
+            self.every *= self.per
+        self.rows = self.per if plan.fine else 1  # of a turn
+        self.turns, self.values = 0, dict[str, float]()
         self.settling: Settling | None = None
 
     @property
@@ -98,7 +92,6 @@ class Stepped:
     def start(self, state: Array) -> None:
         """The first output."""
         plan, settle = self.plan, self.plan.wanted.settle
-        self.bounds = Bounds(self.assembly, self.handed, plan.limited)
         if settle is not None:
             self.settling = Settling(self.assembly, self.handed, settle)
         self.last: deque[Array] = deque(maxlen=plan.wanted.last)
@@ -137,7 +130,7 @@ class Stepped:
             return None
         deep = bool(np.any(self.final[self.plan.deep]))
         if deep and choice.automatic and len(choice.tried) < DEEP_HALVINGS[0]:
-            return dataclasses.replace(self, assembly=self._halved())
+            return Stepped(self.number, self._halved(), self.plan, self.reference, self.again)
         size = self.per * choice.outputs_every
         steps, rows = zip(*self.ends, strict=True)
         whole = Record(assembly, np.array(steps, dtype=np.int64) * size, np.array(rows), self.plan.recorded, columns=self.plan.ends)

@@ -5,44 +5,32 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.trust import finer
 from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds
 from ..result import Result
 from ..simulation import Prepared, carry_out, concluded, halved
-from ..solvers.record import Record, recorded_rows
+from ..solvers.record import Record
 from ..solvers.repeating import Settling
 from ..solvers.status import Progress
-from ..solvers.streaming import stepped
+from ..solvers.streaming import Lane, stepped
 from ..solvers.transient import choose_loop
 
 Array = NDArray[np.float64]
 ROOM = 720  # outputs between two looks
 
 
-@dataclass
-class Recorded:
+class Recorded(Lane):
     """A run in a lane. It is ``doubtful`` where numbers left all bounds: then its own run tells where."""
 
-    number: int
-    prepared: Prepared
-    assembly: Assembly
-    parts: list[Array] = field(default_factory=list)
-    done: int = 0  # outputs after that of step 0
-    doubtful: bool = False
-    result: Result | None = None
-
-    def __post_init__(self) -> None:
-        self.loop: str = self.prepared.loop
-        self.handed, self.every = recorded_rows(self.assembly), self.assembly.choice.outputs_every
-        self.bounds, settle = Bounds(self.assembly, self.handed), self.assembly.mechanism.settings.settle
-        self.settling = None if settle is None else Settling(self.assembly, self.handed, settle)
+    def __init__(self, number: int, prepared: Prepared, assembly: Assembly) -> None:
+        super().__init__(number, assembly, loop=prepared.loop)
+        self.prepared, settle = prepared, assembly.mechanism.settings.settle
+        self.settling = None if settle is None else Settling(assembly, self.handed, settle)
+        self.result: Result | None = None
 
     @property
     def outputs(self) -> int:
@@ -53,13 +41,11 @@ class Recorded:
     def start(self, state: Array) -> None:
         """The first output."""
         self.began = time.perf_counter()
-        self.parts.append(state[None, self.handed])
+        super().start(state)
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
         """Some outputs."""
-        self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any())
-        self.parts.append(rows)
-        self.done += len(rows)
+        super().take(rows, broken, state)
         if self.settling is not None:
             self.settling.take(rows)
         self.final = state + 0.0
@@ -67,7 +53,7 @@ class Recorded:
     @property
     def ended(self) -> bool:
         """Whether no output is left to make."""
-        return self.doubtful or self.done >= self.assembly.choice.outputs or (self.settling is not None and self.settling.ended)
+        return super().ended or (self.settling is not None and self.settling.ended)
 
     def end(self) -> Recorded | None:
         """Its result; where an automatic step was too large, it is made again with half of that."""
@@ -101,8 +87,7 @@ def carried_out(ready: Sequence[Prepared], told: Callable[[Progress], None] | No
             done, steps = sum(one.done * one.every for one in beside), sum(one.assembly.choice.steps for one in beside)
             told(Progress(done, steps, time.perf_counter() - began))
 
-    for ended in stepped(beside, len(beside), alike=max(alike.values()), tick=tick) if len(beside) > 1 else ():
-        one = cast(Recorded, ended)
+    for one in stepped(beside, len(beside), alike=max(alike.values()), tick=tick) if len(beside) > 1 else ():
         if one.result is not None:
             yield one.number, one.result
             tick()

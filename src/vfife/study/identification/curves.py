@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, cast
 
@@ -15,7 +15,6 @@ from ...analysis.guides import point_motion
 from ...analysis.motion import times
 from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
-from ...assembly.bounds import Bounds
 from ...assembly.refit import Refit
 from ...errors import VfifeError
 from ...model.functions import turn_of
@@ -25,10 +24,10 @@ from ...results.channel import Channel
 from ...results.channels import MADE, entities, recorded
 from ...results.view import View, standing
 from ...results.wide import columns
-from ...solvers.record import Record, recorded_rows
-from ...solvers.streaming import stepped
+from ...solvers.record import Record
+from ...solvers.streaming import Lane, stepped
 from ..member import Wanted
-from ..preparing import Made, Numbers, Preparing
+from ..preparing import Made, Numbers, Preparing, Unstepped
 from .measurements import Over
 
 Array = NDArray[np.float64]
@@ -110,57 +109,6 @@ def units_of(mechanism: Mechanism) -> dict[str, str]:
 
 
 @dataclass
-class Stepping:
-    """A member in its lane: all of its outputs are kept."""
-
-    number: int
-    assembly: Assembly
-    loop: str = "auto"
-    rows: list[Array] = field(default_factory=list)
-    broken: bool = False
-
-    def __post_init__(self) -> None:
-        choice = self.assembly.choice
-        self.handed, self.every = recorded_rows(self.assembly), choice.outputs_every
-        self.outputs = round(choice.turn / (choice.step * self.every)) if choice.turn is not None else choice.outputs
-        self.bounds = Bounds(self.assembly, self.handed)
-        self.done = 0
-
-    @property
-    def ended(self) -> bool:
-        """Whether it has all its outputs, or none can follow."""
-        return self.broken or self.done >= self.assembly.choice.outputs
-
-    def start(self, state: Array) -> None:
-        """The output of step 0."""
-        self.rows.append(state[None, self.handed])
-
-    def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Some outputs."""
-        self.broken = broken >= 0 or bool(self.bounds.unsound(rows).any())
-        self.rows.append(rows)
-        self.done += len(rows)
-
-    def end(self) -> None:
-        """It is as it is."""
-
-    @property
-    def record(self) -> Record:
-        """What it leaves."""
-        rows = np.concatenate(self.rows)
-        return Record(self.assembly, np.arange(len(rows), dtype=np.int64) * self.every, rows, self.handed)
-
-
-@dataclass
-class Unmade:
-    """A member that cannot be assembled."""
-
-    number: int
-    reason: str
-    ended: bool = True
-
-
-@dataclass
 class Members(Preparing):
     """Prepares members of a fit; what they have in common is worked out once."""
 
@@ -205,22 +153,19 @@ class Curves:
     def each(self, every: Sequence[Numbers]) -> list[Trace | str]:
         """The trace of each member; where it has none, why."""
         found: list[Trace | str] = [""] * len(every)
-        for one in stepped(self._stepping(every), len(every), workers=self.workers):
-            member = cast(Stepping | Unmade, one)
-            if isinstance(member, Unmade):
-                found[member.number] = member.reason
-            elif member.broken:
-                found[member.number] = "numbers left all bounds"
+        for one in stepped(self._lanes(every), len(every), workers=self.workers):
+            if isinstance(one, Unstepped):
+                found[one.number] = one.reason or ""
             else:
-                found[member.number] = self.trace(member.record)
+                found[one.number] = "numbers left all bounds" if one.doubtful else self.trace(one.record)
         return found
 
-    def _stepping(self, every: Sequence[Numbers]) -> Iterator[Stepping | Unmade]:
+    def _lanes(self, every: Sequence[Numbers]) -> Iterator[Lane | Unstepped]:
         for k, numbers in enumerate(every):
             try:
-                yield Stepping(k, self.members.assembled(numbers))
+                yield Lane(k, self.members.assembled(numbers))
             except VfifeError as error:
-                yield Unmade(k, " ".join(str(error).split()))
+                yield Unstepped(k, " ".join(str(error).split()))
 
     def trace(self, record: Record) -> Trace:
         """The channels of a record."""

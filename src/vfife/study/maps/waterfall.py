@@ -7,14 +7,13 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.spectral import COSINES, resolution_of, window_of
 from ...assembly.assembled import Assembly
-from ...assembly.bounds import Bounds
 from ...errors import Fault, ModelError
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
@@ -27,8 +26,8 @@ from ...results.view import View, standing
 from ...simulation import prepare
 from ...solvers.arguments import Asked
 from ...solvers.ensemble import placed
-from ...solvers.record import Record, recorded_rows
-from ...solvers.streaming import stepped
+from ...solvers.record import Record
+from ...solvers.streaming import Lane, stepped
 from .section_series import kept_in, law_words, refuse_large_frame, refuse_unknown, tupled, unit_at, unit_of
 
 if TYPE_CHECKING:
@@ -37,47 +36,32 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Spectral:
+class Spectral(Lane):
     """A simulation in a lane, of whose ``turns`` the ``last`` are kept, output by output, of each of ``series``."""
 
-    loop = "generated"
-
     def __init__(self, number: int, assembly: Assembly, turns: int, last: int, series: Sequence[str]) -> None:
-        self.number, self.assembly, self.turns, self.series = number, assembly, turns, series
-        self.handed = recorded_rows(assembly)
-        choice = assembly.choice
-        self.every, self.outputs = choice.outputs_every, round((choice.turn or 0.0) / (choice.step * choice.outputs_every))
-        self.bounds = Bounds(assembly, self.handed)
-        self.parts: deque[Array] = deque(maxlen=last)
-        self.done, self.diverged = 0, False
-        self.before = np.zeros((1, len(self.handed)))
+        super().__init__(number, assembly, loop="generated")
+        self.turns, self.series = turns, series
+        self.last: deque[Array] = deque(maxlen=last)
 
     @property
     def ended(self) -> bool:
         """Whether it needs no further turn."""
-        return self.diverged or self.done == self.turns
-
-    def end(self) -> None:
-        """It is as it is."""
-
-    def start(self, state: Array) -> None:
-        """The output of step 0."""
-        self.before = state[self.handed][None, :]
+        return self.doubtful or self.done == self.turns * self.per
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """A turn, and the step after which it was seen broken, less than 0 where it was not."""
-        if broken >= 0 or len(rows) < self.outputs or self.bounds.unsound(rows).any():
-            self.diverged = True
+        """Take a turn."""
+        super().take(rows, broken, state)
+        if self.doubtful:
             return
-        self.done += 1
-        if self.done > self.turns - (self.parts.maxlen or 0):
-            self.parts.append(values_of(self.assembly, np.concatenate([self.before, rows]), self.handed, self.series, self.every)[:, 1:])
-        self.before = rows[-1:].copy()
+        if self.done > (self.turns - (self.last.maxlen or 0)) * self.per:
+            self.last.append(values_of(self.assembly, np.concatenate(self.parts), self.handed, self.series, self.every)[:, 1:])
+        self.parts = [rows[-1:].copy()]
 
     @property
     def values(self) -> Array:
         """The series over the last turns, shape (series, outputs)."""
-        return np.concatenate(self.parts, axis=1)
+        return np.concatenate(self.last, axis=1)
 
 
 def values_of(assembly: Assembly, rows: Array, kept: NDArray[np.uint32], series: Sequence[str], every: int) -> Array:
@@ -202,8 +186,7 @@ def waterfall(
         found = {} if kept is None else {number: points for number, (points, _) in kept.members().items()}
         missing = [k for k in range(count) if k not in found]
         try:
-            for member in stepped((Spectral(k, assemblies[k], turns, last, asked.series) for k in missing), max(1, len(missing))):
-                one = cast(Spectral, member)
+            for one in stepped((Spectral(k, assemblies[k], turns, last, asked.series) for k in missing), max(1, len(missing))):
                 points = transformed(one, asked, places)
                 if kept is not None:
                     kept.keep(one.number, points, np.zeros((0, 1)), np.zeros((0, 1)))
@@ -224,7 +207,7 @@ def read_waterfall(file: MapFile) -> Waterfall:
 
 def transformed(one: Spectral, asked: Fallen, places: int) -> Array:
     """Amplitudes of each series, shape (series, places); NaN where the motion diverged."""
-    if one.diverged:
+    if one.doubtful:
         return np.full((len(asked.series), places), math.nan)
     found = [spectrum(values, 1.0, window=asked.window).amplitudes[:places] for values in one.values]
     return np.array(found)
