@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DIST = ROOT / "dist"
 # What must be in them, beside the code.
-IN_WHEEL = ("vfife/py.typed", "vfife/modelfile/model.schema.json", "vfife/modelfile/templates/", "LICENSE")
+IN_WHEEL = ("vfife/py.typed", "vfife/modelfile/model.schema.json", "vfife/modelfile/templates/", "vfife/examples/four_bar.toml", "LICENSE")
 IN_SDIST = ("pyproject.toml", "README.md", "CHANGELOG.md", "LICENSE", "Makefile", ".ci/run", "tests/conftest.py", "examples/four_bar.toml")
 EXPORTS = ("out.csv", "out.nc", "out.mat", "out.parquet", "forces.svg")
 OURS = ("PYTHON", "VFIFE", "XDG", "VIRTUAL_ENV", "MPL")  # variables that would lead back here
@@ -28,6 +28,7 @@ assert table["rod.angle"].to_numpy().tobytes() == result.series["rod.angle"].val
 assert table.schema.field("rod.angle").metadata[b"units"] == b"rad"
 m = vfife.load("my.toml", {"run.turns": 1})
 assert m.check().after_drives == 0
+assert [getattr(vfife.gallery, name)().check() for name in vfife.gallery.__all__]
 assert len(m._repr_html_()) > 10_000 and len(result.to_dataframe()) == len(result.time)
 """
 
@@ -57,6 +58,10 @@ def look_inside(sdist: Path, wheel: Path, folder: Path) -> None:
     for wanted in IN_WHEEL:
         assert any(wanted in name for name in names), f"the wheel lacks {wanted}"
     assert not [name for name in names if name.startswith("tests")]
+    examples = {path.name for path in (ROOT / "examples").glob("*.toml")}
+    assert {name.rpartition("/")[2] for name in names if name.startswith("vfife/examples/")} == examples, (
+        "the gallery in the wheel is not examples/*.toml"
+    )
     with tarfile.open(sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
         archive.extractall(folder / "sdist", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
@@ -79,6 +84,7 @@ def try_out(wheel: Path, folder: Path, version: str, began: float) -> None:
     assert run([vfife, "--version"], work).split() == ["vfife", version]
     run([vfife, "new", "slider-crank", "-o", "my.toml"], work)
     run([vfife, "check", "my.toml"], work)
+    run([vfife, "new", "squeezer", "-o", "squeezer.toml"], work)
     run([vfife, "run", "my.toml", "-o", "run"], work)
     for command in (["plot", "run"], ["info", "run"], *(["export", "run", name] for name in EXPORTS)):
         run([vfife, *command], work)

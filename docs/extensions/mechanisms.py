@@ -50,7 +50,7 @@ $ vfife run examples/NAME.toml --figures
 $ vfife live examples/NAME.toml -o NAME.html
 ```
 
-In Python it is `vfife.gallery.NAME()`, with its numbers as parameters.
+In Python it is `vfife.gallery.NAME()`, with some of its numbers as parameters; `vfife.gallery.load("NAME", {...})` sets any of them by path.
 
 ## Model file
 

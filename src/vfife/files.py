@@ -21,6 +21,9 @@ LARGEST = 32_000_000
 ATTEMPTS = 16
 # Temporary files that this process has begun and not finished, for signals that leave no time to unwind.
 UNFINISHED: set[Path] = set()
+# Model files of the gallery: a wheel holds a copy of the folder examples/, which in a checkout lies beside src.
+_EXAMPLES = Path(__file__).resolve().with_name("examples")
+GALLERY = _EXAMPLES if _EXAMPLES.is_dir() else _EXAMPLES.parents[2] / "examples"
 KINDS = (
     (stat.S_ISDIR, errno.EISDIR, "it is a folder"),
     (stat.S_ISFIFO, errno.EINVAL, "it is a pipe, not a regular file"),

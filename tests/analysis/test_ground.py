@@ -11,7 +11,7 @@ from support import CRANK_SPEED, four_bar, go, with_settings
 from vfife.analysis import last_turn, measures
 from vfife.analysis.ground import ground_load
 from vfife.analysis.motion import velocities
-from vfife.gallery.slider_crank import slider_crank
+from vfife.gallery import slider_crank
 from vfife.kinematics.forces import Datum, actions
 from vfife.model.drivers import Torque
 

@@ -9,10 +9,10 @@ from support import go
 from vfife.analysis import measures
 from vfife.analysis.guides import point_motion, slider_motion, sliders
 from vfife.analysis.motion import times
-from vfife.gallery.quick_return import quick_return
-from vfife.gallery.slider_crank import CRANK, ROD, slider_crank, slider_crank_loose_guide
+from vfife.gallery import quick_return, slider_crank, slider_crank_loose_guide
 
 SPEED = 100.0
+CRANK, ROD = 0.050, 0.120  # m
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from vfife.analysis.losses import lost, mean_power
 from vfife.analysis.motion import times
 from vfife.analysis.pressure import line_pressure, mean_pressure
 from vfife.analysis.sliding import sliding_speed
-from vfife.gallery.slider_crank import slider_crank_loose_guide
+from vfife.gallery import slider_crank_loose_guide
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pair
 
 

@@ -28,8 +28,8 @@ DRAWS = {"uniform", "normal", "standard_normal", "exponential", "choice", "shuff
 ALLOWED = {"LinAlgError"}  # of np.linalg: an exception
 # Packages, or files of them, from which a run, its measures and its decisions come.
 DECIDING = (
-    "assembly", "codegen", "fields", "gallery", "kernels", "kinematics", "laws", "model", "modelfile", "numerics", "solvers", "study", "analysis",
-    "results", "report", "units.py",
+    "assembly", "codegen", "fields", "gallery.py", "kernels", "kinematics", "laws", "model", "modelfile", "numerics", "solvers", "study",
+    "analysis", "results", "report", "units.py",
 )  # fmt: skip
 # Files, or folders, that may, and why.
 EXCEPTIONS = {

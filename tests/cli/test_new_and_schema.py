@@ -11,7 +11,7 @@ from cli.models import ROOT
 from cli.test_bad_input import refused
 from vfife.modelfile import dump, load, loads
 
-TEMPLATES = sorted((ROOT / "src" / "vfife" / "modelfile" / "templates").glob("*.toml"))
+TEMPLATES = [*sorted((ROOT / "src" / "vfife" / "modelfile" / "templates").glob("*.toml")), ROOT / "examples" / "compressor.toml"]
 NAMES = [path.stem for path in TEMPLATES]
 
 
@@ -35,6 +35,14 @@ def test_there_is_one_of_each_kind(command: Callable) -> None:
     for path in TEMPLATES:
         assert f" {path.stem} " in listed
         assert path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ").split(",")[0][:60] in listed
+
+
+@pytest.mark.parametrize("name", [path.stem for path in sorted((ROOT / "examples").glob("*.toml"))])
+def test_the_gallery_is_there_to_start_from(command: Callable, name: str) -> None:
+    text = (ROOT / "examples" / f"{name}.toml").read_text(encoding="utf-8")
+    assert command("new", name).stdout.partition("\n")[2] == text
+    other = name.replace("_", "-")
+    assert other in NAMES or command("new", other).stdout.partition("\n")[2] == text
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four-bar", "six-bar", "journal-in-bearing"])
@@ -72,7 +80,7 @@ def test_no_file_is_lost(command: Callable) -> None:
 
 
 def test_what_cannot_be_written_is_told(command: Callable, tmp_path: Path) -> None:
-    refused(command("new", "pendulm"), ["pendulm", 'did you mean "pendulum"?'])
+    refused(command("new", "pendulm"), ["pendulm", 'did you mean "pendulum"'])
     refused(command("new", "zzz"), ["four-bar", "slider-crank"])
     refused(command("new", "-o", "mine.toml"), ["mine.toml", "pendulum"])
     refused(command("new", "pendulum", "-o", "nowhere/mine.toml"), ["nowhere/mine.toml", "No such file"])

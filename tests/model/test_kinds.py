@@ -189,7 +189,7 @@ ALLOWED = {
     "model/joints/clearance_slider.py": "without play it is another kind",
     "modelfile/tables.py": "the kind of a table that names none",
     "kinematics/drives.py": "a static analysis holds driven bodies by a table",
-    "gallery/": "mechanisms, which are made of kinds",
+    "gallery.py": "clearances that a parameter multiplies, and laws that it replaces",
 }
 
 

@@ -38,6 +38,7 @@ class Copy:
         for library in WARM:
             __import__(library)
         shutil.copytree(SOURCE, self.base / "vfife", ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / "examples", self.base / "vfife" / "examples")
         compileall.compile_dir(self.base, quiet=1)
 
     def judged(self, mutant: Mutant) -> str:

@@ -265,6 +265,7 @@ def of_kernels(seed: int, count: int, quick: bool) -> int:
     with tempfile.TemporaryDirectory() as folder:
         base = Path(folder)
         shutil.copytree(SOURCE, base / "vfife", ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / "examples", base / "vfife" / "examples")
         compileall.compile_dir(base, quiet=1)  # a file with a fault is compiled anew, and kept nowhere
         sys.dont_write_bytecode = True
         os.environ["VFIFE_CACHE"] = str(base / "cache")

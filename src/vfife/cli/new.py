@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from ..files import write_text
+from ..files import GALLERY, write_text
 from .terminal import fail, grid, output, row, sentences, writing
 
 ROOM = Path(__file__).resolve().parents[1]
+FOLDERS = {"model": ROOM / "modelfile" / "templates", "model of the gallery": GALLERY}
 SCHEMA = ROOM / "modelfile" / "model.schema.json"
 NameArgument = Annotated[str | None, typer.Argument(metavar="[NAME]", help="Which one; without it all are listed.", show_default=False)]
 OutOption = Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Write it into this file.", show_default=False)]
@@ -35,13 +36,14 @@ def new(name: NameArgument = None, out: OutOption = None, force: ForceOption = F
 
 
 def templates() -> dict[str, Path]:
-    """Model files to start from, by name."""
-    return {path.stem: path for path in sorted((ROOM / "modelfile" / "templates").glob("*.toml"))}
+    """Model files to start from, by name: those whose lines are explained, then the gallery."""
+    return {path.stem: path for folder in FOLDERS.values() for path in sorted(folder.glob("*.toml"))}
 
 
 def started(name: str) -> str:
     """Text of a template; its first line tells editors where the schema is."""
     known = templates()
+    name = name if name in known else next((one for one in known if one.replace("_", "-") == name.replace("_", "-")), name)
     if name not in known:
         from ..errors import suggestion
 
@@ -55,9 +57,10 @@ def about(path: Path) -> str:
 
 
 def show() -> None:
-    """All templates with a line each."""
-    table = grid("model", "what it is")
-    for name, path in templates().items():
-        row(table, name, about(path))
-    output().print(table)
+    """All models with a line each, in two tables."""
+    for title, folder in FOLDERS.items():
+        table = grid(title, "what it is")
+        for path in sorted(folder.glob("*.toml")):
+            row(table, path.stem, about(path))
+        output().print(table)
     typer.echo("Write one with: vfife new NAME -o FILE")

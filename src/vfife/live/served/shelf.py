@@ -57,7 +57,7 @@ class Shelf:
         if which not in self.documents:
             if name not in gallery.__all__:
                 raise LookupError(name)
-            self.documents[which] = Document(which, name, dump(getattr(gallery, name)()))
+            self.documents[which] = Document(which, name, gallery.path(name).read_text(encoding="utf-8"))
         return self.documents[which]
 
     def from_folder(self, name: str) -> Document:
