@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import warnings
 from collections.abc import Iterable, Sequence
 from itertools import islice
 from typing import Any
@@ -18,14 +19,6 @@ MOST_NAMES = 1000  # names looked through for one that looks alike
 
 class VfifeError(ValueError):
     """The base of all errors that this package raises on purpose."""
-
-
-class QuantityError(VfifeError):
-    """A value that is no quantity of the dimension asked for: what is wrong, what is allowed, what to do."""
-
-    def __init__(self, value: Any, what: str, limit: str, remedy: str) -> None:
-        super().__init__(f"the field wants {limit} ({remedy}), got {shown(value)}, {what}")
-        self.value, self.what, self.limit, self.remedy = value, what, limit, remedy
 
 
 class LawError(VfifeError):
@@ -211,3 +204,10 @@ _KINDS: tuple[tuple[type, str], ...] = (
     (dict, "a table"),
     (type(None), "nothing"),
 )
+
+
+def __getattr__(name: str) -> type[Fault]:
+    if name == "QuantityError":
+        warnings.warn("QuantityError is Fault now; the old name goes with the next version", DeprecationWarning, stacklevel=2)
+        return Fault
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

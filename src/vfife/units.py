@@ -11,7 +11,7 @@ import re
 from fractions import Fraction
 from typing import Any
 
-from .errors import QuantityError, kind_of
+from .errors import Fault, kind_of, shown
 
 # Exponents of m, kg, s and rad.
 Exponents = tuple[Fraction, Fraction, Fraction, Fraction]
@@ -103,7 +103,7 @@ def number(value: Any, dimension: str) -> float:
     """SI value of a bare number (taken as SI) or of a text with a unit.
 
     ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of what it measures ("length",
-    "angular velocity"). Raises QuantityError for any other dimension, for what is no number, and for nan and inf.
+    "angular velocity"). Raises Fault for any other dimension, for what is no number, and for nan and inf.
 
     >>> number("0.5 mm", "m")
     0.0005
@@ -112,15 +112,15 @@ def number(value: Any, dimension: str) -> float:
     limit, example = dimension_of(unit)
     remedy = f'for example "{example}"' if unit != "1" else f"for example {example}"
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise QuantityError(value, kind_of(value), limit, remedy)
+        raise Fault("", kind_of(value), shown(value), limit, remedy)
     try:
         result = _text(value, unit) if isinstance(value, str) else float(value)
-    except _Wrong as wrong:
-        raise QuantityError(value, str(wrong), limit, remedy) from None
+    except Fault as fault:
+        raise Fault("", fault.what, shown(value), limit, remedy) from None
     except OverflowError:
-        raise QuantityError(value, "a number too large to calculate with", limit, remedy) from None
+        raise Fault("", "a number too large to calculate with", shown(value), limit, remedy) from None
     if not math.isfinite(result):
-        raise QuantityError(value, "not a finite number", limit, remedy)
+        raise Fault("", "not a finite number", shown(value), limit, remedy)
     return result
 
 
@@ -159,10 +159,6 @@ def dimension_of(unit: str) -> tuple[str, str]:
     return f"a quantity in {unit}", f"1 {unit}"
 
 
-class _Wrong(ValueError):
-    """What a text is instead of the quantity wanted."""
-
-
 @functools.lru_cache(maxsize=256)
 def _unit_of_dimension(dimension: str) -> str:
     for words, si, _ in DIMENSIONS:
@@ -176,13 +172,13 @@ def _text(text: str, unit: str) -> float:
     """SI value of a text; the arithmetic is exact until the last rounding, so "0.2 mm" is 2e-4 to the bit."""
     tidy = " ".join(text.replace("**", "^").replace("μ", "µ").replace("²", "^2").replace("³", "^3").split())
     if len(text) > LENGTH_LIMIT or _COMMA.match(tidy) or not (match := _NUMBER.fullmatch(tidy)):
-        raise _Wrong(_no_number(tidy))
+        raise Fault("", _no_number(tidy))
     digits, written = Fraction(match[1]), match[2] or unit
     if not _UNIT.fullmatch(written):
-        raise _Wrong(f'a text whose unit "{written}" cannot be read (write units as in "N/m^1.5" or "kg m^2")')
+        raise Fault("", f'a text whose unit "{written}" cannot be read (write units as in "N/m^1.5" or "kg m^2")')
     (exact, rough, pi), exponents = _measure(written)
     if exponents != _measure(unit)[1]:
-        raise _Wrong(dimension_of(written)[0])
+        raise Fault("", dimension_of(written)[0])
     return float(digits * exact) * rough * _raised(Fraction(math.pi), Fraction(pi))
 
 
@@ -274,8 +270,8 @@ def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fractio
     except Exception:  # pint raises what its tokenizer or its arithmetic happens to raise
         near = difflib.get_close_matches(name, SPELT, 1, 0.8) or difflib.get_close_matches(name, UNITS, 1, 0.4)
         hint = f' (did you mean "{near[0]}"?)' if near else ""
-        raise _Wrong(f'a text whose unit "{name}" is unknown{hint}') from None
+        raise Fault("", f'a text whose unit "{name}" is unknown{hint}') from None
     exponents = tuple(Fraction(units.pop(key, 0)) for key in ("meter", "kilogram", "second", "radian"))
     if units:
-        raise _Wrong(f'a text whose unit "{name}" measures no length, mass, time or angle')
+        raise Fault("", f'a text whose unit "{name}" measures no length, mass, time or angle')
     return (Fraction(1), float(base.magnitude), 0), exponents

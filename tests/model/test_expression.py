@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support import often
-from vfife.model.expression import FUNCTIONS, ExpressionError, parse
+from vfife.errors import Fault
+from vfife.model.expression import FUNCTIONS, parse
 from vfife.model.sampled import SamplingError, sampled
 from vfife.model.tabulated import held
 
@@ -49,8 +50,8 @@ def test_it_means_what_python_means(text):
 def test_any_text_is_read_or_refused_with_its_place(text):
     try:
         parse(text)
-    except ExpressionError as error:
-        assert 1 <= error.column <= len(text) + 1 and error.what and error.remedy
+    except Fault as error:
+        assert 1 <= int(error.where.removeprefix("column ")) <= len(text) + 1 and error.what and error.remedy
 
 
 def test_units_and_precedence():
@@ -71,9 +72,9 @@ REFUSED = {
 
 @pytest.mark.parametrize("text", REFUSED, ids=lambda text: text[:12])
 def test_what_is_none_is_refused_where_it_goes_wrong(text):
-    with pytest.raises(ExpressionError) as told:
+    with pytest.raises(Fault) as told:
         parse(text)
-    assert (told.value.column, REFUSED[text][1] in told.value.what) == (REFUSED[text][0], True), told.value
+    assert (told.value.where, REFUSED[text][1] in told.value.what) == (f"column {REFUSED[text][0]}", True), told.value
 
 
 @pytest.mark.parametrize(
@@ -100,12 +101,12 @@ def test_what_cannot_be_followed_is_told_with_its_place(text):
 
 
 def test_a_power_of_python_and_a_name_that_is_none_are_told_once() -> None:
-    with pytest.raises(ExpressionError) as power:
+    with pytest.raises(Fault) as power:
         parse("x**2")
     assert "write ^ for a power" in power.value.remedy
-    with pytest.raises(ExpressionError) as name:
+    with pytest.raises(Fault) as name:
         parse("qqq(x)")
     assert name.value.remedy.count("there are") == 1 and "a unit goes in brackets" in name.value.remedy
-    with pytest.raises(ExpressionError) as near:
+    with pytest.raises(Fault) as near:
         parse("sqr(x)")
     assert 'did you mean "sqrt"' in near.value.remedy

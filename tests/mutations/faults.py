@@ -39,7 +39,7 @@ BOUNDARY = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, 
 TURNED = {ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt}
 OPPOSITE = {"min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "argmin": "argmax", "argmax": "argmin"}
 # Calls whose arguments are words for people, or what says how something is written.
-WORDS = ("Fault", "Refused", "shown", "suggestion", "print", "warn", "PathFault", "Conflict", "round", "cast", "TypeVar", "lru_cache")
+WORDS = ("Fault", "refuse", "shown", "suggestion", "print", "warn", "round", "cast", "TypeVar", "lru_cache")
 # Arguments that check or guard, and change no number.
 SPARED = ("strict", "repr", "compare", "stacklevel", "dtype", "copy", "allow_pickle")
 TEXTS = (ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.ListComp)

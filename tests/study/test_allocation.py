@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from vfife.errors import VfifeError
-from vfife.fields.refused import Refused
+from vfife.errors import Fault, VfifeError
 from vfife.study.allocation import Choice, Option, allocate, by_cost, options_of
 from vfife.study.distributions import Array, Normal
 
@@ -123,12 +122,12 @@ def test_options_are_pairs_of_grades_or_fits() -> None:
     ],
 )
 def test_what_is_no_option_is_refused(letters: str, costs: dict[str, float], said: str) -> None:
-    with pytest.raises(Refused, match=said):
+    with pytest.raises(Fault, match=said):
         options_of(letters, 0.02, costs)
 
 
 def test_too_few_machines_and_too_many_choices_are_refused() -> None:
-    with pytest.raises(Refused, match="too few machines"):
+    with pytest.raises(Fault, match="too few machines"):
         allocate(JOINTS, linear, 1.0, count=298)
     with pytest.raises(VfifeError, match="choices of fits"):
         allocate(JOINTS * 3, linear, 1.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from vfife.fields.refused import Refused
+from vfife.errors import Fault
 from vfife.study.distributions import Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 
 U = np.array([1e-6, 0.01, 0.3, 0.5, 0.77, 0.99, 1 - 1e-6])
@@ -64,7 +64,7 @@ def test_two_alike_parts_with_little_cut_are_nearly_a_normal_one() -> None:
 
 
 def test_a_transition_fit_is_refused_or_cut() -> None:
-    with pytest.raises(Refused, match="31 % of the pairs have no play") as error:
+    with pytest.raises(Fault, match="31 % of the pairs have no play") as error:
         of_fit("H7/k6", 0.02)
     assert "-15 to 19 µm" in error.value.value
     found, rng, count = of_fit("H7/k6", 0.02, cut=True), np.random.default_rng(4), 100_000
@@ -75,7 +75,7 @@ def test_a_transition_fit_is_refused_or_cut() -> None:
     assert found.quantile(0.5) == pytest.approx(np.median(play[play > 0]), rel=0.02)
     assert np.all(found.quantile(U) > 0)
     for tight in ("H7/p6", "H7/p5"):
-        with pytest.raises(Refused, match="interference"):
+        with pytest.raises(Fault, match="interference"):
             of_fit(tight, 0.02, cut=True)
 
 
@@ -105,5 +105,5 @@ def test_values_have_ten_digits() -> None:
     ],
 )
 def test_what_is_no_distribution_is_refused(wrong: object) -> None:
-    with pytest.raises(Refused):
+    with pytest.raises(Fault):
         wrong()  # type: ignore[operator]

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from vfife.fields.refused import Refused
+from vfife.errors import Fault
 from vfife.study.iso286 import CLEAR, FINE_STEPS, GRADES, STEPS, TIGHT, WIDE, fit, step_of, tolerance, zone
 
 # Diameter in mm, zone, lower and upper deviation in µm, as tables of makers print them.
@@ -212,5 +212,5 @@ def test_steps_end_where_the_standard_says() -> None:
     ],
 )
 def test_what_is_no_fit_is_refused(text: str, size: float, said: str) -> None:
-    with pytest.raises(Refused, match=said):
+    with pytest.raises(Fault, match=said):
         fit(text, size)

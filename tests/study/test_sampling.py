@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vfife.fields.refused import Refused
+from vfife.errors import Fault
 from vfife.study.distributions import Normal, Uniform
 from vfife.study.sampling import METHODS, places, points
 
@@ -60,5 +60,5 @@ def test_points_follow_their_distributions(method: str) -> None:
 
 def test_what_cannot_be_sampled_is_refused() -> None:
     for method, count, dimensions, said in (("halton", 5, 1, "unknown way"), ("sobol", 0, 1, "count"), ("latin", 5, 1001, "more parameters")):
-        with pytest.raises(Refused, match=said):
+        with pytest.raises(Fault, match=said):
             places(method, count, dimensions)

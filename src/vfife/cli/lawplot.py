@@ -35,7 +35,6 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
 
 def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
     """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is wrong."""
-    from ..errors import Fault
     from ..laws.check import try_out
     from ..model.lawtables import read_law
     from ..model.validate.laws import senseless
@@ -44,10 +43,9 @@ def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> 
 
     holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
     broken = expand_curves(holder, "laws") if kind == "contact" else []
-    found, refused = read_law(kind, holder)
-    refused = [((key,), one) for key, one in broken] + [one for one in refused if one[0][0] not in dict(broken)]
-    if found is None or refused:
-        faults = [Fault(str(path[-1]), one.what, one.value, one.limit, one.remedy) for path, one in refused]
+    found, faults = read_law(kind, holder)
+    faults = broken + [one for one in faults if one.path[:1] not in {fault.path for fault in broken}]
+    if found is None or faults:
         raise ValueError("\n".join(f"--set {fault}" for fault in faults))
     if what := senseless(found, pair):
         raise ValueError(f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or --material")

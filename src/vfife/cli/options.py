@@ -68,12 +68,12 @@ def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | N
 
 def positive(option: str, text: str, unit: str) -> float:
     """A quantity above zero given as an option, a bare number being in SI units."""
-    from ..errors import QuantityError
+    from ..errors import Fault
     from ..units import number
 
     try:
         value = number(text, unit)
-    except QuantityError as error:
+    except Fault as error:
         raise ValueError(f"{option} {text}: {error.what}; allowed: {error.limit} ({error.remedy})") from None
     if not (value > 0.0 and math.isfinite(value)):
         raise ValueError(f"{option} {text}: zero or negative; allowed: a quantity above 0 {unit}")

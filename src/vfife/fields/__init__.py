@@ -9,7 +9,6 @@ from __future__ import annotations
 from .described import Field, described, described_fields, key_of, meaning_of, quantity, required, value_of
 from .parts import LENGTH, PLACE, SCALAR, Chosen, Curve, Direction, Each, Entries, Inner, Many, Named, Names
 from .reading import Reading, partial
-from .refused import Refused
 from .values import Choice, Json, Measure, Switch, Text, Value, Whole
 
 __all__ = [
@@ -30,7 +29,6 @@ __all__ = [
     "Named",
     "Names",
     "Reading",
-    "Refused",
     "Switch",
     "Text",
     "Value",

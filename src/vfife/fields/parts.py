@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Path, kind_of, shown
-from .refused import Refused
 from .values import Json, Measure, Value, any_none, is_list
 
 if TYPE_CHECKING:
@@ -26,9 +25,9 @@ class Each(Value):
             return no_list(value, path, by)
         found = [part.read(one, (*path, k), by) for k, (part, one) in enumerate(zip(self.parts, value, strict=False))]
         for k in range(len(found), len(self.parts)):
-            by.tell((*path, k), Refused("this value of the list is missing", "", "", "give the list all its values"))
+            by.refuse((*path, k), "this value of the list is missing", "", "", "give the list all its values")
         if len(value) > len(self.parts):
-            by.tell(path, Refused("too many values", shown(value), f"{len(self.parts)} values", "remove what is too many"))
+            by.refuse(path, "too many values", shown(value), f"{len(self.parts)} values", "remove what is too many")
         return None if any_none(found) or len(value) != len(self.parts) else tuple(found)
 
     def suits(self, value: Any) -> bool:
@@ -58,7 +57,7 @@ class Direction(Each):
         found = super().read(value, path, by)
         if found is not None and max(map(abs, found)) < 1e-9:
             remedy = "give it a part along x or y, as in [1, 0]"
-            by.tell(path, Refused("a direction of no length points nowhere", shown(value), "", remedy))
+            by.refuse(path, "a direction of no length points nowhere", shown(value), "", remedy)
             return None
         return found
 
@@ -119,7 +118,7 @@ class Names(Value):
     def read(self, value: Any, path: Path, by: Reading) -> Any:
         """A dict; a part that is refused is None under its name."""
         if not isinstance(value, Mapping):
-            by.tell(path, Refused(f"this is {kind_of(value)}", shown(value), "a table", "write its keys in a table of that name"))
+            by.refuse(path, f"this is {kind_of(value)}", shown(value), "a table", "write its keys in a table of that name")
             return None
         return {name: self.part.read(one, (*path, name), by) for name, one in value.items()}
 
@@ -203,7 +202,7 @@ class Entries(Value):
 
 def no_list(value: Any, path: Path, by: Reading) -> None:
     """Tells that a value is no list."""
-    by.tell(path, Refused(f"this is {kind_of(value)}", shown(value), "a list", "put the values in square brackets"))
+    by.refuse(path, f"this is {kind_of(value)}", shown(value), "a list", "put the values in square brackets")
 
 
 LENGTH, SCALAR = Measure("m"), Measure("1")

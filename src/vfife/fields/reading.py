@@ -7,22 +7,25 @@ from collections.abc import Mapping
 from dataclasses import MISSING
 from typing import Any
 
-from ..errors import Path, kind_of
+from ..errors import Fault, Path, kind_of
 from .described import described_fields, key_of, value_of
-from .refused import Refused
 
 
 class Reading:
-    """Who reads values: keeps what was refused, with its path. From Python numbers are numbers; a ``written`` one may be a text with a unit."""
+    """Who reads values: keeps all faults, with their paths. From Python numbers are numbers; a ``written`` one may be a text with a unit."""
 
     written = False
 
     def __init__(self) -> None:
-        self.refused: list[tuple[Path, Refused]] = []
+        self.faults: list[Fault] = []
 
-    def tell(self, path: Path, refused: Refused) -> None:
-        """Keeps a refusal."""
-        self.refused.append((path, refused))
+    def add(self, fault: Fault) -> None:
+        """Keeps a fault."""
+        self.faults.append(fault)
+
+    def refuse(self, path: Path, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
+        """Keeps the fault of what is at a path."""
+        self.add(Fault(path, what, value, limit, remedy))
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
         """A noun in a field of another."""
@@ -40,7 +43,7 @@ class Reading:
         """The value if it is of the kind, its own fields being read."""
         if not isinstance(value, kind):
             what = kind_of(value) if type(value).__module__ == "builtins" else f"a {type(value).__name__}"
-            self.tell(path, Refused(f"this is {what}", "", f"a {kind.__name__}", f"give a {kind.__name__}"))
+            self.refuse(path, f"this is {what}", "", f"a {kind.__name__}", f"give a {kind.__name__}")
             return None
         return self.fields(path, value)
 

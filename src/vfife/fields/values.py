@@ -9,9 +9,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..errors import Path, QuantityError, kind_of, shown
+from ..errors import Fault, Path, kind_of, shown
 from ..units import dimension_of, number
-from .refused import Refused
 
 if TYPE_CHECKING:
     from .reading import Reading
@@ -39,12 +38,12 @@ class Value:
         """The value as the noun holds it, None where it is refused, which ``by`` is told."""
         try:
             return self.take(value, by.written)
-        except Refused as refused:
-            by.tell(path, refused)
+        except Fault as fault:
+            by.add(fault.at(path))
             return None
 
     def take(self, value: Any, written: bool) -> Any:
-        """The value of a field without parts. Raises Refused."""
+        """The value of a field without parts. Raises Fault."""
         return value
 
     def suits(self, value: Any) -> bool:
@@ -84,15 +83,15 @@ class Measure(Value):
         other = f", or {shown(self.words[0])}" if self.words else ""
         try:
             if not written and not (isinstance(value, numbers.Real) and not isinstance(value, bool)):
-                raise QuantityError(value, kind_of(value), *spoken_limit(self.unit))
+                raise Fault("", kind_of(value), shown(value), *spoken_limit(self.unit))
             plain = not written or (isinstance(value, numbers.Real) and not isinstance(value, int | float))  # a number of NumPy
             result = number(float(value) if plain else value, self.unit)
-        except QuantityError as error:
+        except Fault as error:
             remedy = error.remedy if error.remedy.startswith("give") else f"write {error.remedy}"
-            raise Refused(f"this is {error.what}", shown(value), error.limit + other, remedy) from None
+            raise Fault("", f"this is {error.what}", shown(value), error.limit + other, remedy) from None
         if fault := beyond(result, self.unit, self.above == 0.0 or self.unit in WEIGHED):
             remedy = f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")' if self.unit != "1" else "correct the value"
-            raise Refused(f"this is {fault[0]} for any mechanism", shown(value), fault[1], remedy)
+            raise Fault("", f"this is {fault[0]} for any mechanism", shown(value), fault[1], remedy)
         if not self.allows(result):
             low, high = self.above if self.above is not None else self.low, self.high
             what = "too large" if high is not None and result > high else "zero or negative" if not low else "too small"
@@ -100,7 +99,7 @@ class Measure(Value):
             remedy = f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")'
             if not written:
                 remedy = "correct the value" if self.unit == "1" else f"correct the value, which is in {self.unit}"
-            raise Refused(f"this is {what}", shown(value), self.limits(), remedy)
+            raise Fault("", f"this is {what}", shown(value), self.limits(), remedy)
         return result
 
     def allows(self, result: float) -> bool:
@@ -148,10 +147,10 @@ class Whole(Value):
         if isinstance(value, float) and math.isfinite(value) and value == int(value):
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int | numbers.Integral):
-            raise Refused(f"this is {kind_of(value)}", shown(value), limit, "write a whole number without quotes" if written else "give one")
+            raise Fault("", f"this is {kind_of(value)}", shown(value), limit, "write a whole number without quotes" if written else "give one")
         result = int(value)
         if not self.low <= result <= self.high:
-            raise Refused(f"this is {'too small' if result < self.low else 'too large'}", shown(value), limit, "correct the number")
+            raise Fault("", f"this is {'too small' if result < self.low else 'too large'}", shown(value), limit, "correct the number")
         return result
 
     def json(self) -> Json:
@@ -180,7 +179,7 @@ class Choice(Value):
         what = "an unknown word" if isinstance(value, str) else kind_of(value)
         limit = " or ".join(shown(word) for word in every)
         remedy = f'did you mean "{near[0]}"?' if near else f"{'write' if written else 'give'} one of these words"
-        raise Refused(f"this is {what}", shown(value), limit, remedy)
+        raise Fault("", f"this is {what}", shown(value), limit, remedy)
 
     def json(self) -> Json:
         """One of the words."""
@@ -196,7 +195,7 @@ class Text(Value):
     def take(self, value: Any, written: bool) -> str:
         """The text."""
         if not isinstance(value, str):
-            raise Refused(f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes")
+            raise Fault("", f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes")
         return value
 
     def json(self) -> Json:
@@ -212,7 +211,7 @@ class Switch(Value):
         """The switch."""
         if not isinstance(value, bool):
             remedy = "write it without quotes" if written else "give True or False"
-            raise Refused(f"this is {kind_of(value)}", shown(value), "true or false", remedy)
+            raise Fault("", f"this is {kind_of(value)}", shown(value), "true or false", remedy)
         return value
 
     def json(self) -> Json:

@@ -129,7 +129,7 @@ class Law:
         """Raises LawError with every parameter that is beyond its limits, or that does not go with another."""
         reading = Reading()
         reading.fields((), self)
-        faults = [Fault(str(path[-1]), one.what, one.value, one.limit, one.remedy) for path, one in reading.refused] or list(self.disagreements())
+        faults = reading.faults or list(self.disagreements())
         if faults:
             raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
 

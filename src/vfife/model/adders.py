@@ -8,8 +8,8 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-from ..errors import ArgumentError, Fault, ModelError, Path, place, shown, suggestion
-from ..fields import Field, Refused, described_fields, key_of, meaning_of, partial, required, value_of
+from ..errors import ArgumentError, Fault, ModelError, Path, shown, suggestion
+from ..fields import Field, described_fields, key_of, meaning_of, partial, required, value_of
 from .given import Given, idle
 
 if TYPE_CHECKING:
@@ -45,14 +45,13 @@ def adds(section: str, noun: type[Noun]) -> Callable[[Callable[Arguments, Noun]]
             name = found.get("name") or next((called(found[one]) for one in TARGETS if found.get(one)), None)
             path: Path = (section, name if isinstance(name, str) else "?")
             faults = strange(path, names, leading, places, given) + [
-                Fault(place((*path, one)), "this keyword is missing", remedy=f"add {one}=...") for one in needed if one not in found
+                Fault((*path, one), "this keyword is missing", remedy=f"add {one}=...") for one in needed if one not in found
             ]
             known = {key: value for key, value in found.items() if key in names}
             made, more = read(path, noun, known)
             more += alone(mechanism, section, name, made, more)
             if faults or more:
-                told = [*faults, *(Fault(place(at), one.what, one.value, one.limit, one.remedy) for at, one in more)]
-                raise (ArgumentError if faults else ModelError)(told, str(mechanism.name) or "mechanism")
+                raise (ArgumentError if faults else ModelError)([*faults, *more], str(mechanism.name) or "mechanism")
             nouns(mechanism, section)[str(name)] = made
             return made
 
@@ -83,16 +82,16 @@ def strange(path: Path, names: list[str], leading: list[str], places: list[Any],
         if key not in names:
             others = [f"{name}()" for name, keys in BUILDERS.get(str(path[0]), {}).items() if key == name or key in keys]
             advice = f"use {' or '.join(others[:3])} for it" if others else "remove it"
-            found.append(Fault(place((*path, key)), "there is no such keyword", shown(value), "", suggestion(key, names, advice)))
+            found.append(Fault((*path, key), "there is no such keyword", shown(value), "", suggestion(key, names, advice)))
         elif key in leading[: len(places)]:
-            found.append(Fault(place((*path, key)), "this is given twice", shown(value), "", "give it once"))
+            found.append(Fault((*path, key), "this is given twice", shown(value), "", "give it once"))
     if len(places) > len(leading):
         what, rest = f"only {', '.join(leading)} stand without a keyword", [name for name in names if name not in leading]
-        found.append(Fault(place((*path, "")), what, shown(places[len(leading)]), "", f"write {rest[0]}=..." if rest else "leave it out"))
+        found.append(Fault((*path, ""), what, shown(places[len(leading)]), "", f"write {rest[0]}=..." if rest else "leave it out"))
     return found
 
 
-def read(path: Path, noun: Any, given: Mapping[str, Any]) -> tuple[Any, list[tuple[Path, Refused]]]:
+def read(path: Path, noun: Any, given: Mapping[str, Any]) -> tuple[Any, list[Fault]]:
     """The noun of what is given, known in part where something is refused, and what is."""
     reading, values = Given(), {key: given[key] for key in ("name",) if key in given}
     along = bool(given.get("slider") or given.get("point"))
@@ -103,9 +102,9 @@ def read(path: Path, noun: Any, given: Mapping[str, Any]) -> tuple[Any, list[tup
         at = (*path, key_of(field, along))
         values[key] = value_of(field, along).read(given[key], at, reading)
         if users := unused(noun, fields, key, given):
-            reading.tell(at, idle(noun, given[noun.selected_by], users, given[key]))
+            reading.add(idle(noun, given[noun.selected_by], users, given[key]).at(at))
     lacking = [key for key, field in fields.items() if required(field) and key not in values]
-    return (partial if lacking or reading.refused else made)(noun, values), reading.refused
+    return (partial if lacking or reading.faults else made)(noun, values), reading.faults
 
 
 def made(noun: Any, values: Mapping[str, Any]) -> Any:
@@ -123,16 +122,16 @@ def unused(noun: Any, fields: Mapping[str, Field], key: str, given: Mapping[str,
     return tuple(only)
 
 
-def alone(mechanism: Mechanism, section: str, name: Any, noun: Any, told: list[tuple[Path, Refused]]) -> list[tuple[Path, Refused]]:
+def alone(mechanism: Mechanism, section: str, name: Any, noun: Any, told: list[Fault]) -> list[Fault]:
     """What is wrong with a name, and with a noun among those there; pins of bodies that come later are looked for in a whole mechanism."""
     from .validate.single import faults_of
 
     if not isinstance(name, str):
-        return [] if name is None else [((section, "?"), Refused("this is no name", shown(name), "a text", "put it in quotes"))]
+        return [] if name is None else [Fault((section, "?"), "this is no name", shown(name), "a text", "put it in quotes")]
     if name in nouns(mechanism, section):
         what = f"there is a {section} called {shown(name)} already"
-        return [((section, name, ""), Refused(what, "", "", "choose another name"))]
-    return faults_of(mechanism, section, name, noun, [at for at, _ in told])
+        return [Fault((section, name, ""), what, "", "", "choose another name")]
+    return faults_of(mechanism, section, name, noun, [fault.path for fault in told])
 
 
 def nouns(mechanism: Mechanism, section: str) -> dict[str, Any]:

@@ -47,7 +47,7 @@ class Builders(LoadBuilders):
         """Adds a point of the ground (m). Raises ModelError where its place is none, or there is one of this name."""
         reading, at = Given(), ("ground", str(name))
         found = PLACE.read((x, y), at, reading)
-        faults = [Fault(place(path), one.what, one.value, one.limit, one.remedy) for path, one in reading.refused]
+        faults = reading.faults
         if not name or "." in str(name):
             faults.append(Fault(place(("ground", "")), f"the name {shown(name)} cannot be part of a path", remedy="choose a name without dots"))
         elif name in self.points:

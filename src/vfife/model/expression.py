@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from ..errors import suggestion
+from ..errors import Fault, suggestion
 from ..units import quantity_in_si
 
 if TYPE_CHECKING:
@@ -36,20 +36,16 @@ TOKEN = re.compile(r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,
 UNIT = re.compile(r"[^\[\]]{1,40}\]")
 
 
-class ExpressionError(ValueError):
-    """What is wrong with an expression, and where: ``column`` counts from 1."""
-
-    def __init__(self, column: int, what: str, remedy: str) -> None:
-        super().__init__(f"column {column}: {what}")
-        self.column, self.what, self.remedy = column, what, remedy
-
-
 class Token(NamedTuple):
     """A word of the text, its kind ("number", "name", "mark", "end") and its column."""
 
     kind: str
     text: str
     column: int
+
+    def fault(self, what: str, remedy: str) -> Fault:
+        """A fault at this word."""
+        return Fault(f"column {self.column}", what, remedy=remedy)
 
 
 @dataclass(frozen=True)
@@ -113,9 +109,9 @@ class Expression:
 
 @lru_cache(maxsize=64)
 def parse(text: str) -> Expression:
-    """The expression of a text. Raises ExpressionError where it is none."""
+    """The expression of a text. Raises Fault where it is none."""
     if len(text) > LONGEST:
-        raise ExpressionError(LONGEST, f"an expression of {len(text)} characters", f"write at most {LONGEST}, or give a table")
+        raise Fault(f"column {LONGEST}", f"an expression of {len(text)} characters", remedy=f"write at most {LONGEST}, or give a table")
     parser = _Parser(text)
     tree = parser.sum(0)
     if parser.here.kind != "end":
@@ -146,15 +142,15 @@ class _Parser:
         return taken
 
     def refuse(self, wanted: str, remedy: str) -> None:
-        """Raises ExpressionError: something else stands here."""
+        """Raises Fault: something else stands here."""
         what = f"{wanted} is missing at the end" if self.here.kind == "end" else f'"{self.here.text}" stands where {wanted} should'
-        raise ExpressionError(self.here.column, what, remedy)
+        raise self.here.fault(what, remedy)
 
     def shallow(self, depth: int) -> None:
         """Refuses what is nested too deeply."""
         if depth > DEEPEST:
             what = f"more than {DEEPEST} parentheses, signs or powers within each other"
-            raise ExpressionError(self.here.column, what, "write it shorter, or give a table")
+            raise self.here.fault(what, "write it shorter, or give a table")
 
     def sum(self, depth: int) -> Node:
         """Terms."""
@@ -211,10 +207,10 @@ class _Parser:
             known = (*FUNCTIONS, *VARIABLES, "pi")
             near = suggestion(token.text, known, "")
             remedy = near if near.startswith("did you mean") else f"there are {', '.join(known)}; a unit goes in brackets"
-            raise ExpressionError(token.column, f'there is no "{token.text}"', remedy)
+            raise token.fault(f'there is no "{token.text}"', remedy)
         if self.variable not in ("", token.text):
             what = f"{token.text} and {self.variable} in one expression"
-            raise ExpressionError(token.column, what, "a load depends on one of t, angle, x and v; make two loads of it")
+            raise token.fault(what, "a load depends on one of t, angle, x and v; make two loads of it")
         self.variable = token.text
         return Node("variable")
 
@@ -224,14 +220,14 @@ class _Parser:
         if self.next_is_bracket():
             found = UNIT.match(self.text, self.text.index("[", begin) + 1)
             if found is None:
-                raise ExpressionError(token.column, "the unit's bracket is not closed", "write it as in 2.5[kN]")
+                raise token.fault("the unit's bracket is not closed", "write it as in 2.5[kN]")
             self.at = found.end()
             unit = found[0][:-1].strip()
             self.here = self.next()
             try:
                 return Node("number", quantity_in_si(token.text, unit))
             except ValueError as error:
-                raise ExpressionError(token.column, str(error), "write units as in 2.5[kN] or 30[deg]") from None
+                raise token.fault(str(error), "write units as in 2.5[kN] or 30[deg]") from None
         self.take()
         return Node("number", float(token.text))
 
@@ -242,7 +238,7 @@ class _Parser:
     def function(self, token: Token, depth: int) -> Node:
         """A function of so many arguments."""
         if self.here.text != "(":
-            raise ExpressionError(token.column, f"{token.text} has no argument", f"write {token.text}(...)")
+            raise token.fault(f"{token.text} has no argument", f"write {token.text}(...)")
         self.take()
         parts = [self.sum(depth + 1)]
         while self.here.text == ",":
@@ -252,7 +248,7 @@ class _Parser:
         wanted = FUNCTIONS[token.text]
         if len(parts) != wanted:
             what = f"{token.text} has {len(parts)} argument{'s' * (len(parts) > 1)}"
-            raise ExpressionError(token.column, what, f"give it {wanted}")
+            raise token.fault(what, f"give it {wanted}")
         return Node(token.text, parts=tuple(parts))
 
     def close(self) -> None:

@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import LawError, Path, shown, suggestion
-from ..fields import Field, Reading, Refused, required, value_of
+from ..errors import Fault, LawError, shown, suggestion
+from ..fields import Field, Reading, required, value_of
 from ..laws import ContactLaw, FrictionLaw, Law
 from .joints import Contact
 
@@ -21,13 +21,13 @@ class Parameters(Reading):
     written = True
 
 
-def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[tuple[Path, Refused]]]:
-    """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or what was refused, by keys."""
+def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fault]]:
+    """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or its faults, by keys."""
     registry = LAWS[kind].known()
     name = holder.get("law", DEFAULTS[kind].name)
     if not isinstance(name, str) or name not in registry:
         remedy = suggestion(str(name), registry, f"name a {kind} law, and with --laws the file of one of your own")
-        return None, [(("law",), Refused(f"no {kind} law is called so", shown(name), "", remedy))]
+        return None, [Fault(("law",), f"no {kind} law is called so", shown(name), "", remedy)]
     law, reading, values = registry[name], Parameters(), {}
     fields = {field.name: field for field in dataclasses.fields(law)}
     for key, value in holder.items():
@@ -35,22 +35,22 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[tup
             values[key] = value_of(fields[key]).read(value, (key,), reading)
         elif key != "law":
             remedy = suggestion(key, fields, f'remove it, or name another law than "{name}"')
-            reading.tell((key,), Refused("unknown key", shown(value), "", remedy))
+            reading.refuse((key,), "unknown key", shown(value), "", remedy)
     for key, field in fields.items():
         if key not in holder and required(field):
-            reading.tell((key,), Refused(f'the law "{name}" needs this key, which is missing', "", needs(field), "add it"))
+            reading.refuse((key,), f'the law "{name}" needs this key, which is missing', "", needs(field), "add it")
     # Parameters that are known are compared with each other, whatever else is wrong.
     try:
         good = law(**{key: value for key, value in values.items() if value is not None})
     except LawError as error:
-        known = {path[0] for path, _ in reading.refused}
+        known = {fault.path[0] for fault in reading.faults}
         for fault in error.faults:
             if fault.where not in known:
-                reading.tell((fault.where,), Refused(fault.what, fault.value, fault.limit, fault.remedy))
+                reading.add(fault.at((fault.where,)))
     except (ArithmeticError, TypeError, ValueError) as error:
-        if not reading.refused:
-            reading.tell(("",), Refused(f'the law "{name}" refuses these parameters: {error}'))
-    return (None, reading.refused) if reading.refused else (good, [])
+        if not reading.faults:
+            reading.refuse(("",), f'the law "{name}" refuses these parameters: {error}')
+    return (None, reading.faults) if reading.faults else (good, [])
 
 
 def needs(field: Field) -> str:

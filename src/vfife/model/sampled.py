@@ -28,7 +28,7 @@ class SamplingError(ValueError):
 
 @lru_cache(maxsize=64)
 def sampled(text: str, first: float, last: float) -> Pieces:
-    """An expression over a range as pieces. Raises ExpressionError for a text that is none, and SamplingError where pieces cannot follow it."""
+    """An expression over a range as pieces. Raises Fault for a text that is none, and SamplingError where pieces cannot follow it."""
     import numpy as np
 
     expression = parse(text)

@@ -6,18 +6,18 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import Path, article, shown
-from ..fields import Refused, described_fields, partial, value_of
+from ..fields import described_fields, partial, value_of
 from .bodies import Section
 
 
 def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
     """The section of a table: ``area`` and ``second_moment``, or one shape; known in part where something is refused."""
-    before, shapes = len(by.refused), [key for key in Section.shapes if key in value]
+    before, shapes = len(by.faults), [key for key in Section.shapes if key in value]
     both = {"area", "second_moment"} & set(value)
     if not ((len(shapes) == 1 and not both) or (not shapes and len(both) == 2)):
         what = "the section is described more than once" if shapes else "the section is not complete"
         limit = "area and second_moment together, or one of " + ", ".join(Section.shapes)
-        by.tell(path, Refused(what, shown(value), limit, "give one of these"))
+        by.refuse(path, what, shown(value), limit, "give one of these")
     fields = {field.name: field for field in described_fields(Section)}
     read: dict[str, Any] = {}
     for key, entry in value.items():
@@ -28,12 +28,12 @@ def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
             read[key] = held.read(entry, (*path, key), by)
     if shapes and "extreme_fibre" in value:
         what = f"{article(shapes[0])} section knows its outermost fibre"
-        by.tell((*path, "extreme_fibre"), Refused(what, shown(value["extreme_fibre"]), "", "remove it"))
+        by.refuse((*path, "extreme_fibre"), what, shown(value["extreme_fibre"]), "", "remove it")
     tube = read.get("tube")
     if tube is not None and tube[1] >= tube[0]:
         what, limit = "the inner diameter is not below the outer one: no wall is left", f"inner below outer = {tube[0]:g} m"
-        by.tell((*path, "tube"), Refused(what, shown(value["tube"]), limit, "give the outer diameter first"))
-    if len(by.refused) > before:
+        by.refuse((*path, "tube"), what, shown(value["tube"]), limit, "give the outer diameter first")
+    if len(by.faults) > before:
         found: Section = partial(Section, {} if shapes else read)
         return found
     if not shapes:

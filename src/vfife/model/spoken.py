@@ -7,7 +7,7 @@ import functools
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from ..errors import ArgumentError, Fault, ModelError, Path, place, shown, suggestion
+from ..errors import ArgumentError, Fault, ModelError, Path, shown, suggestion
 from ..fields import Choice, Text, described_fields, key_of, value_of
 from .given import Given
 
@@ -38,9 +38,8 @@ def spoken(*path: str) -> Callable[[Noun], Noun]:
                     if written(given[name]):
                         given[name] = held[name][1].read(given[name], (*path, held[name][0]), reading)
                 args, values = (), given
-            if reading.refused:
-                told = [Fault(place(at), one.what, one.value, one.limit, one.remedy) for at, one in reading.refused]
-                raise ModelError(told, f"{noun.__name__}()")
+            if reading.faults:
+                raise ModelError(reading.faults, f"{noun.__name__}()")
             made(self, *args, **values)
 
         setattr(noun, "__init__", init)  # noqa: B010 - a checker forbids the assignment
@@ -51,7 +50,7 @@ def spoken(*path: str) -> Callable[[Noun], Noun]:
 
 def strange(path: Path, value: Any, names: list[str]) -> Fault:
     """A keyword that there is not."""
-    return Fault(place(path), "there is no such keyword", shown(value), "", suggestion(str(path[-1]), names, "remove it"))
+    return Fault(path, "there is no such keyword", shown(value), "", suggestion(str(path[-1]), names, "remove it"))
 
 
 def written(value: Any) -> bool:

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from ..errors import Fault
 from ..fields import LENGTH, Many, Measure, described
 from ..laws.wear import PAIRS
 from ..numerics.elementwise import sincos
 from ..numerics.scalar import hypot
-from .conflict import Conflict
 
 MOST_HARMONICS = 32
 COEFFICIENT = Measure("1/Pa", low=0.0, words=tuple(PAIRS))
@@ -37,15 +37,17 @@ class Wear:
         """How many harmonics the profiles of bearing and journal have, the mean counted; 0 for a round one."""
         return (len(self.bearing_profile) + 1) // 2, (len(self.journal_profile) + 1) // 2
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """Profiles have a mean and pairs of cosine and sine."""
         for key in ("bearing_profile", "journal_profile"):
             profile = getattr(self, key)
             if profile and len(profile) % 2 == 0:
-                yield Conflict("wear", f"{key} has {len(profile)} depths: a cosine is without its sine", "give it the mean and pairs after it")
+                yield Fault(
+                    ("wear",), f"{key} has {len(profile)} depths: a cosine is without its sine", "", "", "give it the mean and pairs after it"
+                )
             elif profile and len(profile) > 2 * MOST_HARMONICS - 1:
                 limit = f"at most {2 * MOST_HARMONICS - 1} depths"
-                yield Conflict("wear", f"{key} has {len(profile)} depths", "leave out the finest ones", limit)
+                yield Fault(("wear",), f"{key} has {len(profile)} depths", "", limit, "leave out the finest ones")
 
 
 def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:

@@ -13,8 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path as FilePath
 from typing import Any
 
-from ..errors import Path, QuantityError, kind_of, shown, suggestion
-from ..fields import Refused
+from ..errors import Fault, Path, kind_of, shown, suggestion
 from ..files import read_bytes
 from ..units import number
 from .tables import CSV, Raw, entries, target_of
@@ -30,10 +29,9 @@ COLUMNS: dict[str, dict[str, str]] = {  # keys of a section, with their units
 TABULATED, CURVES = "table", ("loading", "unloading")  # the law, and its keys that may name a file
 CURVE = {"penetrations": "m", "force": "N"}
 HEAD = re.compile(r"([A-Za-z_ ]{1,40})(?:[(\[]([^()\[\]]{1,40})[)\]])?\s*")
-Broken = tuple[Path, Refused]
 
 
-def expand(raw: Raw, file: str | None) -> list[Broken]:
+def expand(raw: Raw, file: str | None) -> list[Fault]:
     """Puts the numbers of all CSV files in the place of their names; what cannot be read is told, and its table of the model left as it was."""
     broken = []
     for section, columns in COLUMNS.items():
@@ -47,22 +45,25 @@ def expand(raw: Raw, file: str | None) -> list[Broken]:
                 found = read(told, file, held)
                 for key in found:
                     if key in holder:
-                        raise Refused(f"{told} has a column for {key}, which the model has too", "", "", "remove one of the two")
-            except Refused as refused:
-                if refused.value and refused.value != shown(told):  # the text of a cell: the file it stands in is told as well
-                    refused.what = f"{told}, {refused.what}"
-                refused.value = refused.value or shown(told)
-                broken.append((path, refused))
+                        raise Fault("", f"{told} has a column for {key}, which the model has too", "", "", "remove one of the two")
+            except Fault as fault:
+                broken.append(in_file(fault, told, path))
             else:
                 holder.update(found)
     for name, holder in entries(raw, "joint"):
         law = holder.get("contact")
         if isinstance(law, dict):
-            broken += [(("joint", name, "contact", key), one) for key, one in expand_curves(law, file)]
+            broken += expand_curves(law, file, ("joint", name, "contact"))
     return broken
 
 
-def expand_curves(holder: Raw, file: str | None) -> list[tuple[str, Refused]]:
+def in_file(fault: Fault, file: Any, path: Path) -> Fault:
+    """A fault of a CSV file, at the key that names it; where its value is the text of a cell, the file is named as well."""
+    what = f"{file}, {fault.what}" if fault.value and fault.value != shown(file) else fault.what
+    return Fault(path, what, fault.value or shown(file), fault.limit, fault.remedy)
+
+
+def expand_curves(holder: Raw, file: str | None, path: Path = ()) -> list[Fault]:
     """Puts the points of CSV files in the place of their names in the table of a law that is a table."""
     broken = []
     for key in CURVES if holder.get("law") == TABULATED else ():
@@ -70,11 +71,8 @@ def expand_curves(holder: Raw, file: str | None) -> list[tuple[str, Refused]]:
             continue
         try:
             found = read(told, file, CURVE)
-        except Refused as refused:
-            if refused.value and refused.value != shown(told):
-                refused.what = f"{told}, {refused.what}"
-            refused.value = refused.value or shown(told)
-            broken.append((key, refused))
+        except Fault as fault:
+            broken.append(in_file(fault, told, (*path, key)))
             holder[key] = []
         else:
             points = [list(point) for point in zip(found["penetrations"], found["force"], strict=True)]
@@ -90,7 +88,7 @@ def units_of(columns: Mapping[str, str], holder: Raw, section: str) -> dict[str,
 
 
 def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, list[float]]:
-    """Lists of numbers in SI units by key. Raises Refused."""
+    """Lists of numbers in SI units by key. Raises Fault."""
     text = contents(told, file)
     lines = [line for line in text.splitlines() if line.strip()]
     first = next((line for line in lines if not line.lstrip().startswith("#")), "")
@@ -100,92 +98,92 @@ def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
     keys = [head(one, k, columns) for k, one in enumerate(heads, 1)]
     if len(keys) < 2 or len({key for key, _ in keys}) < len(keys):
         what = "its first line names a column twice" if len(keys) > 1 else "its first line does not name two columns"
-        raise Refused(what, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
+        raise Fault("", what, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
     found: dict[str, list[float]] = {key: [] for key, _ in keys}
     for line, row in rows:
         if len(row) != len(keys):
-            raise Refused(f"line {line} has {len(row)} values", shown(delimiter.join(row)), f"{len(keys)} values", "give each column one")
+            raise Fault("", f"line {line} has {len(row)} values", shown(delimiter.join(row)), f"{len(keys)} values", "give each column one")
         if len(found[keys[0][0]]) >= MOST_ROWS:
-            raise Refused(f"line {line} is too many", "", f"at most {MOST_ROWS} rows", "thin the table out")
+            raise Fault("", f"line {line} is too many", "", f"at most {MOST_ROWS} rows", "thin the table out")
         for column, ((key, unit), cell) in enumerate(zip(keys, row, strict=True), 1):
             found[key].append(cell_of(cell, unit, columns[key], f"line {line}, column {column} ({heads[column - 1].strip()})"))
             if key in AXES and len(found[key]) > 1 and not found[key][-1] > found[key][-2]:
                 where = f"line {line}, column {column} ({heads[column - 1].strip()})"
-                raise Refused(
-                    f"{where}: this is not above the value before it", shown(cell.strip()), "", "sort the rows, and keep one for each place"
+                raise Fault(
+                    "", f"{where}: this is not above the value before it", shown(cell.strip()), "", "sort the rows, and keep one for each place"
                 )
     if len(found[keys[0][0]]) < 2:
-        raise Refused(f"{told} has {len(found[keys[0][0]])} rows of numbers", "", "two or more", "add more")
+        raise Fault("", f"{told} has {len(found[keys[0][0]])} rows of numbers", "", "two or more", "add more")
     return found
 
 
 def contents(told: Any, file: str | None) -> str:
-    """The text of a file beside the model. Raises Refused."""
+    """The text of a file beside the model. Raises Fault."""
     if not isinstance(told, str):
-        raise Refused(f"this is {kind_of(told)}", shown(told), "the name of a CSV file", "put it in quotes")
+        raise Fault("", f"this is {kind_of(told)}", shown(told), "the name of a CSV file", "put it in quotes")
     if file is None:
-        raise Refused("the model was given as a text, and has no folder to look in", "", "", "read it from its file, or write the lists into it")
+        raise Fault("", "the model was given as a text, and has no folder to look in", "", "", "read it from its file, or write the lists into it")
     folder, path = FilePath(file).resolve().parent, FilePath(told)
     try:
         found = (folder / path).resolve()
         there = found.is_file()
     except (OSError, RuntimeError, ValueError):  # too long, a link to itself, a character that no name has
-        raise Refused("this is no name of a file", "", "a file beside the model", "correct the name") from None
+        raise Fault("", "this is no name of a file", "", "a file beside the model", "correct the name") from None
     if path.is_absolute() or path.drive or not found.is_relative_to(folder):
-        raise Refused("this leads out of the folder of the model", "", "a file beside the model, or in a folder there", "copy it there")
+        raise Fault("", "this leads out of the folder of the model", "", "a file beside the model, or in a folder there", "copy it there")
     if not there:
         near = [one.name for one in found.parent.glob("*.csv")] if found.parent.is_dir() else []
-        raise Refused("there is no such file beside the model", "", "", suggestion(told, near, f"put it into {folder}"))
+        raise Fault("", "there is no such file beside the model", "", "", suggestion(told, near, f"put it into {folder}"))
     try:
         data = read_bytes(found, LARGEST)
     except OSError as error:
         if error.errno == errno.EFBIG:
-            raise Refused("the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out") from None
-        raise Refused(f"it cannot be read ({error.strerror})", "", "", "name a file that can be read") from None
+            raise Fault("", "the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out") from None
+        raise Fault("", f"it cannot be read ({error.strerror})", "", "", "name a file that can be read") from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        raise Refused(f"line {line} is not UTF-8", "", "", "save the file in this encoding") from None
+        raise Fault("", f"line {line} is not UTF-8", "", "", "save the file in this encoding") from None
 
 
 def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
-    """Rows with the numbers of their lines; empty ones and comments are left out. Raises Refused."""
+    """Rows with the numbers of their lines; empty ones and comments are left out. Raises Fault."""
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True)
     try:
         for row in reader:
             if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
                 yield reader.line_num, row
     except csv.Error as error:
-        raise Refused(f"line {reader.line_num} is no CSV ({error})", "", "", "close every quote") from None
+        raise Fault("", f"line {reader.line_num} is no CSV ({error})", "", "", "close every quote") from None
 
 
 def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
-    """The key and the unit that a column's head names. Raises Refused."""
+    """The key and the unit that a column's head names. Raises Fault."""
     where = f"line 1, column {column}"
     match = HEAD.fullmatch(text.strip()) if len(text) < LONGEST_HEAD else None
     if match is None or not match[1].strip():
-        raise Refused(f"{where}: this names no column", shown(text), "", 'write it as in "force (kN)"')
+        raise Fault("", f"{where}: this names no column", shown(text), "", 'write it as in "force (kN)"')
     name = match[1].strip().lower().replace(" ", "_")
     key = next((one for one in columns if name in (one, one.removesuffix("s"), one.replace("s_back", "_back"))), "")
     if not key:
         singular = [one.removesuffix("s").replace("s_back", "_back") for one in columns]
         remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
-        raise Refused(f"{where}: there is no column {shown(name)} here", shown(text), "", remedy)
+        raise Fault("", f"{where}: there is no column {shown(name)} here", shown(text), "", remedy)
     try:
         unit = (match[2] or columns[key]).strip()
         number(f"1 {unit}", columns[key])
-    except QuantityError as error:
+    except Fault as error:
         what = error.what.removeprefix("a text whose ") if error.what.startswith("a text whose ") else f"unit is that of {error.what}"
-        raise Refused(f"{where}: its {what}", shown(text), error.limit, f"for example ({columns[key]})") from None
+        raise Fault("", f"{where}: its {what}", shown(text), error.limit, f"for example ({columns[key]})") from None
     return key, unit
 
 
 def cell_of(text: str, unit: str, dimension: str, where: str) -> float:
-    """The number of a cell, in SI units. Raises Refused."""
+    """The number of a cell, in SI units. Raises Fault."""
     try:
         return number(f"{text.strip()} {unit}" if unit != "1" else text.strip(), dimension)
-    except QuantityError as error:
-        raise Refused(
-            f"{where}: this is {error.what}", shown(text.strip()), "a number", "write a bare number; its unit stands in the first line"
+    except Fault as error:
+        raise Fault(
+            "", f"{where}: this is {error.what}", shown(text.strip()), "a number", "write a bare number; its unit stands in the first line"
         ) from None

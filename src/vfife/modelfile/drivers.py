@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Path, kind_of, shown
-from ..fields import Refused, partial
+from ..fields import partial
 from .tables import TARGETS, Table, known_keys, strangeness, tables, target_of
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def driver_of(by: Written, path: Path, holder: Any) -> Any:
     """The driver that the keys tell; None where they do not."""
     if not isinstance(holder, dict):
-        by.tell(path, Refused(f"this is {kind_of(holder)}", shown(holder), "a table", "write its keys in a table of that name"))
+        by.refuse(path, f"this is {kind_of(holder)}", shown(holder), "a table", "write its keys in a table of that name")
         return None
     target = target_of(holder)
     kinds = [one for one in tables("driver") if one.target == target]
@@ -27,11 +27,11 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
     strange = {lead(one) for one in tables("driver")} & set(holder) - set(leads)
     if len(told) != 1 and not strange:
         said = f"{' and '.join(told)} exclude each other" if told else "nothing says what the driver does"
-        by.tell((*path, ""), Refused(said, "", limits(leads), "give one of these"))
+        by.refuse((*path, ""), said, "", limits(leads), "give one of these")
     among = leads[told[0]] if len(told) == 1 else kinds
     what = min(among, key=lambda one: strangeness(one, holder))
     found: dict[str, Any] = {} if target != "body" or "body" in holder else {"body": path[1]}
-    before = len(by.refused)
+    before = len(by.faults)
     for key, value in holder.items():
         users = [what] if key in what.fields else [one for one in kinds if key in one.fields]
         if not users:
@@ -40,15 +40,15 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
             found[users[0].fields[key].name] = users[0].value(key).read(value, (*path, key), by)
         else:
             owners = dict.fromkeys(map(lead, users))
-            by.tell((*path, key), Refused(f"{key} goes with {' or '.join(owners)}, not with {told[0]}", shown(value), "", "remove it"))
+            by.refuse((*path, key), f"{key} goes with {' or '.join(owners)}, not with {told[0]}", shown(value), "", "remove it")
     if len(told) != 1:
         return None
     by.shapes.append((path, what, holder))
     for key in what.needed:
         if key not in holder:
             said = f"{told[0]} and {key} go together, and {key} is missing" if key.endswith("s") else f"{told[0]} needs a {key}, which is missing"
-            by.tell((*path, key), Refused(said, "", "", "add it"))
-    return what.noun(**found) if len(by.refused) == before else partial(what.noun, found)
+            by.refuse((*path, key), said, "", "", "add it")
+    return what.noun(**found) if len(by.faults) == before else partial(what.noun, found)
 
 
 def lead(one: Table) -> str:
@@ -75,7 +75,7 @@ def unknown(by: Written, path: Path, target: str, value: Any) -> None:
         return
     efforts = {lead(one) for one in tables("driver") if not one.noun.moves}
     remedy = "remove it; a force acts on a point, a torque on a body" if key in efforts else "remove it"
-    by.tell(path, Refused(f"a driver of a {target} has no such key", shown(value), "", remedy))
+    by.refuse(path, f"a driver of a {target} has no such key", shown(value), "", remedy)
 
 
 def merged(target: str) -> dict[str, tuple[Table, bool]]:

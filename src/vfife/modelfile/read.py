@@ -70,9 +70,9 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None) -> Mechanism:
     faults += reading.faults
     faults += whole(mechanism, reading)
     if broken:  # what else is said of their tables comes of the numbers that are missing
-        tables = tuple(place((*path[:2], "")) for path, _ in broken)
+        tables = tuple(place((*fault.path[:2], "")) for fault in broken)
         faults = [fault for fault in faults if not fault.where.startswith(tables)]
-        faults += [Fault(place(path, given), one.what, one.value, one.limit, one.remedy) for path, one in broken]
+        faults += [fault.at(fault.path, given) for fault in broken]
     faults = faults or check_laws(mechanism)
     if faults:
         raise ModelError(faults, file or "model")
@@ -82,7 +82,7 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None) -> Mechanism:
 def whole(mechanism: Mechanism, reading: Written) -> list[Fault]:
     """Faults that no table shows alone, with values as they are written."""
     raw, given = reading.raw, reading.given
-    told = [path for path, _ in reading.refused]
+    told = [fault.path for fault in reading.faults]
     checks = Checks(mechanism, told, lambda path: place(path, given), lambda path: written(raw, path))
     for name in table(raw, "material"):
         check_name(checks, ("material", name))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..errors import Fault, Path, article, kind_of, place, shown, suggestion
-from ..fields import Choice, Reading, Refused, partial
+from ..errors import Fault, Path, article, kind_of, shown, suggestion
+from ..fields import Choice, Reading, partial
 from ..laws import MATERIALS, Material
 from ..model.bodies import Section
 from ..model.given import idle
@@ -20,7 +20,7 @@ A_TABLE = ("a table", "write its keys in a table of that name")
 
 
 class Written(Reading):
-    """Reads a model file. ``shapes`` are the tables met, with their paths; ``told`` the paths of all faults."""
+    """Reads a model file. ``shapes`` are the tables met, with their paths; ``given`` the paths of values that do not stand in the file."""
 
     written = True
 
@@ -30,10 +30,9 @@ class Written(Reading):
         self.materials: dict[str, Material | None] = dict(MATERIALS)
         self.shapes: list[tuple[Path, Table, Raw]] = []
 
-    @property
-    def faults(self) -> list[Fault]:
-        """Everything refused, in words."""
-        return [Fault(place(path, self.given), one.what, one.value, one.limit, one.remedy) for path, one in self.refused]
+    def add(self, fault: Fault) -> None:
+        """Keeps a fault; of a value that was given beside the file that is said."""
+        super().add(fault.at(fault.path, self.given))
 
     def mechanism(self) -> Mechanism:
         """The mechanism, known in part where something was refused."""
@@ -42,7 +41,7 @@ class Written(Reading):
             if key not in (*top.keys, "material"):
                 self.unknown((key,), value)
             elif not isinstance(value, dict) and key in ("material", "body", "joint", "gear", "spring", "driver", "load"):
-                self.tell((key,), Refused(f"this is {kind_of(value)}", shown(value), *A_TABLE))
+                self.refuse((key,), f"this is {kind_of(value)}", shown(value), *A_TABLE)
         for name, holder in table(raw, "material").items():
             self.materials[name] = self.table(("material", name), tables("material")[0], holder, name=name)
         found: dict[str, Any] = {}
@@ -73,10 +72,10 @@ class Written(Reading):
     def table(self, path: Path, what: Table, holder: Any, **found: Any) -> Any:
         """The noun of a table."""
         if not isinstance(holder, dict):
-            self.tell(path, Refused(f"this is {kind_of(holder)}", shown(holder), *A_TABLE))
+            self.refuse(path, f"this is {kind_of(holder)}", shown(holder), *A_TABLE)
             return None
         self.shapes.append((path, what, holder))
-        before = len(self.refused)
+        before = len(self.faults)
         for key, value in holder.items():
             if key == what.tag:
                 Choice((what.word,), what.beside).read(value, (*path, key), self)
@@ -94,7 +93,7 @@ class Written(Reading):
         for key, field in what.fields.items():
             if key not in holder and field.default_factory is Material:  # of steel, as the file has it
                 found[field.name] = self.materials[Material().name]
-        return what.noun(**found) if len(self.refused) == before else partial(what.noun, found)
+        return what.noun(**found) if len(self.faults) == before else partial(what.noun, found)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
         """A noun in a field of another; a section may be given by its shape."""
@@ -105,26 +104,27 @@ class Written(Reading):
     def named(self, path: Path, kind: type, value: Any) -> Any:
         """A material by its name."""
         if not isinstance(value, str):
-            self.tell(path, Refused(f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes"))
+            self.refuse(path, f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes")
         elif value not in self.materials:
             remedy = suggestion(value, self.materials, f"add a table [material.{value}]")
-            self.tell(path, Refused("there is no material of this name", shown(value), "", remedy))
+            self.refuse(path, "there is no material of this name", shown(value), "", remedy)
         return self.materials.get(value) if isinstance(value, str) else None
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
         """A law by its table."""
         if not isinstance(value, dict):
-            self.tell(path, Refused(f"this is {kind_of(value)}", shown(value), *A_TABLE))
+            self.refuse(path, f"this is {kind_of(value)}", shown(value), *A_TABLE)
             return None
-        law, refused = read_law(next(kind for kind, known in LAWS.items() if known is base), value)
-        self.refused += [((*path, *key), one) for key, one in refused]
+        law, faults = read_law(next(kind for kind, known in LAWS.items() if known is base), value)
+        for fault in faults:
+            self.add(fault.at((*path, *fault.path)))
         return law
 
     def idle(self, path: Path, what: Table, holder: Raw, users: tuple[str, ...]) -> None:
         """A key that the model of a link, or the kind of analysis, has no use for."""
         field = next(field for field in what.fields.values() if field.name == what.noun.selected_by)
         word = holder.get(field.name, field.default)
-        self.tell(path, idle(what.noun, word, users, holder[str(path[-1])]))
+        self.add(idle(what.noun, word, users, holder[str(path[-1])]).at(path))
 
     def unknown(self, path: Path, value: Any) -> None:
         """A key that its table does not know, or only one of another kind."""
@@ -132,12 +132,12 @@ class Written(Reading):
         known, holder = known_keys(above) or (), table(self.raw, *above)
         if key == "$schema" and not above:
             remedy = "write it as a comment in the first line: #:schema PATH"
-            self.tell(path, Refused("a model names no schema among its keys", shown(value), "", remedy))
+            self.refuse(path, "a model names no schema among its keys", shown(value), "", remedy)
         elif key in known and above:
-            self.tell(path, other_kind(str(above[0]), key, holder, shown(value)))
+            self.add(other_kind(str(above[0]), key, holder, shown(value)).at(path))
         else:
             what = "unknown table" if isinstance(value, dict) else "unknown key"
-            self.tell(path, Refused(what, shown(value), "", suggestion(key, known, "remove it")))
+            self.refuse(path, what, shown(value), "", suggestion(key, known, "remove it"))
 
     def missing(self, path: Path, what: Table, holder: Raw) -> None:
         """A key that has to be there."""
@@ -150,10 +150,10 @@ class Written(Reading):
             remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
         elif path[0] == "body" and key == "inertia" and "length" not in holder:
             remedy = "add it; a link has a length instead"
-        self.tell(path, Refused("this key is missing", "", "", remedy))
+        self.refuse(path, "this key is missing", "", "", remedy)
 
 
-def other_kind(section: str, key: str, holder: Raw, value: str) -> Refused:
+def other_kind(section: str, key: str, holder: Raw, value: str) -> Fault:
     """What to say of a key that only another kind of body, joint, spring or driver has."""
     if section in FAMILIES:
         kind = kind_table(section, holder).word
@@ -162,7 +162,7 @@ def other_kind(section: str, key: str, holder: Raw, value: str) -> Refused:
         users = [one.word for one in sorted(tables(section), key=lambda one: strangeness(one, bare)) if key in one.fields]
         more = f" (or {', '.join(users[1:])})" if len(users) > 1 else ""
         named = f"{article(kind)} joint" if section == "joint" else f"a {section} of kind {kind}"
-        return Refused(f"{named} has no such key", value, "", f'set kind = "{users[0]}"{more}, or remove it')
+        return Fault("", f"{named} has no such key", value, "", f'set kind = "{users[0]}"{more}, or remove it')
     length = "with" if "length" in holder else "without"
     what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
-    return Refused(what, value, "", "remove it, or give the body the model and the length that go with it")
+    return Fault("", what, value, "", "remove it, or give the body the model and the length that go with it")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import QuantityError, VfifeError, shown
+from ..errors import Fault, VfifeError, shown
 from ..units import number
 from .turn import abscissa
 
@@ -52,5 +52,5 @@ def _at_angle(result: View, angle: float, text: str) -> int:
 def _read(text: str, unit: str) -> float | None:
     try:
         return number(text, unit)
-    except QuantityError:
+    except Fault:
         return None

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ..errors import Fault, ModelError, QuantityError, kind_of, shown, suggestion
+from ..errors import Fault, ModelError, kind_of, shown, suggestion
 from ..model.mechanism import MOST_COMPANIONS, Mechanism
 from ..units import dimension_of, number
 
@@ -70,7 +70,7 @@ class Arguments:
         limit = f"{words} {'of 0 or more' if zero else f'above 0{_of(unit)}'}"
         try:
             found = number(_plain(value), unit)
-        except QuantityError as error:
+        except Fault as error:
             self.fault(name, f"this is {error.what}", value, limit, f'for example "{example}"' if unit != "1" else "for example 2")
             return None
         if found < 0.0 or (found == 0.0 and not zero):

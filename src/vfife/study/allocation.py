@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import VfifeError
-from ..fields.refused import Refused
+from ..errors import Fault, VfifeError
 from .distributions import Array, Distribution, of_fit
 from .limits import Estimate, allowed_failures, needed, quantile
 from .sampling import places
@@ -66,13 +65,13 @@ def options_of(letters: str, diameter: float, costs: Mapping[str, float]) -> lis
     """The fits that a joint may have, cheapest first.
 
     ``costs`` has either fits as they are ("H8/f7"), or grades ("IT7"), each with what a hole or a shaft of it costs: then the options are those
-    of ``letters`` as in "H/f", in every pair of a hole with a shaft of its own grade or of the next finer one. Raises Refused.
+    of ``letters`` as in "H/f", in every pair of a hole with a shaft of its own grade or of the next finer one. Raises Fault.
     """
     if not costs:
-        raise Refused("no costs", "", 'a cost for each grade, as in "IT7" = 5, or for each fit', "add them")
+        raise Fault("", "no costs", "", 'a cost for each grade, as in "IT7" = 5, or for each fit', "add them")
     for name, cost in costs.items():
         if not (math.isfinite(cost) and cost >= 0.0):
-            raise Refused("a cost that is none", f"{name} = {cost:g}", "0 or more", "correct it")
+            raise Fault("", "a cost that is none", f"{name} = {cost:g}", "0 or more", "correct it")
     if all("/" in name for name in costs):
         named = [(name, cost) for name, cost in costs.items()]
     else:
@@ -82,14 +81,14 @@ def options_of(letters: str, diameter: float, costs: Mapping[str, float]) -> lis
 
 
 def graded(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Fits of the grades that have a cost. Raises Refused."""
+    """Fits of the grades that have a cost. Raises Fault."""
     parts = letters.split("/")
     if len(parts) != 2 or not parts[0].isupper() or not parts[1].islower():
-        raise Refused("no letters of a fit", f'"{letters}"', "that of the hole, a stroke, that of the shaft", 'write them as in "H/f"')
+        raise Fault("", "no letters of a fit", f'"{letters}"', "that of the hole, a stroke, that of the shaft", 'write them as in "H/f"')
     grades = {}
     for name, cost in costs.items():
         if (found := GRADE.fullmatch(name)) is None:
-            raise Refused("neither a grade nor a fit", f'"{name}"', '"IT7" or "H8/f7", all of one kind', "correct the name")
+            raise Fault("", "neither a grade nor a fit", f'"{name}"', '"IT7" or "H8/f7", all of one kind', "correct the name")
         grades[int(found[1])] = cost
     for hole, shaft in itertools.product(sorted(grades), repeat=2):
         if hole - 1 <= shaft <= hole:
@@ -128,14 +127,18 @@ def allocate(
     them are beyond the limit (or without a value) than show the share with this confidence, and taken when all have been tried: so the first
     that is taken is the cheapest of all. ``evaluate`` gives the measure at rows of clearances, one for each joint; rows that it had may come
     again. ``width``: as many rows are asked for at once. ``told`` hears of each choice that is decided, of its failures and machines.
-    Raises Refused for a count too small to show the share, VfifeError for more choices than can be looked at.
+    Raises Fault for a count too small to show the share, VfifeError for more choices than can be looked at.
     """
     least = needed(1.0 - share, confidence)
     count = least if count is None else count
     allowed = allowed_failures(count, 1.0 - share, confidence)
     if allowed < 0:
-        raise Refused(
-            f"too few machines to show {100 * share:g} % with {100 * confidence:g} % confidence", str(count), f"at least {least}", "ask for more"
+        raise Fault(
+            "",
+            f"too few machines to show {100 * share:g} % with {100 * confidence:g} % confidence",
+            str(count),
+            f"at least {least}",
+            "ask for more",
         )
     if math.prod(map(len, joints)) > MOST_CHOICES:
         raise VfifeError(f"{math.prod(map(len, joints)):,} choices of fits are more than {MOST_CHOICES:,}; leave grades or joints out")

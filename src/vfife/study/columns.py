@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Fault, Path
-from ..fields import Each, Measure, Names, Refused, described_fields, key_of, value_of
+from ..fields import Each, Measure, Names, described_fields, key_of, value_of
 from ..fields.members import Members
 from ..fields.members import members as of_members
 from ..model.drivers import Driver
@@ -39,7 +39,7 @@ class Column:
         """A value as a model file has it. Raises Unfit where it is none."""
         try:
             found = self.held.take(parsed(value) if isinstance(value, str) else value, written=True)
-        except Refused as error:
+        except Fault as error:
             raise Unfit from error
         if not isinstance(found, float):
             raise Unfit

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fields.refused import Refused
+from ..errors import Fault
 from .iso286 import Fit, fit, zone
 
 SIGMAS = 3.0  # standard deviations from the middle of a tolerance to its limits
@@ -78,12 +78,13 @@ class Truncated(Distribution):
 
     def __post_init__(self) -> None:
         if not 0.0 < self.deviation < math.inf:
-            raise Refused(
-                "a standard deviation that is not positive", f"{self.deviation:g}", "above 0", "give the number itself if it does not vary"
+            raise Fault(
+                "", "a standard deviation that is not positive", f"{self.deviation:g}", "above 0", "give the number itself if it does not vary"
             )
         ordered(self.low, self.high)
         if self._share < 1e-6:
-            raise Refused(
+            raise Fault(
+                "",
                 "a normal distribution of which next to nothing lies between the limits",
                 f"mean {self.centre:g}, standard deviation {self.deviation:g}, from {self.low:g} to {self.high:g}",
                 "limits that leave a millionth of it",
@@ -203,35 +204,37 @@ class Clearance(Distribution):
 
 
 def of_fit(text: str, diameter: float, cut: bool = False) -> Clearance:
-    """The radial clearance of a fit such as "H8/f7" at a diameter in m. Raises Refused for a fit of which no pair has play, and for one of which
+    """The radial clearance of a fit such as "H8/f7" at a diameter in m. Raises Fault for a fit of which no pair has play, and for one of which
     some have none unless ``cut`` says that those are left out."""
     found = Clearance(fit(text, diameter))
     said = f'"{text}" at {1e3 * diameter:g} mm, clearance {1e6 * found.fit.least:g} to {1e6 * found.fit.most:g} µm'
     if found.fit.most <= 0.0 or found.without > 0.999:
-        raise Refused("an interference fit: no journal has play in its bearing", said, "a fit with clearance", 'choose one such as "H8/f7"')
+        raise Fault("", "an interference fit: no journal has play in its bearing", said, "a fit with clearance", 'choose one such as "H8/f7"')
     if found.without and not cut:
         what = f"a transition fit: {100.0 * found.without:.2g} % of the pairs have no play"
-        raise Refused(what, said, "a fit with clearance", "choose a shaft from a to h, or say cut = true to leave those pairs out")
+        raise Fault("", what, said, "a fit with clearance", "choose a shaft from a to h, or say cut = true to leave those pairs out")
     return found
 
 
 def of_tolerance(nominal: float, lower: float, upper: float) -> Truncated:
     """A length of nominal size between two deviations, all in m: normal around their middle, with its limits at three standard deviations.
-    Raises Refused."""
+    Raises Fault."""
     ordered(lower, upper)
     return Truncated(nominal + 0.5 * (lower + upper), (upper - lower) / (2.0 * SIGMAS), nominal + lower, nominal + upper)
 
 
 def of_zone(name: str, nominal: float) -> Truncated:
-    """A length of nominal size in m in a zone of ISO 286-1, such as "h7" or "js9". Raises Refused."""
+    """A length of nominal size in m in a zone of ISO 286-1, such as "h7" or "js9". Raises Fault."""
     found = zone(name, nominal)
     return of_tolerance(nominal, found.low, found.high)
 
 
 def ordered(low: float, high: float) -> None:
-    """Raises Refused where limits are not in order."""
+    """Raises Fault where limits are not in order."""
     if not low < high:
-        raise Refused("limits that are not in order", f"from {low:g} to {high:g}", "the lower one first, and two that differ", "correct the limits")
+        raise Fault(
+            "", "limits that are not in order", f"from {low:g} to {high:g}", "the lower one first, and two that differ", "correct the limits"
+        )
 
 
 def phi(z: float) -> float:

@@ -10,7 +10,7 @@ import re
 from bisect import bisect_left
 from dataclasses import dataclass
 
-from ..fields.refused import Refused
+from ..errors import Fault
 
 LEAST, MOST = 1e-3, 0.5  # m, the sizes for which the tables are meant
 STEPS = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)  # mm, each up to and including
@@ -94,7 +94,7 @@ class Fit:
 
 
 def fit(text: str, diameter: float) -> Fit:
-    """The fit that a text such as "H8/f7" names, at a nominal diameter in m. Raises Refused for what ISO 286-1 or these tables do not have.
+    """The fit that a text such as "H8/f7" names, at a nominal diameter in m. Raises Fault for what ISO 286-1 or these tables do not have.
 
     >>> one = fit("H8/f7", 0.02)
     >>> round(one.least * 1e6, 3), round(one.most * 1e6, 3)
@@ -102,23 +102,23 @@ def fit(text: str, diameter: float) -> Fit:
     """
     parts = [part.strip() for part in text.split("/")]
     if len(parts) != 2 or not parts[0][:1].isupper() or not parts[1][:1].islower():
-        raise Refused("no fit", f'"{text}"', "the zone of a hole, a stroke, the zone of a shaft", 'write it as in "H8/f7", the hole first')
+        raise Fault("", "no fit", f'"{text}"', "the zone of a hole, a stroke, the zone of a shaft", 'write it as in "H8/f7", the hole first')
     return Fit(zone(parts[0], diameter), zone(parts[1], diameter), diameter)
 
 
 def tolerance(grade: int, diameter: float) -> float:
-    """The standard tolerance IT1 to IT18 of a size in m, in m. Raises Refused."""
+    """The standard tolerance IT1 to IT18 of a size in m, in m. Raises Fault."""
     return in_micrometres(grade, step_of(diameter)) / 1e6
 
 
 def zone(name: str, diameter: float) -> Zone:
-    """The zone of a hole (a capital, as H8) or of a shaft (as f7) at a diameter in m. Raises Refused."""
+    """The zone of a hole (a capital, as H8) or of a shaft (as f7) at a diameter in m. Raises Fault."""
     step = step_of(diameter)
     found = ZONE.fullmatch(name)
     letter = found[1].lower() if found else ""
     if found is None or letter not in LETTERS or found[1] not in (letter, letter.upper()):
         known = ", ".join(LETTERS)
-        raise Refused("a zone that the tables do not have", f'"{name}"', f"{known} of shafts, in capitals of holes, with a grade", 'as in "H8"')
+        raise Fault("", "a zone that the tables do not have", f'"{name}"', f"{known} of shafts, in capitals of holes, with a grade", 'as in "H8"')
     grade = int(found[2])
     width = in_micrometres(grade, step)
     if letter == "js":
@@ -132,16 +132,16 @@ def zone(name: str, diameter: float) -> Zone:
 
 
 def step_of(diameter: float, steps: tuple[int, ...] = STEPS) -> int:
-    """Number of the step that a diameter in m is in. Raises Refused outside 1 to 500 mm."""
+    """Number of the step that a diameter in m is in. Raises Fault outside 1 to 500 mm."""
     if not LEAST <= diameter <= MOST:
-        raise Refused("a size beyond the tables of fits", f"{1e3 * diameter:g} mm", "1 mm to 500 mm", "correct the diameter or its unit")
+        raise Fault("", "a size beyond the tables of fits", f"{1e3 * diameter:g} mm", "1 mm to 500 mm", "correct the diameter or its unit")
     return bisect_left(steps, round(1e3 * diameter, 9))
 
 
 def in_micrometres(grade: int, step: int) -> float:
-    """The tolerance of a grade in a step. Raises Refused."""
+    """The tolerance of a grade in a step. Raises Fault."""
     if not 1 <= grade <= 18:
-        raise Refused("a grade that there is not", f"IT{grade}", "IT1 to IT18", "choose one of these; running fits have 5 to 11")
+        raise Fault("", "a grade that there is not", f"IT{grade}", "IT1 to IT18", "choose one of these; running fits have 5 to 11")
     return float(GRADES[step][grade - 1] if grade <= 11 else 10 * in_micrometres(grade - 5, step))
 
 
@@ -159,7 +159,7 @@ def upper_of_tight_hole(letter: str, grade: int, step: int, name: str) -> float:
     """Upper deviation of a hole K to P in µm: that of the shaft with its sign turned, and up to IT8 (P: IT7) the delta rule, by which a hole of
     a grade and a shaft of the next finer one have the interference that hole and shaft have when their parts are exchanged."""
     if letter == "k" and grade > 8 and step:
-        raise Refused("a zone that the standard does not have above 3 mm", f'"{name}"', "K up to grade 8", "choose K8, or JS of this grade")
+        raise Fault("", "a zone that the standard does not have above 3 mm", f'"{name}"', "K up to grade 8", "choose K8, or JS of this grade")
     if letter == "n" and grade > 8 and step:
         return 0.0
     if letter == "m" and grade == 6 and STEPS[step] == 315:

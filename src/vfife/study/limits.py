@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..errors import QuantityError, kind_of, shown, suggestion
-from ..fields import Reading, Refused
+from ..errors import Fault, kind_of, shown, suggestion
+from ..fields import Reading
 from ..units import number
 from .distributions import Array
 
@@ -144,13 +144,13 @@ class Bound:
 def read_bounds(raw: Any, units: Mapping[str, str], by: Reading) -> tuple[Bound, ...]:
     """The limits of a table ``[limit]``: by measure the most that is allowed, or a table of ``low`` and ``high``. What is wrong is told."""
     if not isinstance(raw, dict):
-        by.tell(("limit",), Refused(f"this is {kind_of(raw)}", shown(raw), "a table", 'write [limit] and, under it, "C.force.max" = "2 kN"'))
+        by.refuse(("limit",), f"this is {kind_of(raw)}", shown(raw), "a table", 'write [limit] and, under it, "C.force.max" = "2 kN"')
         return ()
     found = []
     for measure, given in flat(raw):
         where = ("limit", measure)
         if measure not in units:
-            by.tell(where, Refused("a limit of what is not measured", "", "", suggestion(measure, units, "name one of the measures")))
+            by.refuse(where, "a limit of what is not measured", "", "", suggestion(measure, units, "name one of the measures"))
             continue
         ends = given if isinstance(given, dict) else {"high": given}
         read = {key: quantity(value, units[measure], (*where, key), by) for key, value in ends.items()}
@@ -158,7 +158,7 @@ def read_bounds(raw: Any, units: Mapping[str, str], by: Reading) -> tuple[Bound,
         if len(known) < len(read):
             continue
         if not known.get("low", -math.inf) < known.get("high", math.inf):
-            by.tell(where, Refused("no number is within this limit", shown(given), "low below high", "exchange or correct them"))
+            by.refuse(where, "no number is within this limit", shown(given), "low below high", "exchange or correct them")
         else:
             found.append(Bound(measure, **known))
     return tuple(found)
@@ -178,6 +178,6 @@ def quantity(value: Any, unit: str, where: tuple[str, ...], by: Reading) -> floa
     """A quantity in SI units; None where it is none, which is told."""
     try:
         return number(value, "1" if unit == "%" else unit)
-    except QuantityError as error:
-        by.tell(where, Refused(f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}"))
+    except Fault as error:
+        by.refuse(where, f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}")
         return None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from ..errors import Path, kind_of, shown
-from ..fields import Choice, Json, Measure, Reading, Refused, Switch, Text, Value, Whole, described
+from ..errors import Fault, Path, kind_of, shown
+from ..fields import Choice, Json, Measure, Reading, Switch, Text, Value, Whole, described
 from ..fields.parts import Many, Names
 from ..fields.values import is_list
 from . import sampling
@@ -26,7 +26,7 @@ class Amount(Value):
     def take(self, value: Any, written: bool) -> Any:
         """The value as it stands."""
         if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise Refused(f"this is {kind_of(value)}", shown(value), "a number, or a text with a unit", 'write it as in 2e-4 or "0.2 mm"')
+            raise Fault("", f"this is {kind_of(value)}", shown(value), "a number, or a text with a unit", 'write it as in 2e-4 or "0.2 mm"')
         return value
 
     def json(self) -> Json:
@@ -44,7 +44,7 @@ class Several(Value):
         """A tuple."""
         found = Many(self.part).read(value if is_list(value) else [value], path, by)
         if found == ():
-            by.tell(path, Refused("an empty list", "[]", "one or more", "name one"))
+            by.refuse(path, "an empty list", "[]", "one or more", "name one")
         return found or None
 
     def suits(self, value: Any) -> bool:

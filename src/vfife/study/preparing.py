@@ -23,7 +23,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.possible import Outlook, outlook
 from ..assembly.refit import Refit
 from ..errors import Fault, Path, VfifeError
-from ..fields import Measure, Refused, value_of
+from ..fields import Measure, value_of
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.validate import Checks, across
@@ -171,7 +171,7 @@ class Preparing:
             at, held = known
             try:
                 read = held.take(parsed(value) if isinstance(value, str) else value, written=True)
-            except Refused:
+            except Fault:
                 return None
             given.setdefault(str(at[1]), {}).setdefault(str(at[2]) if len(at) == 4 else "", {})[str(at[-1])] = read
         joints: dict[str, Contact] = {}

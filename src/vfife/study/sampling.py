@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fields.refused import Refused
+from ..errors import Fault
 from .distributions import Array, Distribution
 
 MOST_DIMENSIONS = 1000
@@ -21,23 +21,23 @@ LEVELS, JUMP = 4, 2  # of Morris's grid
 
 
 def points(parameters: Sequence[Distribution], method: str, count: int, seed: int = 0) -> Array:
-    """Values in SI units, a row for each place of a method. Raises Refused."""
+    """Values in SI units, a row for each place of a method. Raises Fault."""
     unit = places(method, count, len(parameters), seed)
     return np.stack([one.quantile(unit[:, k]) for k, one in enumerate(parameters)], axis=1) if parameters else unit
 
 
 def places(method: str, count: int, dimensions: int, seed: int = 0) -> Array:
-    """Places in the unit cube, shape (rows, dimensions), every number above 0 and below 1. Raises Refused.
+    """Places in the unit cube, shape (rows, dimensions), every number above 0 and below 1. Raises Fault.
 
     "random", "latin" and "sobol" have ``count`` rows. Two designs ask for sensitivities: "saltelli" has count (dimensions + 2) rows, "morris"
     count (dimensions + 1).
     """
     if method not in METHODS:
-        raise Refused("an unknown way to choose points", f'"{method}"', ", ".join(METHODS), "write one of these words")
+        raise Fault("", "an unknown way to choose points", f'"{method}"', ", ".join(METHODS), "write one of these words")
     if not 0 < count <= 2**30:
-        raise Refused("a count of points that cannot be had", str(count), f"1 to {2**30}", "correct the count")
+        raise Fault("", "a count of points that cannot be had", str(count), f"1 to {2**30}", "correct the count")
     if dimensions > MOST_DIMENSIONS:
-        raise Refused("more parameters than can be sampled", str(dimensions), f"at most {MOST_DIMENSIONS}", "tie some together")
+        raise Fault("", "more parameters than can be sampled", str(dimensions), f"at most {MOST_DIMENSIONS}", "tie some together")
     return METHODS[method](count, dimensions, seed) if dimensions else np.empty((count, 0))
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError, kind_of, shown, suggestion
-from ..fields import Measure, Refused, Text, Whole, described
+from ..errors import Fault, ModelError, kind_of, shown, suggestion
+from ..fields import Measure, Text, Whole, described
 from ..fields.parts import Many
 from ..model.mechanism import Mechanism
 from ..modelfile.read import raw_of, text_of
@@ -82,16 +82,16 @@ def search_of(raw: Mapping[str, Any], known_as: str, folder: Path | None = None,
     for key, names in sought.items():
         for k, name in enumerate(names):
             if name not in units:
-                by.tell((OPTIMISE, key, k), Refused("it is not measured", shown(name), "", suggestion(name, units, "name one of the measures")))
+                by.refuse((OPTIMISE, key, k), "it is not measured", shown(name), "", suggestion(name, units, "name one of the measures"))
             elif key == "maximise" and name in sought["minimise"]:
-                by.tell((OPTIMISE, key, k), Refused("it shall be small as well", shown(name), "", "leave it out of one of both"))
+                by.refuse((OPTIMISE, key, k), "it shall be small as well", shown(name), "", "leave it out of one of both")
     if asked.minimise == () == asked.maximise:
-        by.tell((OPTIMISE, "minimise"), Refused("nothing is sought", "[]", "one measure or more, here or in maximise", "name one"))
+        by.refuse((OPTIMISE, "minimise"), "nothing is sought", "[]", "one measure or more, here or in maximise", "name one")
     axes = []
     for one in plan.parameters:
         if one.values is None and not isinstance(one.distribution, Uniform):
             what = "a search needs a range or values, and this has a distribution"
-            by.tell(("vary", one.name, ""), Refused(what, one.words, "from and to, or values", "give these"))
+            by.refuse(("vary", one.name, ""), what, one.words, "from and to, or values", "give these")
         elif one.values is not None:
             axes.append(Axis(one.name, values=one.values))
         else:
@@ -117,21 +117,21 @@ def allotment_of(
     bounds = {one.measure: one for one in read_bounds(raw.get(LIMIT, {}), units, by)}
     if asked.measure is not None and asked.measure not in dict(flat(raw.get(LIMIT, {}))):
         remedy = f'add it under [limit], as in "{asked.measure}" = ...'
-        by.tell((ALLOCATION, "measure"), Refused("it has no limit", shown(asked.measure), "a measure of [limit]", remedy))
+        by.refuse((ALLOCATION, "measure"), "it has no limit", shown(asked.measure), "a measure of [limit]", remedy)
     elif asked.measure in bounds and math.isfinite(bounds[asked.measure].low):
-        by.tell((LIMIT, asked.measure, "low"), Refused("an allocation keeps a largest value alone", "", "", "leave low out"))
+        by.refuse((LIMIT, asked.measure, "low"), "an allocation keeps a largest value alone", "", "", "leave low out")
     if None not in (asked.share, asked.confidence, asked.count) and asked.count < (least := needed(1.0 - asked.share, asked.confidence)):
         what = f"too few machines to show {100.0 * asked.share:g} % with {100.0 * asked.confidence:g} % confidence"
-        by.tell((ALLOCATION, "count"), Refused(what, str(asked.count), f"at least {least}", "ask for more, or leave it out"))
+        by.refuse((ALLOCATION, "count"), what, str(asked.count), f"at least {least}", "ask for more, or leave it out")
     costs = raw.get(COST, {})
     names = [one.name for one in plan.parameters]
     for name in costs if isinstance(costs, dict) else ():
         if name not in names:
-            by.tell((COST, name, ""), Refused("costs of what is not varied", "", "", suggestion(name, names, "name a table of [vary]")))
+            by.refuse((COST, name, ""), "costs of what is not varied", "", "", suggestion(name, names, "name a table of [vary]"))
     options = [options_at(one, costs.get(one.name) if isinstance(costs, dict) else None, by) for one in plan.parameters]
     if not any(one.name in costs for one in plan.parameters if isinstance(costs, dict)):
         remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
-        by.tell((COST, ""), Refused("no fit has costs, so there is nothing to choose", "", "", remedy))
+        by.refuse((COST, ""), "no fit has costs, so there is nothing to choose", "", "", remedy)
     bound = bounds.get(asked.measure or "")
     finished(by, known_as)
     if bound is None:  # told above
@@ -144,13 +144,11 @@ def options_at(one: Parameter, costs: Any, by: Written) -> tuple[Option, ...]:
     where = (COST, one.name)
     if costs is None:
         if one.distribution is None:
-            by.tell(
-                ("vary", one.name, ""), Refused("machines are drawn, and this has values", "", "a fit, a tolerance or a distribution", "give one")
-            )
+            by.refuse(("vary", one.name, ""), "machines are drawn, and this has values", "", "a fit, a tolerance or a distribution", "give one")
             return ()
         return (Option("", 0.0, one.distribution),)
     if not isinstance(one.distribution, Clearance):
-        by.tell(where, Refused("costs of what has no fit", "", 'fit = "H8/f7" and diameter in its table of [vary]', "add the fit"))
+        by.refuse(where, "costs of what has no fit", "", 'fit = "H8/f7" and diameter in its table of [vary]', "add the fit")
         return ()
     bad = (
         {key: value for key, value in costs.items() if isinstance(value, bool) or not isinstance(value, int | float)}
@@ -158,14 +156,14 @@ def options_at(one: Parameter, costs: Any, by: Written) -> tuple[Option, ...]:
         else costs
     )
     if bad or not isinstance(costs, dict):
-        by.tell(where, Refused(f"this is {kind_of(costs)}", shown(bad), "a number for each grade or fit", "write them as in IT7 = 5"))
+        by.refuse(where, f"this is {kind_of(costs)}", shown(bad), "a number for each grade or fit", "write them as in IT7 = 5")
         return ()
     fit = one.distribution.fit
     letters = "/".join(name.rstrip("0123456789") for name in (fit.hole.name, fit.shaft.name))
     try:
         return tuple(options_of(letters, fit.diameter, costs))
-    except Refused as refused:
-        by.tell(where, refused)
+    except Fault as refused:
+        by.add(refused.at(where))
         return ()
 
 
@@ -175,7 +173,7 @@ def opened(
     """The plan of tables without members of its own, the model, units of the measures. Raises ModelError."""
     by = Written()
     if not isinstance(raw.get(table), dict):
-        by.tell((table, ""), Refused("this table is missing", "", "what the search is for", f"add it, as in {example}"))
+        by.refuse((table, ""), "this table is missing", "", "what the search is for", f"add it, as in {example}")
         finished(by, known_as)
     plan, base = understood({**{key: value for key, value in raw.items() if key != "count"}, "method": SEARCH}, known_as, folder, base)
     return plan, base, units_of(plan.asked.measures, base)
@@ -183,7 +181,7 @@ def opened(
 
 def finished(by: Written, known_as: str) -> None:
     """Raises ModelError with what was refused."""
-    if by.refused:
+    if by.faults:
         raise ModelError(by.faults, known_as)
 
 

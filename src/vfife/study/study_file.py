@@ -6,7 +6,6 @@ import dataclasses
 import itertools
 import json
 import math
-import tomllib
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from pathlib import Path as FilePath
@@ -14,8 +13,8 @@ from typing import Any, NamedTuple
 
 from ..analysis.wanted import of_whole_runs
 from ..assembly.assemble import assemble
-from ..errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, place, shown, suggestion
-from ..fields import Measure, Reading, Refused, Whole, partial
+from ..errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, shown, suggestion
+from ..fields import Measure, Reading, Whole, partial
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -75,7 +74,7 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
     try:
         known, series = names_of(base)
     except VfifeError as error:
-        by.tell(("model",), Refused(f"it cannot be assembled: {error}", base.name, "", "see vfife check"))
+        by.refuse(("model",), f"it cannot be assembled: {error}", base.name, "", "see vfife check")
         return
     endings = {name.partition(".")[2] for name in known}  # what is there from the start, where it is at all; others begin later
     owners = {name for part in (base.bodies, base.joints, base.drivers, base.springs, base.loads) for name in part} | {"ground", "mechanism"}
@@ -84,14 +83,14 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
         if reduced is not None:
             if reduced[2] not in series:
                 remedy = suggestion(reduced[2], series, "name a channel of the run")
-                by.tell(("measures", k), Refused("there is no such channel", shown(name), "", remedy))
+                by.refuse(("measures", k), "there is no such channel", shown(name), "", remedy)
         elif name not in known:
             owner, _, ending = name.partition(".")
             if owner not in owners or ending not in UNITS or ending in endings:
                 remedy = suggestion(name, known, "the names are those of vfife run MODEL.toml --json")
-                by.tell(("measures", k), Refused("there is no such measure", shown(name), "", remedy))
+                by.refuse(("measures", k), "there is no such measure", shown(name), "", remedy)
     if names and len(set(names)) < len(names):
-        by.tell(("measures",), Refused("the same measure twice", "", "each one once", "remove it"))
+        by.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
 
 
 def known_measures(view: View) -> list[str]:
@@ -108,28 +107,25 @@ def known_measures(view: View) -> list[str]:
 def check_turns(base: Mechanism, asked: Asked, by: Reading) -> None:
     """Tells what keeps members from being counted in turns."""
     if base.settings.analysis == "static":
-        by.tell(("model",), Refused("a static analysis has no turns", base.name, "a model that moves", 'set "run.analysis" = "dynamic" in [set]'))
+        by.refuse(("model",), "a static analysis has no turns", base.name, "a model that moves", 'set "run.analysis" = "dynamic" in [set]')
     elif turn_of(base) is None:
-        by.tell(("model",), Refused("no driver turns a crank, so turns cannot be counted", base.name, "", "drive a body"))
+        by.refuse(("model",), "no driver turns a crank, so turns cannot be counted", base.name, "", "drive a body")
     elif isinstance(asked.step, float):
         try:
             assemble(base, asked.step)
         except StepError as error:
-            by.tell(
-                ("step",),
-                Refused("too large for the model", f"{asked.step:g} s", str(error).partition(": ")[2].partition(";")[0], "set it smaller"),
-            )
+            by.refuse(("step",), "too large for the model", f"{asked.step:g} s", str(error).partition(": ")[2].partition(";")[0], "set it smaller")
         except VfifeError:
             pass  # told by its measures
     if None not in (asked.last, asked.turns) and asked.last > asked.turns:
-        by.tell(("last",), Refused("more turns than a member makes", str(asked.last), f"at most {asked.turns}", "give fewer, or more turns"))
+        by.refuse(("last",), "more turns than a member makes", str(asked.last), f"at most {asked.turns}", "give fewer, or more turns")
 
 
 def spread(plan: Plan, extra: Any, by: Reading) -> Plan:
     """The plan with its members, ``extra`` ones among them as tables of values by name; what is wrong is told."""
     listed = tuple(single(plan, one, k, by) for k, one in enumerate(extra)) if isinstance(extra, list) else ()
     if not isinstance(extra, list):
-        by.tell(("point",), Refused(f"this is {kind_of(extra)}", shown(extra), "tables [[point]]", "write them so"))
+        by.refuse(("point",), f"this is {kind_of(extra)}", shown(extra), "tables [[point]]", "write them so")
     points = tuple(one for one in listed if one is not None)
     members = planned(plan, by)
     every = tuple(dict.fromkeys((*members, *points))) if members is not None else ()
@@ -146,23 +142,23 @@ def planned(plan: Plan, by: Reading) -> list[tuple[Number, ...]] | None:
         for one in free:
             what = f"a {method} takes values, and {one.name} has {article_of(one)}"
             remedy = 'list its values, give from, to and count, or take samples: method = "sobol" and count'
-            by.tell(("vary", one.name, ""), Refused(what, "", "", remedy))
+            by.refuse(("vary", one.name, ""), what, "", "", remedy)
         if count is not None:
-            by.tell(("count",), Refused(f"a {method} takes no samples", str(count), "", "remove it, or name another method"))
+            by.refuse(("count",), f"a {method} takes no samples", str(count), "", "remove it, or name another method")
         if free or count is not None:
             return None
         return rows_of_lists(plan, by) if method == "list" else grid(plan, None, by)
     if not free:
         remedy = 'give a number from and to, or mean and deviation, or set method = "grid"'
-        by.tell(("method",), Refused("there is nothing to take samples of: every parameter has values", f'"{method}"', "", remedy))
+        by.refuse(("method",), "there is nothing to take samples of: every parameter has values", f'"{method}"', "", remedy)
     if count is None:
-        by.tell(("count",), Refused("this key is missing", "", "how many samples are taken", "add it, as in count = 256"))
+        by.refuse(("count",), "this key is missing", "", "how many samples are taken", "add it, as in count = 256")
     if not free or count is None or too_many(plan, count, by):
         return None
     try:
         drawn = sampled([one.distribution for one in free], method, count, plan.asked.seed)
-    except Refused as refused:
-        by.tell(("method",), refused)
+    except Fault as refused:
+        by.add(refused.at(("method",)))
         return None
     columns = [fitting(one, drawn[:, k], by) for k, one in enumerate(free)]
     return grid(plan, list(zip(*columns, strict=True)), by) if all(columns) else None
@@ -180,7 +176,7 @@ def too_many(plan: Plan, samples: int, by: Reading) -> bool:
     if count <= MOST_MEMBERS:
         return False
     counted = " x ".join(f"{size:,}" for size in sizes)
-    by.tell(("vary", ""), Refused(f"{counted} = {count:,} members", "", f"at most {MOST_MEMBERS:,}", "give fewer values, or take samples"))
+    by.refuse(("vary", ""), f"{counted} = {count:,} members", "", f"at most {MOST_MEMBERS:,}", "give fewer values, or take samples")
     return True
 
 
@@ -202,9 +198,7 @@ def rows_of_lists(plan: Plan, by: Reading) -> list[tuple[Number, ...]] | None:
     lists = [one.values or () for one in plan.parameters]
     if len({len(one) for one in lists}) > 1:
         sizes = ", ".join(f"{one.name} {len(values)}" for one, values in zip(plan.parameters, lists, strict=True))
-        by.tell(
-            ("vary", ""), Refused("lists that go together are of different lengths", sizes, "one length", 'complete them, or set method = "grid"')
-        )
+        by.refuse(("vary", ""), "lists that go together are of different lengths", sizes, "one length", 'complete them, or set method = "grid"')
         return None
     return list(zip(*lists, strict=True))
 
@@ -219,27 +213,27 @@ def fitting(one: Parameter, values: Any, by: Reading) -> list[Number]:
     if bad:
         said = limits.limits() if isinstance(limits, Measure) else f"{limits.low} to {limits.high}"
         what = f"{len(bad)} of {len(found)} samples are beyond the limits of {one.paths[0]}"
-        by.tell(("vary", one.name, ""), Refused(what, f"{bad[0]:.6g} {one.unit}", said, "cut the distribution off with from and to"))
+        by.refuse(("vary", one.name, ""), what, f"{bad[0]:.6g} {one.unit}", said, "cut the distribution off with from and to")
     return [] if bad else list(found)
 
 
 def single(plan: Plan, one: Any, k: int, by: Reading) -> tuple[Number, ...] | None:
     """A member given by itself: a value for each parameter."""
     if not isinstance(one, dict):
-        by.tell(("point", k), Refused(f"this is {kind_of(one)}", shown(one), "a table of values by name", "write one"))
+        by.refuse(("point", k), f"this is {kind_of(one)}", shown(one), "a table of values by name", "write one")
         return None
     names = [parameter.name for parameter in plan.parameters]
-    before = len(by.refused)
+    before = len(by.faults)
     for name in one:
         if name not in names:
-            by.tell(("point", k, name), Refused("no parameter is called so", shown(one[name]), "", suggestion(name, names, "name one")))
+            by.refuse(("point", k, name), "no parameter is called so", shown(one[name]), "", suggestion(name, names, "name one"))
     found = []
     for parameter in plan.parameters:
         if parameter.name not in one:
-            by.tell(("point", k, parameter.name), Refused("a point has a value for each parameter", "", ", ".join(names), "add it"))
+            by.refuse(("point", k, parameter.name), "a point has a value for each parameter", "", ", ".join(names), "add it")
         else:
             found.append(number(one[parameter.name], parameter.held, ("point", k, parameter.name), by))
-    return None if len(by.refused) > before else tuple(value for value in found if value is not None)
+    return None if len(by.faults) > before else tuple(value for value in found if value is not None)
 
 
 VARY, POINT = "vary", "point"
@@ -251,24 +245,19 @@ class Written(Reading):
 
     written = True
 
-    @property
-    def faults(self) -> list[Fault]:
-        """Everything refused, in words."""
-        return [Fault(place(path), one.what, one.value, one.limit, one.remedy) for path, one in self.refused]
-
     def table(self, path: Path, noun: type, holder: Any, beside: tuple[str, ...] = ()) -> Any:
         """The noun of a table, known in part where something of it was refused."""
-        what, found, before = Table(noun), dict[str, Any](), len(self.refused)
+        what, found, before = Table(noun), dict[str, Any](), len(self.faults)
         for key, value in holder.items():
             if key in what.fields:
                 found[what.fields[key].name] = what.value(key).read(value, (*path, key), self)
             elif key not in beside:
                 said = "unknown table" if isinstance(value, dict) else "unknown key"
-                self.tell((*path, key), Refused(said, shown(value), "", suggestion(key, (*what.keys, *beside), "remove it")))
+                self.refuse((*path, key), said, shown(value), "", suggestion(key, (*what.keys, *beside), "remove it"))
         for key in what.needed:
             if key not in holder:
-                self.tell((*path, key), Refused("this key is missing", "", what.fields[key].metadata["meaning"], "add it"))
-        return noun(**found) if len(self.refused) == before else partial(noun, found)
+                self.refuse((*path, key), "this key is missing", "", what.fields[key].metadata["meaning"], "add it")
+        return noun(**found) if len(self.faults) == before else partial(noun, found)
 
 
 def load_plan(path: str | FilePath) -> tuple[Plan, Mechanism]:
@@ -287,14 +276,14 @@ def understood(raw: Raw, known_as: str, folder: FilePath | None = None, base: Me
     varied = vary_tables(raw, by)
     faults = list[Fault]()
     model = base_model(asked, folder or FilePath(), base, faults)
-    found = parameters(varied, tomllib.loads(dump(model)) if model is not None else None, by)
+    found = parameters(varied, model, by)
     plan = Plan(asked, tuple(found), raw=dict(raw))
     if model is not None:
         check_measures(model, asked.measures, by)
         check_turns(model, asked, by)
-    if not by.refused and not faults:
+    if not by.faults and not faults:
         plan = spread(plan, raw.get(POINT, []), by)
-    if by.refused or faults or model is None:
+    if by.faults or faults or model is None:
         raise ModelError([*by.faults, *faults], known_as)
     return plan, model
 
@@ -304,7 +293,7 @@ def vary_tables(raw: Raw, by: Written) -> dict[str, Varied]:
     tables = raw.get(VARY)
     if not isinstance(tables, dict) or not tables:
         what = "nothing is varied" if tables is None or tables == {} else f"this is {kind_of(tables)}"
-        by.tell((VARY, ""), Refused(what, "", "a table for each number that varies", 'add one, as in [vary.play] with path = "joint.C.clearance"'))
+        by.refuse((VARY, ""), what, "", "a table for each number that varies", 'add one, as in [vary.play] with path = "joint.C.clearance"')
         return {}
     found = {}
     for name, holder in tables.items():
@@ -312,9 +301,9 @@ def vary_tables(raw: Raw, by: Written) -> dict[str, Varied]:
             holder = {"path": name, "values": holder}
         if not isinstance(holder, dict):
             remedy = 'give its path and values, as in path = "joint.C.clearance", values = ["0.1 mm", "0.2 mm"]'
-            by.tell((VARY, name), Refused(f"this is {kind_of(holder)}", shown(holder), "a table, or a list of values", remedy))
+            by.refuse((VARY, name), f"this is {kind_of(holder)}", shown(holder), "a table, or a list of values", remedy)
         elif any(sign in name for sign in "[]/\n") or not name.strip():
-            by.tell((VARY, name, ""), Refused("a name with signs that name something else", shown(name), "a plain name", "choose another name"))
+            by.refuse((VARY, name, ""), "a name with signs that name something else", shown(name), "a plain name", "choose another name")
         else:
             found[name] = by.table((VARY, name), Varied, holder)
     return found
@@ -331,7 +320,7 @@ def base_model(asked: Asked, folder: FilePath, base: Mechanism | None, faults: l
             return loads(dump(base), items, file=base.source) if items else base
         return load(folder / name, items)
     except ModelError as error:
-        faults += [Fault(f"{article('model')} {name}, {one.where}", one.what, one.value, one.limit, one.remedy) for one in error.faults]
+        faults += [one.at(f"{article('model')} {name}, {one.where}") for one in error.faults]
     except (TypeError, ValueError) as error:
         faults.append(Fault("model", f"no model file can hold it: {error}"))
     return None

@@ -81,7 +81,7 @@ def bounds_of(found: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bou
     """Limits as given, or else those of the study. Raises ModelError."""
     by = Written()
     bounds = read_bounds(dict(limit) if limit else found.asked["raw"].get("limit", {}), found.measures, by)
-    if by.refused:
+    if by.faults:
         raise ModelError(by.faults, str(found.path or "this study"))
     return bounds
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...errors import Fault
 from ...fields import quantity
 from ...laws import Material, Pair
-from ..conflict import Conflict
 from ..strokes import JointSeen, Mark, Stroke, ring, standing
 from ..touching import Touching
 from .contact import Contact
@@ -36,13 +36,13 @@ class ClearanceRevolute(Contact):
     clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """The journal is smaller than its bearing, and something of it remains."""
         yield from super().conflicts()
         if None not in (self.clearance, self.bearing_radius) and self.clearance >= self.bearing_radius:
             limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
             remedy = "check the units of both: clearance is bearing radius less journal radius"
-            yield Conflict("clearance", "as large as the bearing: no journal is left", remedy, limit)
+            yield Fault(("clearance",), "as large as the bearing: no journal is left", "", limit, remedy)
 
     @property
     def landing(self) -> float:

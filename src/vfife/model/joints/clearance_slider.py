@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...errors import Fault
 from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2, hypot, sincos
-from ..conflict import Conflict
 from ..rows import Across
 from ..strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
 from ..touching import Touching
@@ -39,14 +39,14 @@ class ClearanceSlider(Contact):
     direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
     corner_radius: float = quantity("m", "radius of the block's corners", 1e-3, above=0.0)
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """Its corners fit on the block."""
         yield from super().conflicts()
         sizes, r = (self.length, self.height), self.corner_radius
         if None not in (*sizes, r) and r > 0.5 * min(sizes):
             what = f"corners of {r:g} m do not fit on a block of {self.length:g} m by {self.height:g} m"
             limit = f"at most half of the smaller side, {0.5 * min(sizes):g} m"
-            yield Conflict("corner_radius", what, "give a smaller radius, and check the units of all three", limit)
+            yield Fault(("corner_radius",), what, "", limit, "give a smaller radius, and check the units of all three")
 
     @property
     def landing(self) -> float:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from ...errors import Fault
 from ...fields import Choice, Chosen, Inner, Named, described, quantity
 from ...laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
-from ..conflict import Conflict
 from ..touching import Touching
 from ..wear import Wear
 from .joint import Joint
@@ -44,20 +44,22 @@ class Contact(Joint):
 
     shapes_worn: ClassVar[bool] = False  # whether its surfaces may have a worn profile
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """What wears slides on its surface, without a film."""
         if self.wear is None:
             return
         yield from self.wear.conflicts()
         if getattr(self.contact, "film", False):  # a law that was refused is None here
             remedy = f'take another contact law than "{self.contact.name}", or remove wear'
-            yield Conflict("wear", "a film keeps the surfaces apart, and what it carries does not wear them", remedy)
+            yield Fault(("wear",), "a film keeps the surfaces apart, and what it carries does not wear them", "", "", remedy)
         if self.friction_moment == "off":
             remedy = 'set friction_moment = "mid-overlap" or "surface", or remove wear'
-            yield Conflict("wear", "with friction_moment off the surfaces do not slide by turning, so that they would not wear by it", remedy)
+            yield Fault(
+                ("wear",), "with friction_moment off the surfaces do not slide by turning, so that they would not wear by it", "", "", remedy
+            )
         if any(self.wear.harmonics) and not self.shapes_worn:
             remedy = "remove the profiles; volumes are kept of any joint with play"
-            yield Conflict("wear", "a worn profile is of a journal in its bearing alone", remedy)
+            yield Fault(("wear",), "a worn profile is of a journal in its bearing alone", "", "", remedy)
 
     @property
     def landing(self) -> float:

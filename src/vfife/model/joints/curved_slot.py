@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...errors import Fault
 from ...fields import PLACE, Many, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import hypot
-from ..conflict import Conflict
 from ..path import Path, circle, polyline
 from ..rows import OnPath, Row
 from ..strokes import Curve, JointSeen, Label, Mark, Stroke, left_of, ring
@@ -43,7 +43,7 @@ class CurvedSlot(Joint):
     points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
     fillet: float = quantity("m", FILLET, 0.0, low=0.0)
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """Its sizes make a path."""
         yield from no_path(self, 0.0)
 
@@ -99,7 +99,7 @@ class ClearanceCurvedSlot(Contact):
     points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
     fillet: float = quantity("m", FILLET, 0.0, low=0.0)
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """Its sizes make a path, with room for walls on both sides."""
         yield from super().conflicts()
         if None not in (self.journal_radius, self.clearance):
@@ -166,9 +166,9 @@ class ClearanceCurvedSlot(Contact):
 
 
 def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:
-    """The path of a slot of ``half`` its width (m). ValueError where its sizes make none."""
-    for conflict in no_path(slot, half):
-        raise ValueError(f"joint {slot.name!r}: {conflict.what}; {conflict.remedy}")
+    """The path of a slot of ``half`` its width (m). Raises Fault where its sizes make none."""
+    for fault in no_path(slot, half):
+        raise fault.at(("joint", slot.name, *fault.path))
     return made(slot)
 
 
@@ -177,22 +177,22 @@ def made(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
     return polyline(slot.points, slot.fillet) if slot.radius is None else circle(slot.centre, slot.radius)
 
 
-def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Conflict]:
+def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fault]:
     """Why the sizes of a slot make no path, or leave no wall of its inside."""
     if None in (slot.points, slot.fillet, slot.centre):
         return
     if (slot.radius is None) == (not slot.points):
-        yield Conflict("", "a slot is round or runs along a polyline", "give a radius or points, and not both")
+        yield Fault(("",), "a slot is round or runs along a polyline", "", "", "give a radius or points, and not both")
         return
     try:
         sharpest = made(slot).sharpest
     except ValueError as error:
         what, _, remedy = str(error).rpartition("; ")
-        yield Conflict("points", what, remedy)
+        yield Fault(("points",), what, "", "", remedy)
         return
     if not sharpest > half:
         what = f"an arc of radius {sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m (journal_radius + clearance)"
-        yield Conflict("fillet" if slot.radius is None else "radius", what, "take a larger radius or fillet, or a thinner pin")
+        yield Fault(("fillet" if slot.radius is None else "radius",), what, "", "", "take a larger radius or fillet, or a thinner pin")
 
 
 def walls(seen: JointSeen, path: Path, gap: float) -> list[Stroke]:

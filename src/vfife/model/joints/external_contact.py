@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...errors import Fault
 from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2
-from ..conflict import Conflict
 from ..rows import Across
 from ..strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
 from ..touching import Touching
@@ -34,11 +34,11 @@ class ExternalContact(Contact):
     bearing_radius: float | None = quantity("m", "radius of the round at the bearing; a straight line if left out", None, above=0.0)
     direction: Point = described(Direction(), "direction of the line in the frame of the bearing's body; the journal is on its left", (1.0, 0.0))
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """A round has no direction."""
         yield from super().conflicts()
         if self.bearing_radius is not None and self.direction not in (None, (1.0, 0.0)):
-            yield Conflict("direction", "a round has no direction", "remove it, or remove bearing_radius for a straight line")
+            yield Fault(("direction",), "a round has no direction", "", "", "remove it, or remove bearing_radius for a straight line")
 
     @property
     def landing(self) -> float:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ...errors import Fault
 from ...fields import Text, described
-from ..conflict import Conflict
 from ..kind import Kind
 from ..rows import Coincide, Row, place_row
 from ..strokes import JointSeen, Label, Stroke, under
@@ -32,7 +32,7 @@ class Joint(Kind):
         bearing, journal = self.bearing.partition("."), self.journal.partition(".")
         return (bearing[0], bearing[2]), (journal[0], journal[2])
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """Sizes that do not go together; of what is not known (None) nothing is said."""
         yield from ()
 

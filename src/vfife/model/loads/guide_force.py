@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...errors import Fault
 from ...fields import Measure, Switch, Text, described, quantity
-from ..conflict import Conflict
 from ..joints import Joint
 from ..rows import Guided, place_row
 from .load import Push
@@ -46,19 +46,19 @@ class GuideForce(Tabular):
 
     along: ClassVar[bool] = True
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """A force, or a pressure on a bore."""
         if self.force is not None and self.pressure is not None:
-            yield Conflict("pressure", "a force and a pressure exclude each other", "keep one of them")
+            yield Fault(("pressure",), "a force and a pressure exclude each other", "", "", "keep one of them")
         elif self.force is None and self.pressure is None and not self.expression:
-            yield Conflict("", "nothing says how large the load is", "give it a force, or a pressure and a bore")
+            yield Fault(("",), "nothing says how large the load is", "", "", "give it a force, or a pressure and a bore")
         elif self.pressure is not None and self.bore is None:
-            yield Conflict("bore", "a pressure acts on a bore, which is missing", 'add it, as in bore = "50 mm"')
+            yield Fault(("bore",), "a pressure acts on a bore, which is missing", "", "", 'add it, as in bore = "50 mm"')
         for key in ("bore", "ambient", "pressure_back"):  # what an expression is, the bore says
             if self.force is not None and self.pressure is None and getattr(self, key):
-                yield Conflict(key, f"{key} goes with a pressure, not with a force", "remove it")
+                yield Fault((key,), f"{key} goes with a pressure, not with a force", "", "", "remove it")
         if self.pressure is not None and self.force_back is not None:
-            yield Conflict("force_back", "force_back goes with a force, not with a pressure", "call it pressure_back")
+            yield Fault(("force_back",), "force_back goes with a force, not with a pressure", "", "", "call it pressure_back")
 
     @property
     def keys(self) -> tuple[str, str]:

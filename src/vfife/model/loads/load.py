@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from ...errors import Fault
 from ...fields import Text, described
-from ..conflict import Conflict
 from ..joints import Joint
 from ..kind import Kind
 from ..polynomials import Polynomials, constant
@@ -69,7 +69,7 @@ class Load(Kind):
         """The keys of its values, and of those of the way back."""
         return ()
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """Sizes that do not go together; of what is not known (None) nothing is said."""
         yield from ()
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from ...errors import Fault
 from ...fields import Choice, Many, Measure, Switch, Text, described, quantity
-from ..expression import VARIABLES, ExpressionError, parse
+from ..expression import VARIABLES, parse
 from ..polynomials import Polynomials, constant, moved
 from ..sampled import sampled
 from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, Pieces, closes, held, repeated, table, two_ways, whole_turns
@@ -59,7 +60,7 @@ class Tabular(Load):
         """The variable of its expression; nothing where it has none, or one that cannot be read."""
         try:
             return parse(self.expression).variable
-        except ExpressionError:
+        except Fault:
             return ""
 
     @property

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from ...errors import Fault
 from ...fields import Text, described
-from ..conflict import Conflict
 from ..kind import Kind
 from ..strokes import PairSeen, Stroke
 
@@ -39,7 +39,7 @@ class ForceElement(Kind):
     axes: ClassVar[Axes] = "linear"  # along the line between two pins, about the axis between two bodies, with limits there, or along three axes
     registry: ClassVar[dict[str, type[ForceElement]]] = {}
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """Sizes that do not go together; of what is not known (None) nothing is said."""
         yield from ()
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...errors import Fault
 from ...fields import Text, described, quantity
 from ...numerics.elementwise import cos, sin
-from ..conflict import Conflict
 from ..strokes import Curve, PairSeen, Stroke, facing
 from .force_element import Axes, ForceElement, SpringNumbers
 
@@ -31,10 +31,10 @@ class Stop(ForceElement):
     stiffness: float = quantity("N m/rad", "stiffness beyond the limits", above=0.0)
     damping: float = quantity("N m s/rad", "damping beyond the limits", 0.0, low=0.0)
 
-    def conflicts(self) -> Iterator[Conflict]:
+    def conflicts(self) -> Iterator[Fault]:
         """There is room between the limits."""
         if None not in (self.low, self.high) and self.low >= self.high:
-            yield Conflict("low", "no room between the limits", "exchange them, or move them apart", f"below high = {self.high:g} rad")
+            yield Fault(("low",), "no room between the limits", "", f"below high = {self.high:g} rad", "exchange them, or move them apart")
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from ...errors import Fault, ModelError, Path, kind_of, place, shown
-from ...fields import Entries, Reading, Refused, described_fields, key_of, value_of
+from ...errors import Fault, ModelError, Path, kind_of, shown
+from ...fields import Entries, Reading, described_fields, key_of, value_of
 from ..drivers import Driver
 from ..mechanism import Mechanism
 from .bodies import check_bodies
@@ -36,10 +36,9 @@ def faults(mechanism: Mechanism) -> list[Fault]:
     """Every fault of a mechanism: of single fields, of what does not go together, of laws that do not suit their surfaces."""
     reading = Reading()
     known = read(mechanism, reading)
-    found = [Fault(place(path), one.what, one.value, one.limit, one.remedy) for path, one in reading.refused]
-    checks = Checks(known, told={path for path, _ in reading.refused}, written=lambda path: written(mechanism, path))
+    checks = Checks(known, told={fault.path for fault in reading.faults}, written=lambda path: written(mechanism, path))
     # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a speed.
-    found += across(checks, settings=mechanism.settings.analysis != "static")
+    found = reading.faults + across(checks, settings=mechanism.settings.analysis != "static")
     return found or check_laws(mechanism)
 
 
@@ -67,7 +66,7 @@ def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
 def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, Any]:
     """Nouns by name; None stands for what is none."""
     if not isinstance(value, dict):
-        reading.tell(path, Refused(f"this is {kind_of(value)}", shown(value), "a dict of nouns by name", "give one"))
+        reading.refuse(path, f"this is {kind_of(value)}", shown(value), "a dict of nouns by name", "give one")
         return {}
     found = {}
     for name, noun in value.items():

@@ -48,6 +48,10 @@ class Checks:
         if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
             self.faults.append(fault)
 
+    def take(self, path: Path, fault: Fault) -> None:
+        """Adds a fault that a noun at a path finds of itself."""
+        self.add((*path, *fault.path), fault.what, fault.remedy, fault.limit)
+
     def told(self, path: Path) -> bool:
         """Whether what stands at a path was refused already, or a part of it."""
         return path in self.refused

@@ -46,7 +46,7 @@ def check_joint(checks: Checks, path: Path, joint: Any, pairs: dict[frozenset[st
         if other != path[1]:
             checks.add((*path, ""), f"joint {other} connects the same two pins already", "remove one of the two")
     for conflict in joint.conflicts():
-        checks.add((*path, conflict.key), conflict.what, conflict.remedy, conflict.limit)
+        checks.take(path, conflict)
 
 
 def _carrier(checks: Checks, gear: Any) -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...errors import Path
+from ...errors import Fault, Path
 from ..bodies import PointMass
-from ..expression import VARIABLES, ExpressionError, parse
+from ..expression import VARIABLES, parse
 from ..functions import turning_speed
 from ..loads.load import OVER
 from ..loads.tabular import Tabular
@@ -39,7 +39,7 @@ def check_alone(checks: Checks, path: Path, load: Any) -> None:
     """What can be wrong with a load by itself."""
     if not checks.told(path):
         for one in load.conflicts():
-            checks.add((*path, one.key), one.what, one.remedy, one.limit)
+            checks.take(path, one)
     if isinstance(load, Tabular) and load.expression:
         check_expression(checks, path, load)
     elif isinstance(load, Tabular):
@@ -59,8 +59,8 @@ def check_expression(checks: Checks, path: Path, load: Any) -> None:
             continue
         try:
             variable = parse(text).variable
-        except ExpressionError as error:
-            checks.add((*path, key), f"column {error.column}: {error.what}", error.remedy)
+        except Fault as error:
+            checks.add((*path, key), f"{error.where}: {error.what}", error.remedy)
             return
         if key == "expression_back" and (variable not in ("", "x") or load.axis != "travels"):
             checks.add((*path, key), "only an expression of x has a way back", "remove it, or make both expressions of the travel x")

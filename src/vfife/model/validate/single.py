@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from ...errors import Path
-from ...fields import Refused, Text, described_fields, key_of, value_of
+from ...errors import Fault, Path
+from ...fields import Text, described_fields, key_of, value_of
 from ..mechanism import Mechanism
 from . import written
 from .bodies import check_bodies
@@ -23,15 +23,15 @@ class Single(Checks):
 
     def __init__(self, mechanism: Mechanism, told: Iterable[Path], written: Callable[[Path], str]) -> None:
         super().__init__(mechanism, told, written=written)
-        self.found: list[tuple[Path, Refused]] = []
+        self.found: list[Fault] = []
 
     def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
         """One refusal more."""
         value = self.written(path) if path[-1] != "" else ""
-        self.found.append((path, Refused(what, value, limit, remedy)))
+        self.found.append(Fault(path, what, value, limit, remedy))
 
 
-def faults_of(mechanism: Mechanism, section: str, name: str, noun: Any, told: Iterable[Path] = ()) -> list[tuple[Path, Refused]]:
+def faults_of(mechanism: Mechanism, section: str, name: str, noun: Any, told: Iterable[Path] = ()) -> list[Fault]:
     """What is wrong with a noun, known in part perhaps, that is to join a mechanism under a name; ``told`` are paths of what was refused."""
     path: Path = (section, name)
     field = next(field for field in described_fields(Mechanism) if key_of(field) == section)
@@ -52,7 +52,7 @@ def faults_of(mechanism: Mechanism, section: str, name: str, noun: Any, told: It
         check_tables(checks, path, noun)
     elif hasattr(noun, "conflicts"):
         for conflict in noun.conflicts():
-            checks.add((*path, conflict.key), conflict.what, conflict.remedy, conflict.limit)
+            checks.take(path, conflict)
     ends = references(checks, path, noun)
     if section == "gear" and noun.ratio == 0.0:
         remedy = "give the teeth of the first over those of the second, negative for external gears"

@@ -32,4 +32,4 @@ def check_strength(checks: Checks, path: Path, spring: Any) -> None:
     if None not in strength and not any(any(one) if isinstance(one, tuple) else one for one in strength):
         checks.add((*path, ""), "neither a stiffness nor a damping: it does nothing", "give one of the two, or remove it")
     for conflict in spring.conflicts():
-        checks.add((*path, conflict.key), conflict.what, conflict.remedy, conflict.limit)
+        checks.take(path, conflict)

@@ -78,9 +78,9 @@ def fit_law(
 
     def made(shares: Array) -> ContactLaw:
         values = {one.name: one.value(float(x)) for one, x in zip(sought, shares, strict=True)}
-        found, refused = read_law("contact", {**holder, **values})
+        found, faults = read_law("contact", {**holder, **values})
         if found is None or not isinstance(found, ContactLaw):
-            raise ModelError([Fault(str(path[-1]), one.what, one.value, one.limit, one.remedy) for path, one in refused], f'law "{law}"')
+            raise ModelError(faults, f'law "{law}"')
         return found
 
     def residuals(shares: Array) -> Array:

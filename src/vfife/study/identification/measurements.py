@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import Fault, ModelError, QuantityError, VfifeError, shown, suggestion
+from ...errors import Fault, ModelError, VfifeError, shown, suggestion
 from ...files import read_bytes
 from ...units import number
 
@@ -195,7 +195,7 @@ def factor(unit: str, wanted: str, where: str, faults: list[Fault]) -> float:
     """From the unit of a column to that of its channel; nothing said is the same unit."""
     try:
         return number(f"1 {unit}", wanted) if unit and unit != "1" else 1.0
-    except QuantityError as error:
+    except Fault as error:
         what = error.what.removeprefix("a text whose ") if error.what.startswith("a text whose ") else f"unit is that of {error.what}"
         faults.append(Fault(where, f"its {what}", shown(unit), error.limit, f"for example [{wanted}]"))
         return 1.0

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import Fault, ModelError, shown, suggestion
-from ...fields import Measure, Refused
+from ...fields import Measure
 from ...model.mechanism import Mechanism
 from ...modelfile.parameter import NO_NUMBER, Parameter, numbers
 from ...units import ends_of
@@ -122,8 +122,8 @@ def end(told: str, value: Any, held: Measure, faults: list[Fault]) -> float | No
     try:
         found: float = held.take(float(value) if isinstance(value, str) and bare(value) else value, True)
         return found
-    except Refused as refused:
-        faults.append(Fault(told, f"its bound: {refused.what}", refused.value, refused.limit, refused.remedy))
+    except Fault as fault:
+        faults.append(Fault(told, f"its bound: {fault.what}", fault.value, fault.limit, fault.remedy))
         return None
 
 

@@ -1,0 +1,28 @@
+"""A fault: one type from where a value is read to what a user sees."""
+
+from __future__ import annotations
+
+import pickle
+
+from vfife.errors import Fault
+
+
+def test_a_fault_has_its_place_in_keys_and_words() -> None:
+    fault = Fault(("joint", "C", "clearance"), "this is negative", "-1", "above 0 m", "correct the value")
+    assert (fault.path, fault.where) == (("joint", "C", "clearance"), "[joint.C] clearance")
+    assert str(fault) == "[joint.C] clearance = -1: this is negative; allowed: above 0 m. Correct the value."
+
+
+def test_a_fault_without_a_place_is_told_by_its_value() -> None:
+    fault = Fault("", "this is negative", "-1", "above 0 m", "correct the value")
+    assert str(fault) == "-1: this is negative; allowed: above 0 m. Correct the value."
+    placed = fault.at(("run", "turns"), given={("run", "turns")})
+    assert (placed.where, placed.what, placed.value) == ("[run] turns (given by set)", fault.what, "-1")
+    assert fault.at("--turns", value="2").value == "-1" and Fault("", "missing").at("--turns", value="2").value == "2"
+
+
+def test_a_fault_is_a_value_that_is_kept_between_processes() -> None:
+    fault = Fault("", "this is negative", "-1").at(("run", "turns"))
+    again = pickle.loads(pickle.dumps(fault))
+    assert again == fault and hash(again) == hash(fault) and (again.where, again.path) == (fault.where, fault.path)
+    assert fault != Fault("", "this is negative", "-1")
