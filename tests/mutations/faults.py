@@ -25,8 +25,7 @@ MODULES: dict[str, tuple[str, ...]] = {
         "tolerance", "wear_state",
     ),
     "solvers": (
-        "companions", "impact_section", "lyapunov", "orbits", "record", "refinement", "repeating", "restepped", "sectioning", "statics",
-        "tangents",
+        "companions", "impact_section", "lyapunov", "record", "refinement", "repeating", "statics", "tangents", "turn_runner",
     ),
     "results": ("channel", "channels", "comparison", "fitted", "reductions", "series", "spectra", "studied", "tables", "turns", "view"),
 }  # fmt: skip

@@ -11,12 +11,13 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.solvers import orbits, repeating, sectioning
+from vfife.solvers import repeating
 from vfife.solvers.companions import oldest_needed
-from vfife.solvers.impact_section import PER_CONTACT, WIDE, Strikes
-from vfife.solvers.lyapunov import steps_of_turn, weights
-from vfife.solvers.orbits import LANES, Orbits, Start
+from vfife.solvers.impact_section import PER_CONTACT, WIDE, Sectioning, Strikes
+from vfife.solvers.lyapunov import weights
 from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
+from vfife.solvers.tangents import Neighbours
+from vfife.solvers.turn_runner import LANES, Orbits, Start, TurnRunner
 
 
 def test_two_turns_are_apart_by_the_worst_quantity() -> None:
@@ -105,10 +106,14 @@ def test_companions_keep_the_rows_of_the_last_turn() -> None:
 # ------------------------------------------------------------------------------------------------------------------ starts
 
 
-def test_members_begin_a_turn_before_and_at_the_phase_of_all() -> None:
-    of = Orbits(100, 5, 2)
-    begins = [of.begins(Start(0, lambda: None, ahead)) for ahead in (0.0, 0.25, 0.999, 1.0, -0.25)]  # type: ignore[arg-type,return-value]
-    assert begins == [101, 126, 101, 101, 176]
+def crank() -> Any:
+    """An assembly with so many steps in a turn that a turn at 1/1000 of it is a step."""
+    return assemble(four_bar("C", speed=50.0), 2.0 * math.pi / 50.0 / 1000, turns=1, outputs=1, force_step=True)
+
+
+def test_motions_begin_a_turn_before_and_at_the_phase() -> None:
+    begins = [TurnRunner([crank()], phase).begins for phase in (0.0, 0.25, 0.999, 1.0, -0.25)]
+    assert begins == [1001, 1251, 2000, 1001, 1751]
 
 
 def test_members_as_far_before_the_phase_go_side_by_side() -> None:
@@ -119,27 +124,24 @@ def test_members_as_far_before_the_phase_go_side_by_side() -> None:
 
 
 def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first step by itself, the rest of what comes before and two turns that are dropped in one go, then three turns."""
+    """The first step by itself, the rest of what comes before, two turns that are dropped, then three turns."""
     calls: list[tuple[int, int]] = []
-    runner: Any = SimpleNamespace(advance=lambda steps, outputs: calls.append((steps, outputs)))
-    monkeypatch.setattr(orbits, "plain_runner", lambda _: runner)
-    monkeypatch.setattr(orbits, "Pace", lambda _: SimpleNamespace(advance=lambda _, steps, outputs: calls.append((steps, outputs))))
-    rows, growth = Orbits(100, 5, 2)._through([], 126)
-    assert calls == [(1, 1), (125 + 200, 1), (100, 3)] and rows is None and growth.shape == (0, LANES)
+    runner = TurnRunner([crank()], 0.25)
+    advance = runner.pace.advance
+    monkeypatch.setattr(runner.pace, "advance", lambda which, steps, outputs: calls.append((steps, outputs)) or advance(which, steps, outputs))
+    rows, growth = Orbits(1000, 5, 2).through(runner)
+    assert calls == [(1250, 1), (2000, 1), (1000, 3)] and rows.shape == (3, len(runner.kept), 1) and growth.shape == (0, LANES)
+    assert runner.done == 1251 + 5000
 
 
-def test_pieces_of_a_section_end_where_turns_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pieces_of_a_section_end_where_turns_are_dropped() -> None:
     """Ten turns before those that are looked at a difference begins; no piece has more than fifty turns, and none crosses an end."""
-    runner = SimpleNamespace(kept=np.zeros(3))
-    monkeypatch.setattr(sectioning, "Nearby", lambda *_: SimpleNamespace(pace=SimpleNamespace()))
-    monkeypatch.setattr(sectioning, "plain_runner", lambda *_: runner)
-    assembly: Any = SimpleNamespace(choice=SimpleNamespace(turn=0.1, step=1e-3))
-    assert steps_of_turn(assembly) == 100
-    one = sectioning.Sectioning(assembly, None, 0.25, 180, 75)  # type: ignore[arg-type]
+    near = Neighbours(crank(), crank(), 1.0)
+    one = Sectioning(crank(), near, 0.25, 180, 75)
     assert one.cuts == [(0, 50), (50, 65), (65, 75), (75, 125), (125, 175), (175, 180)]
-    assert (one.begins, one.before, one.dropped) == (126, 65, 75)
-    few = sectioning.Sectioning(assembly, None, 1.0, 8, 4)  # type: ignore[arg-type]
-    assert few.cuts == [(0, 4), (4, 8)] and few.before == 0 and few.begins == 101
+    assert (one.motion.begins, one.before, one.dropped) == (1251, 65, 75)
+    few = Sectioning(crank(), near, 1.0, 8, 4)
+    assert few.cuts == [(0, 4), (4, 8)] and few.before == 0 and few.motion.begins == 1001
 
 
 def test_differences_count_by_kinetic_energy_and_by_a_radian_of_the_crank() -> None:

@@ -1,8 +1,10 @@
-"""Sections at impacts: where on its bearing, how fast and at which crank angle each contact begins, step by step."""
+"""Sections of one long motion: once a turn, and at impacts (where on its bearing, how fast and at which crank angle each contact begins)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,13 +13,16 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kernels.topology import LINE, SLOT
 from ..numerics.elementwise import atan2, sincos
-from .interrupts import Pace
-from .lyapunov import plain_runner
+from .interrupts import Workers
+from .lyapunov import ALIGNED, LyapunovRunner
+from .tangents import Neighbours
+from .turn_runner import TurnRunner
 
 Array = NDArray[np.float64]
 COLUMNS = ("contact", "time", "crank", "place", "speed", "count")
 PER_CONTACT = ("contact_onsets", "contact_approach", "contact_penetration")
 WIDE = len(PER_CONTACT) + 6
+TURNS = 50  # of a piece
 AT_ONCE = 20_000  # steps that are recorded one by one before they are looked through
 
 
@@ -46,12 +51,12 @@ class Strikes(NamedTuple):
 
     def over(self, state: Array, done: int, steps: int, look: Callable[[], None] | None = None) -> Array:
         """The onsets in so many steps after the first ``done``, from a state, shape (rows,): shape (onsets, columns)."""
-        runner, pace = plain_runner([self.assembly], self.rows), Pace(look)
-        runner.states[:, 0], runner.done = state, done
+        runner = TurnRunner([self.assembly], kept=self.rows, look=look)
+        runner.restore(state, done)
         before, found = state[self.rows][None, :], [np.zeros((0, len(COLUMNS)))]
         while steps > 0:
             some = min(steps, AT_ONCE)
-            rows = np.concatenate([before, pace.advance(runner, 1, some)[:, :, 0]])
+            rows = np.concatenate([before, runner.record(1, some)[:, :, 0]])
             found += [self._onsets(rows, runner.done - some - 1, k) for k in range(len(self.contacts))]
             before, steps = rows[-1:], steps - some
         every = np.concatenate(found)
@@ -83,3 +88,69 @@ class Strikes(NamedTuple):
         (bx, by), (jx, jy) = centres
         found: Array = np.mod(atan2(jy - by, jx - bx) - bodies[:, 2], 2.0 * np.pi)
         return found
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, kept), the ``growth`` of a small difference in it, its logarithm,
+    shape (turns,), what was ``struck`` (:class:`Strikes`), and the ``state`` to go on from, shape (rows,) or (2 rows,)."""
+
+    number: int
+    rows: Array
+    growth: Array
+    struck: Array
+    state: Array
+
+
+class Sectioning:
+    """A motion of so many ``turns``, the first of them ``dropped``, looked at at a ``phase`` (1) of the turn, and at impacts of some ``contacts``.
+
+    The run makes a turn before these, and the way to the phase. ``near``: neighbours whose difference is the small one. It is cut in pieces, after
+    each of which it can be taken up again.
+    """
+
+    def __init__(self, assembly: Assembly, near: Neighbours, phase: float, turns: int, dropped: int, contacts: Sequence[int] = ()) -> None:
+        self.assembly, self.dropped, self.before = assembly, dropped, max(0, dropped - ALIGNED)
+        spans = ((0, self.before), (self.before, dropped), (dropped, turns))
+        self.cuts = [(k, min(k + TURNS, last)) for first, last in spans for k in range(first, last, TURNS)]
+        self.motion, self.difference = TurnRunner([assembly], phase), LyapunovRunner([assembly], [near])
+        self.kept = self.motion.kept
+        self.strikes = Strikes.of(assembly, contacts) if contacts else None
+
+    def pieces(self, resume: tuple[int, Array] | None = None) -> Iterator[Piece]:
+        """The pieces, from that after ``resume`` on, the number and state of one before. A second thread looks for impacts."""
+        motion = self.motion
+        with Workers(1) as workers:
+            motion.pace.look = self.difference.pace.look = workers.halt.look
+            if resume is None:
+                motion.begin()
+            state = motion.states[:, 0].copy() if resume is None else resume[1]
+            waiting: tuple[int, Array, Array, Array, Future[Array] | None] | None = None
+            for number in range(0 if resume is None else resume[0] + 1, len(self.cuts)):
+                first, last = self.cuts[number]
+                job, done = None, motion.begins + first * motion.turn
+                if self.strikes is not None and first >= self.dropped:
+                    own = state[: self.assembly.layout.rows].copy()
+                    job = workers.submit(self.strikes.over, own, done, (last - first) * motion.turn, workers.look)
+                rows, growth, state = self._turns(first, last, state, done)
+                if waiting is not None:
+                    yield _piece(*waiting)
+                waiting = number, rows, growth, state, job
+            if waiting is not None:
+                yield _piece(*waiting)
+
+    def _turns(self, first: int, last: int, state: Array, done: int) -> tuple[Array, Array, Array]:
+        """Rows and growth of turns, where they are looked at, and the state after them."""
+        nothing = np.zeros((0, len(self.kept))), np.zeros(0)
+        if last <= self.before:
+            self.motion.restore(state, done)
+            self.motion.skip(last - first)
+            return *nothing, self.motion.states[:, 0].copy()
+        self.difference.begin([self.assembly], state[:, None], done)
+        rows, growth = self.difference.turns([self.assembly], last - first)
+        after = self.difference.states[:, 0].copy()
+        return (rows[:, :, 0], growth[:, 0], after) if first >= self.dropped else (*nothing, after)
+
+
+def _piece(number: int, rows: Array, growth: Array, state: Array, job: Future[Array] | None) -> Piece:
+    return Piece(number, rows, growth, np.zeros((0, len(COLUMNS))) if job is None else job.result(), state)

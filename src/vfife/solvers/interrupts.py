@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from types import FrameType, TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +54,44 @@ class Halt:
             signal.signal(number, handler)
         if kind is None:
             self.look()
+
+
+PATIENCE = 0.1  # s between two looks at signals
+Result = TypeVar("Result")
+
+
+class Workers:
+    """Threads, one a core unless given, that end within a call of the loop when whoever waits for them is interrupted."""
+
+    def __init__(self, count: int | None = None) -> None:
+        self.halt, self.stop, self.count = Halt(), threading.Event(), max(1, count or os.cpu_count() or 1)
+
+    def __enter__(self) -> Workers:
+        self.halt.__enter__()
+        self.pool = ThreadPoolExecutor(self.count)
+        return self
+
+    def submit(self, work: Callable[..., Result], *arguments: Any) -> Future[Result]:
+        """Have a thread do some work."""
+        return self.pool.submit(work, *arguments)
+
+    def results(self, jobs: Iterable[Future[Result]]) -> Iterator[Result]:
+        """Yield results as they come, or raise what the first job that fails raises. Signals are heard meanwhile."""
+        waiting = set(jobs)
+        while waiting:
+            done, waiting = wait(waiting, PATIENCE, FIRST_COMPLETED)
+            self.halt.look()
+            yield from (job.result() for job in done)
+
+    def look(self) -> None:
+        """Raise KeyboardInterrupt in a thread that is to end."""
+        if self.stop.is_set():
+            raise KeyboardInterrupt
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.stop.set()
+        self.pool.shutdown(wait=True, cancel_futures=True)
+        self.halt.__exit__(kind, error, trace)
 
 
 SECONDS = 0.25  # of one call, between two looks at signals, the clock and the progress line

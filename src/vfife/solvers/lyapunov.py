@@ -1,4 +1,4 @@
-"""Motions nearby: the growth of a small difference, turn by turn, beside the motion itself.
+"""Lyapunov exponents: the growth of a small difference, turn by turn, beside the motion itself.
 
 It is that of the step's own derivative, which begins as that by a number of the model, is freed from it after a turn, and is taken back to
 length one after each (Benettin et al. 1980).
@@ -23,20 +23,12 @@ Array = NDArray[np.float64]
 ALIGNED = 10  # turns in which a difference takes the direction in which it grows most
 
 
-def plain_runner(assemblies: Sequence[Assembly], kept: NDArray[np.uint32] | None = None) -> Runner:
-    """A runner with each of the assemblies in a lane, at its start."""
-    first, states = assemblies[0], np.stack([one.state for one in assemblies], axis=1)
-    tables = np.stack([one.tables for one in assemblies])
-    rows = recorded_rows(first) if kept is None else kept
-    return Runner(first.topology, states, tables, "generated", rows, parts=first.mechanism.settings.parts)
-
-
 def steps_of_turn(assembly: Assembly) -> int:
     """Steps in a turn."""
     return round((assembly.choice.turn or 0.0) / assembly.choice.step)
 
 
-class Nearby:
+class LyapunovRunner:
     """Motions in lanes, each with a small difference beside it. ``near`` has of each lane the neighbours whose difference is the first one.
 
     ``look`` is called a few times a second; what it raises ends a call.

@@ -6,9 +6,7 @@ What a direction changes at the start is known from two assemblies, a little to 
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -19,7 +17,7 @@ from ..assembly.assembled import Assembly
 from ..codegen.native import CONTACT_LANES
 from ..codegen.runner import Runner
 from ..errors import VfifeError
-from .interrupts import Halt, Pace
+from .interrupts import Pace, Workers
 from .record import Columns, Record, recorded_rows
 
 Array = NDArray[np.float64]
@@ -123,18 +121,14 @@ def tangents(
     directions = next((few for few in DIRECTIONS if few * groups * cores >= len(every)), DIRECTIONS[-1])
     rows = recorded_rows(assembly) if kept is None else kept
     passes = [every[first : first + groups * directions] for first in range(0, len(every), groups * directions)]
-    stop = threading.Event()
 
-    def carried(some: Sequence[Neighbours]) -> list[Pairs]:
-        return _together(assembly, some, np.array(shares), lanes, directions, rows, spans(assembly, whole), stop)
+    def pairs_of(some: Sequence[Neighbours]) -> list[Pairs]:
+        return _together(assembly, some, np.array(shares), lanes, directions, rows, spans(assembly, whole), workers.look)
 
-    with Halt() as halt, ThreadPoolExecutor(max(1, min(cores, len(passes)))) as pool:
-        jobs = [pool.submit(carried, some) for some in passes]
-        try:
-            while wait(jobs, 0.1, FIRST_EXCEPTION).not_done and not any(job.done() and job.exception() for job in jobs):
-                halt.look()
-        finally:
-            stop.set()
+    with Workers(min(cores, len(passes))) as workers:
+        jobs = [workers.submit(pairs_of, some) for some in passes]
+        for _ in workers.results(jobs):
+            pass
         return [pairs for job in jobs for pairs in job.result()]
 
 
@@ -168,7 +162,7 @@ def jacobian(
 
 def _together(
     assembly: Assembly, some: Sequence[Neighbours], shares: Array, lanes: int, directions: int, kept: NDArray[np.uint32],
-    parts: list[tuple[int, int]], stop: threading.Event,
+    parts: list[tuple[int, int]], look: Callable[[], None],
 ) -> list[Pairs]:  # fmt: skip
     rows = assembly.layout.rows
     state, table = np.zeros((directions + 1, rows, lanes)), np.zeros((lanes, directions + 2, len(assembly.tables)))
@@ -184,7 +178,7 @@ def _together(
         assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", every,
         parts=assembly.mechanism.settings.parts, shares=np.resize(shares, lanes), directions=directions,
     )  # fmt: skip
-    pace = Pace(lambda: _end_if(stop))
+    pace = Pace(look)
     found = np.concatenate([runner.advance(1, 1), *[pace.advance(runner, count, outputs) for count, outputs in parts]])
     steps = np.concatenate([[0], np.cumsum([count for count, outputs in parts for _ in range(outputs)])]).astype(np.int64)
     values = found.reshape(len(found), directions + 1, len(kept), lanes)
@@ -193,11 +187,6 @@ def _together(
         [_pair(one, steps, seen, values[:, 0, :, lane], values[:, way + 1, :, lane]) for lane in range(where.start, where.stop)]
         for (where, way), one in zip(places, some, strict=False)
     ]
-
-
-def _end_if(stop: threading.Event) -> None:
-    if stop.is_set():
-        raise KeyboardInterrupt
 
 
 def _pair(one: Neighbours, steps: NDArray[np.int64], seen: Columns, rows: Array, slopes: Array) -> tuple[Record, Record]:

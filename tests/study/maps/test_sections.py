@@ -10,8 +10,7 @@ from vfife.errors import ModelError, VfifeError
 from vfife.laws import Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
 from vfife.solvers.impact_section import COLUMNS, Strikes
-from vfife.solvers.lyapunov import plain_runner
-from vfife.solvers.restepped import restepped
+from vfife.solvers.turn_runner import TurnRunner, restepped
 from vfife.study.maps.kept import load_map
 from vfife.study.maps.section_series import stepped
 from vfife.study.maps.sections import poincare_section
@@ -46,7 +45,7 @@ def flown():
 
 def begun(start):
     """State and steps after the first one."""
-    runner = plain_runner([start])
+    runner = TurnRunner([start]).runner
     runner.advance(1, 1)
     return runner.states[:, 0].copy(), runner.done
 
@@ -96,7 +95,7 @@ def test_a_step_is_changed_under_way_without_a_jolt() -> None:
 
     m = oscillator(damping=0.0)
     once = stepped(m, 4000)
-    runner = plain_runner([once])
+    runner = TurnRunner([once]).runner
     runner.advance(1, 1)
     runner.advance(1234, 1)
     state, done = runner.states[:, 0].copy(), runner.done
@@ -111,7 +110,7 @@ def test_a_step_is_changed_under_way_without_a_jolt() -> None:
     for factor in (3.0, 0.5):
         other = stepped(m, round(factor * 4000))
         begun_, number = restepped(state, done, other)
-        again = plain_runner([other])
+        again = TurnRunner([other]).runner
         again.states[:, 0], again.done = begun_, number
         again.advance(round(400 * factor), 1)
         off.append(float(again.states[x, 0]) - reached)
@@ -151,10 +150,10 @@ def test_the_place_is_seen_from_a_bearing_that_turns() -> None:
 
 def test_a_section_goes_on_where_it_was_broken_off(tmp_path, monkeypatch) -> None:
     """To the bit, in the turns that are dropped and in those that are looked at."""
-    from vfife.solvers import sectioning
+    from vfife.solvers import impact_section
 
-    monkeypatch.setattr(sectioning, "TURNS", 2)
-    monkeypatch.setattr(sectioning, "ALIGNED", 1)
+    monkeypatch.setattr(impact_section, "TURNS", 2)
+    monkeypatch.setattr(impact_section, "ALIGNED", 1)
     whole = poincare_section(loose(), **SHORT, file=tmp_path / "whole.map")
 
     def stop(after: int):

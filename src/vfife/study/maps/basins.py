@@ -20,8 +20,8 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
-from ...solvers.orbits import Orbits, Start
 from ...solvers.record import recorded_rows
+from ...solvers.turn_runner import Orbits, Start
 from .section_series import (
     chosen_series,
     kept_in,

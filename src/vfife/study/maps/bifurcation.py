@@ -20,10 +20,9 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
-from ...solvers.orbits import Orbits, Start
 from ...solvers.record import recorded_rows
-from ...solvers.sweeping import Sweep, carried_on, side_by_side
 from ...solvers.tangents import Neighbours
+from ...solvers.turn_runner import Orbits, Start, Sweep, carried_on, side_by_side
 from ..finite_difference import nearby
 from .section_series import (
     chosen_series,

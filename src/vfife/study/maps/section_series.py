@@ -29,12 +29,12 @@ from ...results.mapfile import MapFile
 from ...results.view import View, standing
 from ...simulation import carry_out, prepare
 from ...solvers.arguments import Asked
-from ...solvers.lyapunov import plain_runner, steps_of_turn
+from ...solvers.lyapunov import steps_of_turn
 from ...solvers.record import Record
 from ...solvers.status import Status
-from ...solvers.sweeping import carried_on
 from ...solvers.tangents import Neighbours
 from ...solvers.transient import choose_loop
+from ...solvers.turn_runner import TurnRunner, carried_on
 
 Array = NDArray[np.float64]
 # Turns of the run that finds a step. In ten a run sees that its turns do not repeat: then it halves its step less often.
@@ -94,10 +94,10 @@ def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, 
     """Range of each series over the first turns, as a share of the largest absolute value of its kind; 0 for series that are not finite."""
     kinds = [list(kind) for kind in kinds]
     names = [name for kind in kinds for name in kind]
-    runner, every = plain_runner([assembly]), max(1, steps_of_turn(assembly) // PROBE_OUTPUTS)
-    runner.advance(1, 1)
-    rows = runner.advance(every, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
-    values = dict(zip(names, looked(assembly, runner.kept, rows, names, every).T, strict=True))
+    motion, every = TurnRunner([assembly]), max(1, steps_of_turn(assembly) // PROBE_OUTPUTS)
+    motion.runner.advance(1, 1)
+    rows = motion.record(every, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
+    values = dict(zip(names, looked(assembly, motion.kept, rows, names, every).T, strict=True))
     found = {}
     for kind in kinds:
         size = max((float(np.abs(values[name]).max()) for name in kind), default=0.0)

@@ -17,8 +17,7 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
-from ...solvers.impact_section import COLUMNS
-from ...solvers.sectioning import Sectioning
+from ...solvers.impact_section import COLUMNS, Sectioning
 from .section_series import (
     chosen_series,
     kept_in,

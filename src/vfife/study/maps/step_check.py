@@ -14,12 +14,10 @@ from ...analysis.chaos import exponent
 from ...analysis.verdict import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, verdict
 from ...assembly.assembled import Assembly
 from ...errors import VfifeError
-from ...solvers.interrupts import Pace
-from ...solvers.lyapunov import ALIGNED, Nearby, plain_runner, steps_of_turn
-from ...solvers.orbits import Orbits, Start
+from ...solvers.lyapunov import steps_of_turn
 from ...solvers.record import recorded_rows
-from ...solvers.restepped import restepped
 from ...solvers.tangents import Neighbours
+from ...solvers.turn_runner import Orbits, Start, TurnRunner, restepped
 from .section_series import looked, stepped
 
 Array = NDArray[np.float64]
@@ -81,15 +79,11 @@ def carried_companions(
     found = []
     for ratio, again in restepped_models(models):
         both = [restepped(state[:, k], done, one) for k, one in enumerate(again)]
-        plain, pace, steps = plain_runner(again), Pace(look), steps_of_turn(again[0])
-        plain.states[:], plain.done = np.stack([one for one, _ in both], axis=1), both[0][1]
-        before = max(0, dropped - ALIGNED)
-        pace.advance(plain, before * steps, 1) if before else None
-        nearby = Nearby(again, near, look)
-        nearby.begin(again, plain.states, plain.done)
-        rows, growth = (one[dropped - before :] for one in nearby.turns(again, turns - before))
+        runner = TurnRunner(again, look=look)
+        runner.restore(np.stack([one for one, _ in both], axis=1), both[0][1])
+        rows, growth = runner.growing(turns, dropped, near)
         for k, one in enumerate(again):
-            points = looked(one, plain.kept, rows[:, :, k], series, steps)
+            points = looked(one, runner.kept, rows[:, :, k], series, runner.turn)
             found.append(Companion(numbers[k], k, ratio, verdict(points, exponent(growth[:, k])).kind))
     return found
 

@@ -19,11 +19,10 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump
 from ...results.tally import warn_of_damage
 from ...results.wearfile import WearFile, WornPoint
-from ...solvers.blocks import Blocks
 from ...solvers.interrupts import Halt
 from ...solvers.record import Record
-from ...solvers.restepped import restepped
 from ...solvers.transient import choose_loop
+from ...solvers.turn_runner import WearRunner, restepped
 from ..maps.section_series import kept_as, step_count
 from .jumps import Standing, between, jumps
 from .wear_state import Asked, Surface, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
@@ -32,18 +31,18 @@ Array = NDArray[np.float64]
 FINER = 2  # times as many steps in a turn
 
 
-def beside(asked: Asked, surfaces: Sequence[Surface], blocks: Blocks, rate: Array, halt: Halt) -> tuple[float, float]:
+def beside(asked: Asked, surfaces: Sequence[Surface], blocks: WearRunner, rate: Array, halt: Halt) -> tuple[float, float]:
     """How far rates of wear are apart from ``rate`` with half the step: of the volume of all surfaces, and of the deepest place of any, as shares.
 
     Both begin with the state that ``blocks`` are in; what their turns leave open by themselves is in it.
     """
     model, turn = blocks.assembly.mechanism, blocks.assembly.choice.turn or 0.0
     other = assemble(model, turn / (FINER * asked.steps), turns=1, outputs=PLACES, force_step=True)
-    again = Blocks(other, PLACES, halt)
+    again = WearRunner(other, PLACES, halt)
     state = blocks.state
-    again.runner.states[:, 0], again.runner.done = restepped(state[:-1], int(state[-1]), other)
+    again.restore(*restepped(state[:-1], int(state[-1]), other))
     again.shape(*(state[rows] for rows in blocks.harmonics))
-    found, _ = rates(again.advance(asked.settle, asked.block), surfaces, asked.block)
+    found, _ = rates(again.block(asked.settle, asked.block), surfaces, asked.block)
     whole, largest = float(rate.sum()), float(np.abs(around(asked, rate)).max())
     apart = abs(float(found.sum()) / whole - 1.0) if whole > 0.0 else 0.0
     return apart, float(np.abs(around(asked, found - rate)).max()) / largest if largest > 0.0 else 0.0
@@ -159,7 +158,7 @@ class Wearing:
         assembly = assemble(model, turn / asked.steps, turns=1, outputs=PLACES, force_step=True)
         if choose_loop(assembly, "auto") != "generated":
             raise ModelError([Fault("body", "a frame of so many elements is not followed so far", "", "", "use fewer elements")], model.name)
-        self.blocks = Blocks(assembly, PLACES, halt)
+        self.blocks = WearRunner(assembly, PLACES, halt)
         self.told: dict[str, Any] = {}
         self.clearance = min(surface.clearance for surface in surfaces)
 
@@ -171,7 +170,7 @@ class Wearing:
         """Depth (m) that a turn takes at each place of all surfaces, once they are so deep."""
         if self.asked.harmonics:
             self.blocks.shape(*swing(self.surfaces, depth, self.asked.harmonics, self.blocks.assembly))
-        record = self.blocks.advance(self.asked.settle, self.asked.block)
+        record = self.blocks.block(self.asked.settle, self.asked.block)
         found, spread = rates(record, self.surfaces, self.asked.block)
         self.told = {"spread": spread, "force": loads(record, self.surfaces)}
         return found
@@ -180,7 +179,7 @@ class Wearing:
         """Points after those that are known, up to the end of the turns or of a life."""
         asked, joints = self.asked, list(dict.fromkeys(surface.joint for surface in self.surfaces))
         if known and state is not None:
-            self.blocks.restore(state)
+            self.blocks.restore(state[:-1], int(state[-1]))
             told = known[-1].told
             if told["ended"]:
                 return
