@@ -20,14 +20,14 @@ from .assembly.possible import Outlook, outlook
 from .assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from .codegen.cache import sources as sources_of_the_step
 from .errors import Fault, ModelError
+from .job.cost import BRIEF, run_cost
+from .job.job import Job, job_of
 from .kinematics.initial import Motion
 from .model.mechanism import Mechanism
 from .model.validate import validate
 from .modelfile import dump
 from .result import Result
 from .results.companions import kept_companions, refuse_displaced
-from .results.cost import BRIEF, LIBRARIES, too_much, with_repetition
-from .results.cost import estimate as estimate_cost
 from .results.lock import Lock
 from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
@@ -180,23 +180,19 @@ def simulate(
     given.callable("progress", progress)
     given.one_of("confirm", confirm, (bool,), "True or False")
     given.tell()
-    check = None if confirm else partial(refuse_large, file)
-    return carry_out(prepare(mechanism, asked, reference, start, check), progress=progress, file=file)
+    with job_of("simulate", None if file is None else file.path, confirm, progress) as job:
+        return carry_out(prepare(mechanism, asked, reference, start, job), progress=job, file=file)
 
 
-def refuse_large(file: RunFile | None, assembly: Assembly, reference: Assembly | None = None, refined: bool = False) -> None:
-    """Raise ModelError for a run that takes hours, or half of the memory or of the disk.
+def forecast(job: Job, assembly: Assembly, reference: Assembly | None = None, refined: bool = False, companions: int = 0) -> None:
+    """Begin the job of a run, which ends here where it takes hours, or half of the memory or of the disk, and nobody confirmed that.
 
     ``reference`` runs beside it; ``refined``: a smooth or static run, which is repeated with smaller steps or other meshes.
     """
-    cost = with_repetition(estimate_cost(assembly, reference), assembly, refined)
-    if file is not None:  # outputs go into the file while they come
-        cost["memory"] = LIBRARIES
-    else:
-        cost["disk"] = 0.0
-    if much := too_much(cost, Path() if file is None else file.path):
-        less = "or ask for less: turns, duration, outputs" + ("" if file is not None else ", or give a file for the outputs")
-        raise ModelError([Fault("run", f"it takes {much}", "", "", f"add confirm=True if that is meant, {less}")], "simulate()")
+    static = assembly.mechanism.settings.analysis == "static"
+    less = "ask for less: " + ("load_factors, elements or iterations" if static else "turns, duration, outputs")
+    cost = run_cost(assembly, reference, companions=companions, refined=refined, measured=True)
+    job.begin(cost.forecast(assembly.choice.steps, less))
 
 
 def prepare(
@@ -204,11 +200,11 @@ def prepare(
     asked: Asked,
     reference: bool | Result = True,
     start: StartFrom | None = None,
-    check: Callable[..., None] | None = None,
+    job: Job | None = None,
 ) -> Prepared:
     """Everything that comes before the first step, where most of what can be wrong is told: see :func:`simulate`.
 
-    ``check`` sees the ideal reference before it is run where that takes long, then the run, as :func:`refuse_large` does.
+    ``job`` compares a forecast with the machine: of the ideal reference before it is run where that takes long, then of the run.
     """
     if asked.settle is not None:
         mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, settle=asked.settle))
@@ -221,8 +217,8 @@ def prepare(
         still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
         assembly, wanted = assemble(still), companions_of(mechanism, asked.companions)
         finer, about = repeated(assembly, wanted, asked.loop), {"sources": sources_of_the_step().decode()}
-        if check is not None:
-            check(assembly, None, finer)
+        if job is not None:
+            forecast(job, assembly, None, finer)
         return Prepared(assembly, None, asked.loop, lambda _: assemble(still), refined=finer, asked=about)
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
@@ -231,8 +227,8 @@ def prepare(
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and seen.through:
         alone = ideal_of(mechanism, asked.turns, asked.duration, former, seen.motion)
-        if check is not None and alone is not None and estimate_cost(alone)["seconds"] > BRIEF:
-            check(alone)
+        if job is not None and alone is not None and run_cost(alone).seconds > BRIEF:
+            forecast(job, alone)
         ideal = referred(alone)
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
 
@@ -251,8 +247,8 @@ def prepare(
     if before is None and begin != CONTACT_STEPS and not companions and assembly.choice.automatic:
         assembly = again(asked.step)  # a large frame: nobody looks whether a coarse step will do
     finer = repeated(assembly, wanted, asked.loop)
-    if check is not None:
-        check(assembly, None if ideal is None else ideal.record.assembly, finer)
+    if job is not None:
+        forecast(job, assembly, None if ideal is None else ideal.record.assembly, finer, companions)
     kept = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
     return Prepared(assembly, ideal, asked.loop, again, companions, finer, kept)
 

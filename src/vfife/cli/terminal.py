@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
-from ..results.amounts import amount_of_bytes, span
+from ..job.amounts import amount_of_bytes, counted, span
 from .asked import ASKED
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..errors import Fault
 
 BAD_INPUT, DIVERGED, ENERGY, STORAGE = 2, 3, 4, 5
-__all__ = ["amount_of_bytes", "span"]  # for commands, which take all words from here
+__all__ = ["amount_of_bytes", "counted", "span"]  # for commands, which take all words from here
 STATUS = {
     BAD_INPUT: "refused",
     DIVERGED: "diverged",
@@ -186,8 +186,3 @@ def row(table: Table, *cells: Any) -> None:
     from rich.text import Text
 
     table.add_row(*(Text(str(cell)) for cell in cells))
-
-
-def counted(count: int, noun: str) -> str:
-    """So many of something."""
-    return f"{count:,} {noun}{'' if count == 1 else 's'}"

@@ -1,4 +1,4 @@
-"""Times and sizes in words; loads next to nothing, for every command begins with it."""
+"""Times, sizes and counts in words; loads next to nothing, for every command begins with it."""
 
 from __future__ import annotations
 
@@ -23,3 +23,8 @@ def span(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
+
+
+def counted(count: int, noun: str) -> str:
+    """A number of things, in words."""
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"

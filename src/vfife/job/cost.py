@@ -1,0 +1,235 @@
+"""The cost of work before it begins: time from one table of costs, or from a chunk that is timed, memory, bytes on the disk.
+
+A step costs a time that depends on its loop and on the number of joints and elements. On the table alone a forecast is right within a factor of
+two to three on common processors. Work that is longer than :data:`WORTH` is therefore calibrated: the first chunk of it is timed
+(:func:`timed_step`, :func:`timed`), in processor time, so that other programs on the machine do not count.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..assembly.assembled import Assembly
+from ..codegen.native import stream_lanes
+from ..codegen.straight_line import about
+from ..results import tables
+from ..solvers.refinement import iterations
+from ..solvers.record import recorded_rows
+from ..solvers.transient import choose_loop, run
+from .amounts import amount_of_bytes, counted, span
+
+# Time (ns) of a step, and what each clearance joint, ideal joint and element adds to it; one lane, common cores of 2 to 3 GHz.
+NANOSECONDS = {
+    "data-driven": {"step": 30.0, "clearance": 75.0, "ideal": 170.0, "element": 27.0},
+    "generated": {"step": 20.0, "clearance": 60.0, "ideal": 55.0, "element": 10.0},
+}
+COMPANIONS = 1.7  # a step with companions, by that of a run alone
+LANES = {1: 1.0, 2: 1.1, 4: 1.3, 8: 1.8}  # a step of so many lanes, by that of one
+TANGENTS = {1: 3.2, 2: 3.3, 4: 3.7}  # the same with derivatives by one number
+DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
+STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4  # s, and for each line of the step, once for all models of the same topology
+STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
+MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, by those of its first try
+REFINED = 7.0  # steps of a smooth run that is repeated with half and with a quarter of its step, by its own
+MESHED = 5.5  # time of a static analysis that is repeated with twice and with half the elements, by its own; 3.5 to 6 in the examples
+ASSEMBLY = 0.03  # s in which a case is assembled and its results are taken, alone
+
+RECORD_COPIES = 2.5  # memory of those who read a record, by its bytes
+LIBRARIES = 2.5e8  # bytes of memory of the program itself
+COMPRESSED = 0.5  # bytes of outputs in a run file, by those of the numbers
+
+BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
+WORTH = 1.5  # s of work from which on a chunk of it is timed
+CHUNK_STEPS = 20_000
+LONG, SHARE = 3600.0, 0.5  # s, and share of the memory or of the free disk, beyond which work has to be confirmed
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """The cost of work that is left: ``count`` runs (called by the ``noun``) of ``steps`` steps, beside ``known`` ones that are in the file.
+
+    ``seconds`` on this machine without other load, with so many ``threads`` of ``lanes``; bytes of ``memory`` and on the ``disk``. ``work`` are
+    words for what is computed, in place of those of count and steps; ``less``: how to ask for less; ``note``: what may make it more.
+    """
+
+    noun: str
+    count: int = 1
+    steps: float = 0.0
+    seconds: float = 0.0
+    memory: float = LIBRARIES
+    disk: float = 0.0
+    known: int = 0
+    threads: int = 1
+    lanes: int = 1
+    work: str = ""
+    less: str = "ask for fewer members or turns"
+    note: str = ""
+    remarks: tuple[str, ...] = ()
+
+    def excess(self, place: Path) -> str:
+        """Words for what of it is so much that it may not be meant: hours, half the memory or half of the disk; empty where nothing is."""
+        free, memory = tables.free_bytes(place), physical_memory()
+        parts = []
+        if self.seconds > LONG:
+            parts.append(f"some {span(self.seconds)}")
+        if memory is not None and self.memory > SHARE * memory:
+            parts.append(f"some {amount_of_bytes(self.memory)} of memory, of which there are {amount_of_bytes(memory)}")
+        if free is not None and self.disk > SHARE * free:
+            parts.append(f"some {amount_of_bytes(self.disk)} on a disk that has {amount_of_bytes(free)} left")
+        return " and ".join(parts)
+
+    def overflows(self, place: Path) -> bool:
+        """Whether the disk has no room for it."""
+        free = tables.free_bytes(place)
+        return free is not None and self.disk > free
+
+    @property
+    def amount(self) -> str:
+        """Runs and their steps, in words."""
+        return self.work or f"{counted(self.count, self.noun)} of {self.steps:,.0f} steps each"
+
+    def sentence(self, place: Path | None) -> str:
+        """The forecast in a line."""
+        known = f" beside {self.known:,} that are there" if self.known else ""
+        work = self.work or f"{counted(self.count, self.noun)}{known}, some {self.steps:,.0f} steps each"
+        lanes = f" of {counted(self.lanes, 'lane')}" if self.lanes > 1 else ""
+        disk = f", {amount_of_bytes(self.disk)} in {place}" if place is not None and self.disk else ""
+        return f"{work}: {span(self.seconds)} with {counted(self.threads, 'thread')}{lanes}{disk}{self.note}."
+
+
+def cores() -> int:
+    """Processors of this machine."""
+    return os.cpu_count() or 1
+
+
+def physical_memory() -> int | None:
+    """Bytes of memory of this machine, None where the system does not report them."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
+# ------------------------------------------------------------------------------------------------------------------ runs
+
+
+@dataclass(frozen=True)
+class RunCost:
+    """The cost of one run: loop, time of a step (ns), of all steps and of a first compilation (s), rows of the state, bytes of the record; those
+    of the ideal reference; bytes of memory and on the disk. Of an automatic step the first try is meant.
+    """
+
+    loop: str
+    ns_per_step: float
+    seconds: float
+    compile_seconds: float
+    rows: int
+    bytes: int
+    ideal_seconds: float = 0.0
+    memory: float = LIBRARIES
+    disk: float = 0.0
+
+    def forecast(self, steps: int, less: str) -> Forecast:
+        """The forecast of the run."""
+        return Forecast("run", 1, steps, self.seconds, self.memory, self.disk, less=less)
+
+
+def run_cost(assembly: Assembly, reference: Assembly | None = None, *, companions: int = 0, refined: bool = False, measured: bool = False) -> RunCost:
+    """The cost of a run with its ideal ``reference`` and ``companions``, from the table; ``measured``: long work is calibrated by a chunk.
+
+    ``refined``: a smooth run, repeated with smaller steps, or a static one, repeated on other meshes.
+    """
+    cost = _alone(assembly)
+    if companions:
+        cost = dataclasses.replace(cost, seconds=COMPANIONS * cost.seconds)
+    if measured and cost.seconds > WORTH and cost.loop == "generated":
+        cost = dataclasses.replace(cost, seconds=timed_step(assembly, companions) * assembly.choice.steps)
+    size = float(cost.bytes)
+    if reference is not None:
+        ideal = _alone(reference)
+        cost = dataclasses.replace(cost, seconds=cost.seconds + ideal.seconds, ideal_seconds=ideal.seconds)
+        size += ideal.bytes
+    memory, seconds = RECORD_COPIES * size + LIBRARIES, cost.seconds
+    if refined and assembly.mechanism.settings.analysis == "static":
+        seconds *= MESHED
+    elif refined:
+        seconds, memory = REFINED * seconds, memory + 2.0 * cost.bytes
+    return dataclasses.replace(cost, seconds=seconds, memory=memory, disk=COMPRESSED * size)
+
+
+def _alone(assembly: Assembly) -> RunCost:
+    topology, choice = assembly.topology, assembly.choice
+    static = assembly.mechanism.settings.analysis == "static"
+    loop = "data-driven" if static else choose_loop(assembly, "auto")
+    ns, entities = NANOSECONDS[loop], (len(topology.contact_bearing), len(topology.joint_bearing), len(topology.frame_nodes))
+    step = ns["step"] + sum(ns[name] * count for name, count in zip(("clearance", "ideal", "element"), entities, strict=True))
+    steps = choice.outputs * iterations(assembly) if static else choice.steps
+    step += STATIC_LOOKS * static
+    begin, each = STRAIGHT_LINE_COMPILATION
+    compilation = begin + each * about(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION
+    size = 8 * len(recorded_rows(assembly)) * (choice.outputs + 1)
+    return RunCost(loop, step, 1e-9 * step * steps, compilation, assembly.layout.rows, size)
+
+
+# --------------------------------------------------------------------------------------------------------------- measured
+
+
+def timed(work: Callable[[], Any]) -> float:
+    """Processor time (s) of a piece of work, of all its threads."""
+    began = time.process_time()
+    work()
+    return time.process_time() - began
+
+
+def timed_step(assembly: Assembly, companions: int = 0) -> float:
+    """Processor time (s) of a step of this assembly on this machine, from a short run; its step is compiled for it, as the run needs it anyway."""
+    choice = assembly.choice
+    outputs = min(choice.outputs, math.ceil(CHUNK_STEPS / choice.outputs_every))
+    short = dataclasses.replace(assembly, choice=dataclasses.replace(choice, outputs=outputs))
+    chunk = lambda: run(short, companions=companions)  # noqa: E731
+    chunk()
+    return timed(chunk) / short.choice.steps
+
+
+# ------------------------------------------------------------------------------------------------------------------ lanes
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Runs side by side in the lanes of all cores: ``overhead`` (s) of one in Python, one after another; ``steps`` (s of processor time) of one;
+    ``width``: how many are asked for together.
+    """
+
+    overhead: float
+    stepping: float
+    width: float = math.inf
+
+    def seconds(self, count: float) -> float:
+        """Time (s) of so many runs: threads step while one of them assembles."""
+        at_work = min(cores(), self.width)
+        return count * max(self.overhead, (self.overhead + self.stepping) / at_work)
+
+
+def stream(assembly: Assembly, width: float = math.inf) -> Stream:
+    """The stream of runs like this one, from the table."""
+    lanes = stream_lanes(len(assembly.topology.contact_bearing))
+    alone = _alone(assembly)
+    return Stream(ASSEMBLY, alone.seconds * LANES.get(lanes, LANES[8]) / min(lanes, width) if alone.loop == "generated" else alone.seconds, width)
+
+
+def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:
+    """The stream of runs of so many ``turns``, timed: ``once`` makes ``count`` of them, of fewer turns. Of two lengths the difference is stepping."""
+    once(1)  # compiles and imports
+    first = timed(lambda: once(1)) / count
+    if turns == 1:
+        return Stream(0.5 * first, 0.5 * first, width)
+    more = min(turns, 4)
+    turn = max(0.0, (timed(lambda: once(more)) / count - first) / (more - 1))
+    return Stream(max(first - turn, 0.0), turn * turns, width)

@@ -1,0 +1,175 @@
+"""Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, elsewhere a line every ten seconds or nothing."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from ..codegen import cache
+from ..solvers.status import Progress
+from .amounts import span
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bars
+
+PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
+START = "preparing the loop"
+COMPILING = "compiling the step for this kind of mechanism and these laws; it is kept, and later runs of the kind begin at once"
+PATIENCE = 1.0  # s of work in a script that need no line
+
+
+class ProgressLine:
+    """Percentage, speed and time left: one line that changes on a terminal, else one every ten seconds and the last."""
+
+    def __init__(self, quiet: bool) -> None:
+        self.quiet, self.live = quiet, not quiet and on_terminal()
+        self.bars: Bars | None = None
+        self.step_count, self.written, self.last, self.again = 0, time.monotonic(), "", ""
+
+    def __enter__(self) -> ProgressLine:
+        cache.MISSED.append(self.compiling)
+        if self.live:
+            from rich.console import Console
+            from rich.progress import BarColumn, TextColumn
+            from rich.progress import Progress as Bars
+
+            console = Console(stderr=True, highlight=False, soft_wrap=True)
+            self.bars = Bars(BarColumn(), TextColumn("{task.description}", markup=False), console=console, auto_refresh=False)
+            self.task = self.bars.add_task(START, total=1.0)
+            self.bars.start()
+            self.bars.refresh()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        cache.MISSED.remove(self.compiling)
+        if self.bars is not None:  # elsewhere the oldest rich would print an empty line
+            self.bars.stop()
+        elif not self.quiet and self.last and kind is None:
+            print(self.last, file=sys.stderr)
+
+    def compiling(self) -> None:
+        """Report that a compiler is at work."""
+        if self.bars is not None:
+            self.bars.update(self.task, description=COMPILING, refresh=True)
+        elif not self.quiet:
+            print(f"note: {COMPILING}.", file=sys.stderr)
+
+    def __call__(self, progress: Progress) -> None:
+        """Show where the work stands; called after each chunk of it."""
+        halved = self.step_count and progress.steps > self.step_count and not progress.text  # a search may ask for more members, too
+        again = " (again, with half the step)" if halved else ""
+        if again or not self.step_count:
+            self.step_count, self.again = progress.steps, again
+        self.last = sentence(progress) + self.again
+        if self.bars is not None:
+            self.bars.update(self.task, completed=progress.share, description=self.last, refresh=True)
+        elif not self.quiet and time.monotonic() - self.written > PLAIN_SECONDS:
+            self.written = time.monotonic()
+            print(self.last, file=sys.stderr)
+
+
+class NotebookLine:
+    """A line under a notebook's cell that is replaced as the work goes on."""
+
+    def __init__(self, display: Any) -> None:
+        self.shown, self.written, self.last = display(plain_text("..."), display_id=True), 0.0, ""
+
+    def __enter__(self) -> NotebookLine:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.shown.update(plain_text(self.last))
+
+    def __call__(self, progress: Progress) -> None:
+        """Show where the work stands, ten times a second at most."""
+        self.last = sentence(progress)
+        if time.monotonic() - self.written > 0.1:
+            self.written = time.monotonic()
+            self.shown.update(plain_text(self.last))
+
+
+class ScriptLine:
+    """The progress of work that a script asked for: nothing in its first second, nor where nobody would see it."""
+
+    def __init__(self) -> None:
+        self.began, self.line = time.monotonic(), None
+        self.make = script_line()
+
+    def __call__(self, progress: Progress) -> None:
+        """Show where the work stands."""
+        if self.make is None:
+            return
+        if self.line is None and time.monotonic() - self.began > PATIENCE:
+            self.line = self.make().__enter__()
+        if self.line is not None:
+            self.line(progress)
+
+    def close(self) -> None:
+        """End the line, with what it shows."""
+        if self.line is not None:
+            self.line.__exit__(None, None, None)
+            self.line = None
+
+
+def script_line() -> Callable[[], Any] | None:
+    """What makes a line for a script: in a notebook, on a terminal; None elsewhere."""
+    ipython = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    if shell is not None and type(shell).__name__ == "ZMQInteractiveShell":
+        display = sys.modules["IPython.display"].display
+        return lambda: NotebookLine(display)
+    return (lambda: ProgressLine(False)) if sys.stderr is not None and sys.stderr.isatty() else None
+
+
+def plain_text(text: str) -> Any:
+    """A text as a notebook shows it, without quotes."""
+    return type("Text", (), {"__repr__": lambda self: text})()
+
+
+class Counter:
+    """Progress of work that consists of many things alike: how many are done, their rate and the time that is left."""
+
+    def __init__(self, noun: str) -> None:
+        self.noun, self.began, self.first, self.failed = noun, time.monotonic(), -1, 0
+
+    def __call__(self, done: int, total: int, failed: bool = False) -> Progress:
+        """One more is done."""
+        self.first = done - 1 if self.first < 0 else self.first
+        self.failed += failed
+        seconds = max(time.monotonic() - self.began, 1e-9)
+        rate = (done - self.first) / seconds
+        left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
+        bad = f"  {self.failed:,} failed" if self.failed else ""
+        return Progress(done, total, seconds, f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}")
+
+
+def on_terminal() -> bool:
+    """Whether standard error is a terminal, or is to be taken for one; the library that draws is loaded only where it may be."""
+    forced = {"FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"} & set(os.environ)
+    if not (forced or sys.stderr.isatty()):
+        return False
+    from rich.console import Console
+
+    return Console(stderr=True).is_terminal
+
+
+def sentence(progress: Progress) -> str:
+    """Where the work stands, in words."""
+    if progress.text:
+        return f"{100.0 * progress.share:3.0f} %  {progress.text}"
+    head = f"{100.0 * progress.share:3.0f} %  {progress.done:,} of {progress.steps:,} steps"
+    if not progress.speed:
+        return head
+    left = f"  {span(progress.left)} left" if progress.done < progress.steps else f"  in {span(progress.seconds)}"
+    return f"{head}  {speed(progress.speed)}{left}"
+
+
+def speed(steps_a_second: float) -> str:
+    """Steps a second with a prefix."""
+    for factor, prefix in ((1e6, "million "), (1e3, "thousand ")):
+        if steps_a_second >= factor:
+            return f"{steps_a_second / factor:.3g} {prefix}steps/s"
+    return f"{steps_a_second:.3g} steps/s"
