@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from vfife.cli.mapoptions import number_range
+from vfife.cli.map import number_range
 from vfife.cli.mapped import said_spells
 from vfife.modelfile import load
 from vfife.results.lock import Lock

@@ -20,7 +20,8 @@ from cli.folders import contents, stages
 from cli.models import PENDULUM
 from vfife.cli.app import app
 from vfife.codegen.runner import Runner
-from vfife.results import cost, place, tables
+from vfife.job import cost
+from vfife.results import place, tables
 from vfife.results.lock import Lock, holder
 from vfife.results.runfile import RunFile
 from vfife.solvers import transient

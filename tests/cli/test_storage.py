@@ -17,7 +17,7 @@ import vfife
 from cli.folders import contents, stages
 from results.killed import full_at
 from vfife import files, plots
-from vfife.cli import carried
+from vfife.cli import run as of_a_run
 from vfife.cli.app import app
 from vfife.codegen import cache
 from vfife.results import netcdf, place, tables
@@ -46,7 +46,7 @@ WRITES = {
     "the folder": (place.Path, "mkdir", "nothing to keep"),
     "the lock": (place, "Lock", "nothing to keep"),
     "the move": (place.os, "rename", "nothing to keep"),
-    "the summary": (carried, "json_text", ""),
+    "the summary": (of_a_run, "json_text", ""),
     "the figures": (plots, "save", "The run itself is whole"),
 }
 

@@ -59,7 +59,7 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
         float(f) for f in re.search(r"The play of pin grew by (\S+) µm where its deepest places lost (\S+) µm: 8 harmonics", said).groups()
     )
     assert 0.0 < grown < 0.8 * lost
-    assert "at most" in done.stderr
+    assert "less where a limit is reached" in done.stderr
 
 
 def test_faults_are_sentences(command, tmp_path):

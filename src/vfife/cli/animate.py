@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
+from ..job.progress import ProgressLine
 from .ended import ForceFile, loaded, refuse_taken
 from .options import RunArgument
-from .progress import ProgressLine
 from .signals import NOW
 from .terminal import amount_of_bytes, sentences, span, writing
 

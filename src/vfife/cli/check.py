@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..results.cost import BRIEF, MOST_TRIES
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
 from .terminal import amount_of_bytes, grid, output, print_json, row, sentences, span
 
@@ -44,19 +44,22 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from ..assembly.assemble import assemble
     from ..assembly.possible import outlook
     from ..assembly.timestep import CONTACT_STEPS
+    from ..job.cost import BRIEF, run_cost
     from ..report import described
-    from ..results.cost import estimate, too_much, with_repetition
     from ..simulation import expected_forces, first_contact_steps, ideal_of, referred, repeated
+    from ..solvers.companions import number
+    from ..solvers.transient import choose_loop
     from .filled import filled_in
 
     seen = outlook(mechanism)
     ideal = ideal_of(mechanism) if seen.through else None
-    long = ideal is not None and estimate(ideal)["seconds"] > BRIEF
+    long = ideal is not None and run_cost(ideal).seconds > BRIEF
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
     choice, again = assembly.choice, repeated(assembly, mechanism.settings.companions)
-    cost = with_repetition(estimate(assembly, ideal), assembly, again)
+    companions = number(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
+    cost = run_cost(assembly, ideal, companions=companions, refined=again)
     return {
         "model": mechanism.name,
         "file": str(model),
@@ -75,7 +78,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
         "settle": mechanism.settings.settle,
         "repeated": again,
-        "estimate": cost | {"asks_for_yes": too_much(cost, Path())},
+        "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
         "defaults": filled_in(model, overrides(texts)),
         "notes": [*assembly.notes, *seen.notes],
         **({"laws": compared_laws(mechanism)} if laws else {}),
@@ -266,6 +269,8 @@ def statics(found: Mapping[str, Any]) -> list[str]:
 
 def cost(found: Mapping[str, Any]) -> list[str]:
     """What it costs, in words."""
+    from ..job.cost import BRIEF, MOST_TRIES
+
     cost = found["estimate"]
     pace, compiling = f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop", span(cost["compile_seconds"])
     again = f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved twice" if found["step"]["searched"] else ""

@@ -15,7 +15,7 @@ from .plainly import Command
 COMMANDS = {
     "new": ("new", "new"),
     "run": ("run", "run"),
-    "resume": ("resume", "resume"),
+    "resume": ("run", "resume"),
     "check": ("check", "check"),
     "modes": ("modes", "modes"),
     "compare": ("compare", "compare"),

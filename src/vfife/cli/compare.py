@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..files import read_bytes, write_text
+from ..job.progress import ProgressLine
 from ..results.folder import numbered, refuse_foreign
 from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
-from .progress import ProgressLine
 from .run import Companions, Duration, Figures, Force, ForceStep, Outputs, Quiet, Step, Turns
 from .signals import NOW
 from .terminal import DIVERGED, grid, json_text, output, print_json, row, sentences, tell, writing

@@ -20,22 +20,22 @@ def forecast(task: Task, place: Path) -> dict[str, Any]:
     import numpy as np
 
     from ..codegen.native import stream_lanes
-    from ..results.cost import LIBRARIES, MEMORY, estimate
+    from ..job.cost import LIBRARIES, RECORD_COPIES, run_cost
     from ..results.tables import free_bytes
     from ..study.identification.sought import numbers_at
     from .forecast import MADE, SHARED
 
     one = task.curves().members.assembled(numbers_at(task.sought, np.full(len(task.sought), 0.5)))
-    alone, cores, lanes = estimate(one), os.cpu_count() or 1, stream_lanes(len(one.topology.contact_bearing))
+    alone, cores, lanes = run_cost(one), os.cpu_count() or 1, stream_lanes(len(one.topology.contact_bearing))
     kept = known(task, place)
     left = max(task.runs - kept, 0)
     values, at_once = task.misfit.count, task.starts * (2 * len(task.sought) + 1)
     free = free_bytes(place)
     return {
         "members": left, "kept": kept, "steps": one.choice.steps, "workers": cores, "lanes": lanes,
-        "seconds": left * (alone["seconds"] / min(cores * max(1.0, SHARED * lanes), at_once) + MADE + LAID * values),
+        "seconds": left * (alone.seconds / min(cores * max(1.0, SHARED * lanes), at_once) + MADE + LAID * values),
         "bytes": int(PACKED * 8 * values * left), "free": float("inf") if free is None else free,
-        "memory": MEMORY * alone["bytes"] * min(cores * lanes, task.runs) + LIBRARIES,
+        "memory": RECORD_COPIES * alone.bytes * min(cores * lanes, task.runs) + LIBRARIES,
     }  # fmt: skip
 
 
@@ -55,12 +55,12 @@ def known(task: Task, place: Path) -> int:
 
 def told_of(task: Task, place: Path, force: bool, yes: bool, quiet: bool) -> None:
     """The forecast, and the end of what nobody can mean."""
-    from ..results.cost import too_much
+    from ..job.cost import Forecast
 
     with sentences(str(place)):
         found = forecast(task, Path(os.devnull) if force else place)
     said = f"{counted(found['members'], 'run')} of {found['steps']:,} steps"
-    much = too_much({"seconds": found["seconds"], "memory": found["memory"], "disk": found["bytes"]}, place)
+    much = Forecast("run", seconds=found["seconds"], memory=found["memory"], disk=found["bytes"]).excess(place)
     if much and found["bytes"] > found["free"]:
         fail(f"{place}: this fit takes {much}, for {said}. Nothing was begun, and nothing is touched.", STORAGE)
     if much and not yes:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..job.progress import ProgressLine
 from ..results.header import FIT_APPLICATION, head_with
 from .fitcost import told_of
 from .options import JsonOption, LawsOption, SetOption, overrides, read_model, take_laws
-from .progress import ProgressLine
 from .run import Quiet, Step
 from .signals import NOW
 from .targets import refuse_inputs

@@ -60,7 +60,7 @@ def expected(
     """
     from ..codegen.native import stream_lanes
     from ..errors import VfifeError
-    from ..results.cost import estimate
+    from ..job.cost import run_cost
     from ..results.tables import free_bytes
     from ..study.member import streams
 
@@ -70,7 +70,7 @@ def expected(
             assembly = member(base, one, asked)
         except VfifeError:  # told when it is run
             continue
-        seconds.append(estimate(assembly)["seconds"])
+        seconds.append(run_cost(assembly).seconds)
         steps.append(assembly.choice.steps)
         contacts = max(contacts, len(assembly.topology.contact_bearing))
         if not streams(assembly) and not assembly.choice.automatic and assembly.choice.turn is not None:
@@ -102,7 +102,7 @@ def member(base: Mechanism, numbers: dict[str, Any], asked: Asked) -> Assembly:
 
 def too_much(found: dict[str, Any], place: Path) -> str:
     """What of a forecast may not be meant, in words; empty where nothing is."""
-    from ..results.cost import LONG, SHARE
+    from ..job.cost import LONG, SHARE
     from .terminal import amount_of_bytes, span
 
     said = []

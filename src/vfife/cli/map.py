@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from .basins import basins
-from .mapcost import Brief, Work
-from .mapmaking import Given, Question, answered
-from .mapoptions import Csv, Drop, Figured, Kept, Of, Phase, Step, Target, Yes, drop_of, number_range, quantity_at, start_numbers, turning_steps
+from .job import RUNS, CommandJob, places
 from .mapped import drawn_and_told
-from .options import LawsOption, ModelArgument, SetOption
+from .options import LawsOption, ModelArgument, SetOption, positive, read_model
 from .plainly import Command, Plainly
 from .run import Quiet
-from .sections import section
 from .targets import refuse_inputs
 from .terminal import sentences
 
@@ -24,15 +22,40 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
 
 SWEEP = "sweep"
-BRIEF = Brief(30, 45, "--count 30 --turns 45")
-MOST_VALUES, MOST_TURNS = 10_000, 1_000_000
+MOST_VALUES, MOST_STARTS, MOST_TURNS, MOST_SECTION = 10_000, 2_000, 1_000_000, 10_000_000
 OVER = "The number, from and to, as in joint.pin.clearance=0.1..1mm."
 Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
+GRID = (
+    "A number of the start or of the model, from and to; twice, as in start.pin.x=-0.2..0.2mm, start.crank=0..360deg, joint.pin.clearance=0.1..1mm."
+)
+OverTwo = Annotated[list[str], typer.Option("--over", metavar="PATH=LOW..HIGH", help=GRID, show_default=False)]
 Count = Annotated[int, typer.Option("--count", metavar="N", min=2, max=MOST_VALUES, help="Values of it, up and down again.")]
+Counts = Annotated[str, typer.Option("--count", metavar="N[xM]", help="Values of each.")]
 Turns = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns at each value.")]
+TurnsOfStart = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns of each start.")]
+TurnsOfAll = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_SECTION, help="Turns.")]
 FROM = 'Begin every value anew: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm"; may be repeated.'
 From = Annotated[list[str] | None, typer.Option("--start", metavar="own|PATH=VALUE,...", help=FROM, show_default="the state is carried on")]
 Companions = Annotated[int, typer.Option("--companions", metavar="N", min=0, help="So many values again with a coarser and a finer step.")]
+StartCompanions = Annotated[int, typer.Option("--companions", metavar="N", min=0, help="So many starts again with a coarser and a finer step.")]
+Exponents = Annotated[bool, typer.Option("--exponents/--no-exponents", help="Watch a small difference, by which chaos is told.")]
+Impacts = Annotated[
+    list[str] | None, typer.Option("--impacts", metavar="JOINT", help="Look at every contact that begins in it.", show_default="all with play")
+]
+DROP = "So many of them are not looked at."
+Drop = Annotated[int | None, typer.Option("--drop", metavar="N", min=0, help=DROP, show_default="two thirds of them")]
+Third = Annotated[int | None, typer.Option("--drop", metavar="N", min=0, help=DROP, show_default="a third of them")]
+SERIES = "penetration, force_max of a joint with play; else a place or speed"
+Of = Annotated[list[str] | None, typer.Option("--of", metavar="SERIES", help="What is looked at once a turn.", show_default=SERIES)]
+Phase = Annotated[float, typer.Option("--phase", metavar="DEG", min=0.0, max=360.0, help="How far beyond its start the crank is looked at.")]
+STEP = "Time step; a turn has a whole number of them."
+FINEST = "the finest that a run finds at the ends and in the middle"
+Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default=FINEST)]
+Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.map", help="Where to keep it.", show_default="runs/MODEL.map")]
+Figured = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE.png")]
+Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="All points as a table.", show_default=False)]
+Kept = Annotated[Path, typer.Argument(metavar="FILE.map", help="What a map was kept in.", show_default=False)]
+Yes = Annotated[bool, typer.Option("--yes", help="Make it whatever it takes: hours, or half the disk.")]
 
 
 class Group(Plainly, TyperGroup):
@@ -82,26 +105,86 @@ def sweep(
     After Ctrl-C or a kill the same command goes on. `sweep` itself may be left out.
     """
 
-    def understood(mechanism: Mechanism) -> Question:
+    def made(mechanism: Mechanism, **job: Any) -> Any:
         from ..study.maps.bifurcation import bifurcation
-        from ..study.maps.section_series import models_along
 
-        path, low, high = swept = number_range(mechanism, over)
-        starts, size, left = [start_numbers(mechanism, text) for text in start or ()], quantity_at("--step", step), drop_of(drop, turns)
-        lanes, chains = (4, 1) if starts else (2, 2)
-        steps = turning_steps(models_along(mechanism, (swept,)), size)
-        work = Work(count * max(len(starts), 1), "value", turns, left, steps, lanes, (len(of or (1, 1)) + 1) * chains, companions, brief=BRIEF)
-        given = {
-            "path": path, "low": low, "high": high, "count": count, "turns": turns, "dropped": left, "series": of or (), "phase": phase / 360.0,
-            "companions": companions, "step": size, "starts": starts,
-        }  # fmt: skip
-        return Question(work, "values", bifurcation, given)
+        path, low, high = number_range(mechanism, over)
+        return bifurcation(
+            mechanism, path, low, high, count=count, starts=[start_numbers(mechanism, text) for text in start or ()],
+            companions=companions, **looked_at(turns, drop, of, phase, step), **job,
+        )  # fmt: skip
 
-    answered(Given(model, ".map", target, figure, csv, set_, laws, yes, quiet), understood)
+    MapCommand(model, ".map", target, figure, csv, set_, laws, yes, quiet, "--count 30 --turns 45").run(made)
 
 
-map_.command(cls=Command)(section)
-map_.command(cls=Command)(basins)
+@map_.command(cls=Command)
+def section(
+    model: ModelArgument,
+    turns: TurnsOfAll = 300,
+    drop: Third = None,
+    of: Of = None,
+    phase: Phase = 0.0,
+    impacts: Impacts = None,
+    step: Step = None,
+    target: Target = None,
+    figure: Figured = None,
+    csv: Csv = None,
+    set_: SetOption = None,
+    laws: LawsOption = None,
+    yes: Yes = False,
+    quiet: Quiet = False,
+) -> None:
+    """Poincaré section of one motion: once a turn, and at every impact; what it is (period, quasi-periodic, chaotic) and what says so.
+
+    At impacts: where on the bearing, how fast and at which angle of the crank a contact begins, located inside the step. After Ctrl-C or a kill the
+    same command goes on.
+    """
+
+    def made(mechanism: Mechanism, **job: Any) -> Any:
+        from ..study.maps.sections import poincare_section
+
+        joints = tuple(mechanism.contacts) if impacts is None else tuple(impacts)
+        return poincare_section(mechanism, joints=joints, **looked_at(turns, drop, of, phase, step), **job)
+
+    MapCommand(model, "-section.map", target, figure, csv, set_, laws, yes, quiet, "--turns 90").run(made)
+
+
+@map_.command(cls=Command)
+def basins(
+    model: ModelArgument,
+    over: OverTwo,
+    count: Counts = "16",
+    turns: TurnsOfStart = 60,
+    drop: Drop = None,
+    of: Of = None,
+    phase: Phase = 0.0,
+    exponents: Exponents = True,
+    companions: StartCompanions = 5,
+    step: Step = None,
+    target: Target = None,
+    figure: Figured = None,
+    csv: Csv = None,
+    set_: SetOption = None,
+    laws: LawsOption = None,
+    yes: Yes = False,
+    quiet: Quiet = False,
+) -> None:
+    """Basins: a grid of two numbers of the start (crank angle, journal's place and velocity in its bearing) or of the model, coloured by motion.
+
+    Members are one motion where their points once a turn are. After Ctrl-C or a kill the same command goes on.
+    """
+
+    def made(mechanism: Mechanism, **job: Any) -> Any:
+        from ..study.maps.basins import basins as basins_of
+
+        if len(over) != 2:
+            how = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
+            raise ValueError(f"--over: this is given {len(over)} times; {how}")
+        x, y = (number_range(mechanism, text, starts=True) for text in over)
+        asked = looked_at(turns, drop, of, phase, step)
+        return basins_of(mechanism, x, y, count=counts(count), exponents=exponents, companions=companions, **asked, **job)
+
+    MapCommand(model, "-basins.map", target, figure, csv, set_, laws, yes, quiet, "--count 10 --turns 30").run(made)
 
 
 @map_.command(cls=Command)
@@ -113,3 +196,93 @@ def show(file: Kept, figure: Figured = None, csv: Csv = None) -> None:
         refuse_inputs((("--figure", figure), ("--csv", csv)), (file,))
         found = load_map(file)
     drawn_and_told(found, file, figure, csv, quiet=False, whole=False)
+
+
+# ------------------------------------------------------------------------------------------------------------------ flow
+
+
+@dataclass(frozen=True)
+class MapCommand:
+    """What every command of maps takes; ``ending``: of its file's name, after that of the model; ``kind``: of the file; ``first_look``: options for
+    less.
+    """
+
+    model: Path
+    ending: str
+    target: Path | None
+    figure: Path | None
+    csv: Path | None
+    set_: list[str] | None
+    laws: list[Path] | None
+    yes: bool
+    quiet: bool
+    first_look: str = ""
+    kind: str = "map"
+
+    def run(self, made: Callable[..., Any], plot: Mapping[str, Any] | None = None) -> None:
+        """Makes it, draws it and says what it is; ends with a sentence and an exit code where it cannot be."""
+        place = self.target if self.target is not None else RUNS / f"{self.model.stem}{self.ending}"
+        with sentences(str(self.model)):
+            drawn = places(place, self.kind, self.figure, self.csv, self.target is None)
+            refuse_inputs((("-o", place), ("--figure", drawn), ("--csv", self.csv)), (self.model, *(self.laws or ())))
+            mechanism = read_model(self.model, self.set_, self.laws)
+        job = CommandJob(self.kind, place, yes=self.yes, quiet=self.quiet, first_look=self.first_look)
+        with job.at_work(str(self.model)):
+            found = made(mechanism, file=place, progress=job)
+        drawn_and_told(found, place, drawn, self.csv, self.quiet, plot=plot)
+
+
+def looked_at(turns: int, drop: int | None, of: list[str] | None, phase: float, step: str | None) -> dict[str, Any]:
+    """Arguments that all maps have. Raises ValueError where no turn is left to look at."""
+    if drop is not None and drop >= turns:
+        raise ValueError(f"--drop {drop}: no turn is left to look at of --turns {turns}; allowed: 0 to {turns - 1}, fewer of them are dropped then")
+    size = None if step is None else positive("--step", step, "s")
+    return {"turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "step": size}
+
+
+def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
+    """Numbers of a start: "own", or PATH=VALUE, PATH=VALUE. Raises ValueError."""
+    from ..study.maps.starts import unit_of_start
+    from ..units import number
+
+    found: dict[str, float] = {}
+    for item in [] if text.strip() == "own" else text.split(","):
+        path, sign, value = (part.strip() for part in item.partition("="))
+        if not (sign and path and value):
+            raise ValueError(f'--start {text}: this is neither own nor PATH=VALUE; write it as in --start "start.crank=90deg, start.pin.x=0.1mm"')
+        try:
+            found[path] = number(value, unit_of_start(mechanism, path))
+        except ValueError as error:
+            raise ValueError(f"--start {item.strip()}: {error}") from None
+    return found
+
+
+def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple[str, float, float]:
+    """A number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH. Raises ValueError."""
+    from ..study.maps.section_series import unit_at
+    from ..study.maps.starts import unit_of_start
+    from ..units import ends_of, number
+
+    path, sign, span = (part.strip() for part in text.partition("="))
+    ends = ends_of(span)
+    if not (sign and path and ends):
+        raise ValueError(f"--over {text}: this is not PATH=LOW..HIGH; write it as in --over joint.C.clearance=0.1..1mm")
+    try:
+        unit = (unit_of_start if starts else unit_at)(mechanism, path)
+        low, high = (number(end, unit) for end in ends)
+    except ValueError as error:
+        raise ValueError(f"--over {text}: {error}") from None
+    if not low < high:
+        raise ValueError(f"--over {text}: the range is empty; write its lower end first")
+    return path, low, high
+
+
+def counts(text: str) -> tuple[int, int]:
+    """Values of both numbers of a grid. Raises ValueError."""
+    first, sign, second = text.partition("x")
+    if not first.isdecimal() or not (second if sign else first).isdecimal():
+        raise ValueError(f"--count {text}: allowed: a whole number, or two as in 40x30")
+    found = int(first), int(second if sign else first)
+    if not all(2 <= one <= MOST_STARTS for one in found):
+        raise ValueError(f"--count {text}: allowed: 2 to {MOST_STARTS} values of each")
+    return found

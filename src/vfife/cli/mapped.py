@@ -23,7 +23,6 @@ WAYS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12  # that are told of basins
 LAST = 10**9  # after all periods
 MOST_SPELLS = 8  # that are told of a way
-GO_ON = "the same command goes on"
 
 
 def drawn_and_told(
@@ -43,7 +42,7 @@ def drawn_and_told(
         teller_of(found)(found)
         print_line(", ".join(str(path) for path in (place, drawn, csv) if path is not None))
     if whole and done < of_all:
-        tell("interrupted", f"{NOW.by}: {done:,} of {of_all:,} {what} are complete and kept in {place}; {GO_ON}.")
+        tell("interrupted", f"{NOW.by}: {done:,} of {of_all:,} {what} are complete and kept in {place}; the same command goes on.")
         raise typer.Exit(NOW.code)
 
 

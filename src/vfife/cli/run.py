@@ -1,19 +1,36 @@
-"""``vfife run``: from a model file to a run folder and a summary."""
+"""``vfife run`` and ``vfife resume``: from a model file to a run folder and a summary; what a signal leaves goes on to the same bits."""
 
 from __future__ import annotations
 
+import shlex
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .carried import carried, concluded
-from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
-from .terminal import fail, sentences, tell
+from ..results.folder import find_run
+from ..solvers.status import Status
+from .job import CommandJob
+from .options import JsonOption, LawsOption, ModelArgument, RunArgument, SetOption, positive, read_model, take_laws, with_options
+from .signals import NOW
+from .terminal import (
+    BAD_INPUT,
+    DIVERGED,
+    ENERGY,
+    STORAGE,
+    command,
+    fail,
+    json_text,
+    output,
+    print_json,
+    sentences,
+    tell,
+    writing,
+)
 
 if TYPE_CHECKING:
-    from ..assembly.assembled import Assembly
     from ..model.mechanism import Mechanism
     from ..result import Result
     from ..results.place import RunFolder
@@ -54,6 +71,12 @@ Force = Annotated[bool, typer.Option("--force", help="Replace the run that is in
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the memory or the disk.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder, if this model was begun there.")]
 LoopOption = Annotated[Loops, typer.Option(help="Loop that makes the steps; all give the same bits.")]
+
+
+UNTIL_HELP = 'Time at which it ends, such as 0.5 or "500 ms".'
+Until = Annotated[str | None, typer.Option("--until", metavar="SECONDS", help=UNTIL_HELP, show_default="as planned")]
+RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
+NOTHING = "That was before the first step, so there is nothing to keep."
 
 
 def run(
@@ -100,14 +123,27 @@ def run(
         from ..solvers.arguments import Asked
 
         former = None if start is None else Result.load(start)
-        ideal = reference_for(mechanism, former, place, force_step, yes) if reference else None
-        prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), False if ideal is None else ideal, former)
-    refuse_no_room(prepared.assembly, None if ideal is None else ideal.record.assembly, place, yes, prepared.refined)
-    try:
-        result = carried(lambda: begun_in(place, prepared), place, quiet)
-        concluded(result, place, figures, as_json, quiet)
-    finally:
-        place.leave()
+        job = CommandJob("run", place.target, yes=yes, quiet=quiet, announced=False)
+        prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), reference, former, job)
+    carried(lambda: begun_in(place, prepared), place, figures, as_json, quiet)
+
+
+def resume(
+    run: RunArgument,
+    until: Until = None,
+    laws: LawsOption = None,
+    figures: Figures = False,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a run that was interrupted or killed, as if nothing had happened: the same numbers, to the bit.
+
+    With --until a run ends later than planned, also one that is complete; its step stays what it is. Exit codes are those of vfife run.
+    """
+    with sentences(str(run)):
+        take_laws(laws)
+        end = None if until is None else positive("--until", until, "s")
+        resumed(find_run(run).parent, end, figures, as_json, quiet)
 
 
 def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, Checkpoint | None]:
@@ -123,38 +159,6 @@ def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, C
     return file, prepared, None
 
 
-def reference_for(mechanism: Mechanism, start: Result | None, place: RunFolder, force_step: bool, yes: bool) -> Result | None:
-    """The ideal reference. One that takes its time is forecast before it is run, with what it is for."""
-    from ..results.cost import BRIEF, estimate
-    from ..simulation import assembled_at, ideal_of, referred
-
-    ideal = ideal_of(mechanism)
-    if ideal is not None and estimate(ideal)["seconds"] > BRIEF:
-        refuse_no_room(assembled_at(mechanism, start=start, force_step=force_step), ideal, place, yes)
-    return referred(ideal)
-
-
-def refuse_no_room(assembly: Assembly, ideal: Assembly | None, place: RunFolder, yes: bool, refined: bool = False) -> None:
-    """Ends with exit code 5 where the disk has no room for the outputs, with 2 where the run takes more than may be meant and nobody said yes."""
-    from ..results.cost import estimate, too_much, with_repetition
-    from ..results.tables import free_bytes
-
-    found = with_repetition(estimate(assembly, ideal), assembly, refined)
-    free, needed = free_bytes(place.target), found["disk"]
-    if free is not None and needed > free:
-        from .terminal import STORAGE
-
-        fail(
-            f"{place.target}: the outputs of this run take some {needed:,.0f} bytes, and {free:,} are free there; ask for fewer (--outputs), or "
-            "name a folder on another disk. Nothing was begun, and nothing is touched.",
-            STORAGE,
-        )
-    if not yes and (much := too_much(found, place.target)):
-        static = assembly.mechanism.settings.analysis == "static"
-        less = "fewer load_factors, elements or iterations" if static else "--turns, --duration, --outputs"
-        fail(f"this run takes {much}; add --yes if that is meant, or ask for less ({less}). Nothing was begun.")
-
-
 def to_go_on(folder: Path | None, model: Path) -> Path | None:
     """The folder of a run to go on with; None where there is none yet."""
     from ..results.header import is_run_file
@@ -167,8 +171,188 @@ def goes_on(path: Path, mechanism: Mechanism, figures: bool, as_json: bool, quie
     """Goes on with the run in a folder, if it is that of the model."""
     from ..modelfile import dump
     from ..results.folder import model_of
-    from .resume import resumed
 
     if model_of(path) != dump(mechanism):
         raise ValueError(f"--resume: the run in {path} is that of another model, or of other options; name another folder, or leave --resume out")
     resumed(path, None, figures, as_json, quiet)
+
+
+def resumed(path: Path, until: float | None, figures: bool, as_json: bool, quiet: bool) -> None:
+    """Goes on with the run in a folder. Raises HeldError where another process does, ResumeError where there is nothing to go on with."""
+    from ..results.place import kept_run
+    from ..results.runfile import RunFile
+    from ..simulation import taken_up
+
+    place = kept_run(path)
+
+    def opened() -> tuple[RunFile, Prepared, Checkpoint | None]:
+        file = RunFile.write(place.run_file, gather=GATHER)
+        try:
+            prepared, last = taken_up(file, until)
+        except BaseException:
+            file.close()
+            raise
+        done = 0 if last is None else last.step
+        if not quiet:
+            tell("note", f"goes on after step {done:,} of {prepared.assembly.choice.steps:,}.")
+        return file, prepared, last
+
+    def ending(result: Result) -> None:
+        if until is not None:
+            from ..files import write_text
+            from ..modelfile import dump
+            from ..results.folder import MODEL
+
+            write_text(place.path / MODEL, dump(result.record.assembly.mechanism))
+
+    carried(opened, place, figures, as_json, quiet, ending)
+
+
+# ------------------------------------------------------------------------------------------------------------------ flow
+
+
+def carried(
+    opened: Callable[[], tuple[RunFile, Prepared, Checkpoint | None]],
+    place: RunFolder,
+    figures: bool,
+    as_json: bool,
+    quiet: bool,
+    ended: Callable[[Result], None] = lambda result: None,
+) -> None:
+    """Runs into a place, and says what came of it; ``ended`` sees the result first."""
+    try:
+        result = stepped(opened, place, quiet)
+        ended(result)
+        concluded(result, place, figures, as_json, quiet)
+    finally:
+        place.leave()
+
+
+def stepped(opened: Callable[[], tuple[RunFile, Prepared, Checkpoint | None]], place: RunFolder, quiet: bool) -> Result:
+    """Runs into a place until the run ends, however it does; ends with a sentence and an exit code where it cannot be finished."""
+    from ..errors import HeldError, StorageError
+    from ..job.progress import ProgressLine
+    from ..simulation import carry_out
+
+    NOW.saved = NOTHING if not place.settled else kept_in(place)
+    NOW.last.append(place.leave)
+    file: RunFile | None = None
+    try:
+        file, prepared, resume = opened()
+        with ProgressLine(quiet) as line:
+            result = carry_out(prepared, progress=line, file=file, resume=resume)
+        NOW.saved = kept_in(place)
+        if result.record.status == Status.INTERRUPTED:
+            file.put({"status": Status.INTERRUPTED})  # a summary of a long run takes its time
+        result.finish(file)
+        file.close()
+        return result
+    except KeyboardInterrupt:
+        closed(file)
+        fail(f"{NOW.by}. {kept_in(place)}", NOW.code, word="interrupted")
+    except (StorageError, OSError, MemoryError) as error:
+        closed(file)
+        said = str(error) if str(error) else "there is not enough memory"
+        fail(f"{said} {kept_in(place)}", STORAGE)
+    except HeldError as error:
+        closed(file)
+        fail(str(error), BAD_INPUT)
+    finally:
+        closed(file)
+        if not place.settled:
+            place.leave()
+
+
+def closed(file: RunFile | None) -> None:
+    """Closes a run file, whatever state it is in: what was not committed is gone."""
+    from ..errors import RunFileError
+
+    if file is not None:
+        try:
+            file.close()
+        except RunFileError:
+            return
+
+
+def kept_in(place: RunFolder) -> str:
+    """What is kept of a run that was broken off, in a sentence."""
+    if not place.settled:
+        return NOTHING
+    return f"What was computed until then is kept in {place.path}; go on with: {command()} resume {shlex.quote(str(place.path))}"
+
+
+def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, quiet: bool) -> None:
+    """Summary, figures, the one object or the tables, and the exit code."""
+    from ..codegen.cache import trouble
+    from ..files import write_text
+    from ..results.folder import SUMMARY
+
+    cached = trouble()
+    notes = [*place.notes, *([cached] if cached else []), *result.summary["run"]["notes"], *result.summary["warnings"]]
+    if cached and not quiet:
+        tell("note", f"{cached}.")
+    NOW.saved = f"The run itself is whole, in {place.path}." if result.record.status == Status.COMPLETE else kept_in(place)
+    with writing(str(place.path), f"The run itself is whole, in {place.path}."):
+        write_text(place.path / SUMMARY, json_text(result.summary) + "\n")
+        if figures and result.record.status != Status.INTERRUPTED:
+            from ..plots import figures as drawn
+            from ..plots import save
+
+            save(drawn(result, result.reference), place.path / "figures")
+    word, sentence, code = ending(result, place)
+    if as_json:
+        print_json(payload(result, place, notes) | {"faults": [{"what": sentence}] if sentence else []})
+    elif not quiet:
+        show(result, place, figures)
+    elif result.record.status == Status.COMPLETE:
+        for warning in (*result.summary["run"]["notes"], *result.summary["warnings"]):
+            tell("warning", warning)
+    place.leave()
+    if code:
+        tell(word, sentence, "bold yellow" if word == Status.INTERRUPTED else "bold red")
+        raise typer.Exit(code)
+
+
+def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
+    """What ``--json`` prints."""
+    found = {key: result.summary[key] for key in RESULT_KEYS}
+    told = {key: result.summary[key] for key in ("turns", "part", "measures", "ranges", "not_unique", "not_estimated", "trust")}
+    return {**found, "run": str(place.path), "loop": result.record.loop, "notes": notes, **told}
+
+
+def show(result: Result, place: RunFolder, figures: bool) -> None:
+    """The summary, and what to do next."""
+    from rich.text import Text
+
+    from ..report.summary import show as show_summary
+
+    console, quoted = output(), shlex.quote(str(place.path))
+    show_summary(console, result, result.reference)
+    console.print()
+    kept = ", ".join(sorted(entry.name + "/" * entry.is_dir() for entry in place.path.iterdir() if entry.name != "run.lock"))
+    console.print(Text.assemble(("Run folder: ", "bold"), f"{place.path} ({kept})"))
+    then = f"figures are in {place.path / 'figures'}" if figures else f"{command()} plot {quoted}"
+    console.print(Text.assemble(("Next: ", "bold"), f"{then}; {command()} info {quoted}; {command()} export {quoted} out.nc"), soft_wrap=True)
+
+
+def ending(result: Result, place: RunFolder) -> tuple[str, str, int]:
+    """How a run ended that did not come to its end: in a word, in a sentence, and as an exit code."""
+    record = result.record
+    status, choice, go_on = record.status, record.assembly.choice, f"{command()} resume {shlex.quote(str(place.path))}"
+    if record.message:
+        done = max(len(record.steps) - 1, 0)
+        kept = f"The {done} load factors before are kept in {place.path}" if done else f"The start is kept in {place.path}"
+        broken = status == Status.INTERRUPTED
+        return status, f"{record.message} {kept}{f'; go on with: {go_on}' if broken else '.'}", NOW.code if broken else DIVERGED
+    if status == Status.INTERRUPTED:
+        made = f"{NOW.by}: {record.reached:,} of {choice.steps:,} steps were made"
+        return status, f"{made}; they are kept in {place.path}, and the run goes on with: {go_on}", NOW.code
+    if status == Status.ENERGY:
+        from ..report.diverged import energy_cause
+
+        return status, f"{energy_cause(result)} All of it is kept in {place.path}.", ENERGY
+    if status == Status.DIVERGED:
+        from ..report.diverged import diverged
+
+        return status, f"{diverged(record)} What was computed before is kept in {place.path}.", DIVERGED
+    return status, "", 0

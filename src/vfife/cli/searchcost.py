@@ -42,7 +42,7 @@ def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | st
     """Time (s) of the members that derivatives lead to, each with derivatives of its own: two runs, and its steps with derivatives."""
     from ..codegen.native import CONTACT_LANES
     from ..errors import VfifeError
-    from ..results.cost import estimate
+    from ..job.cost import run_cost
     from ..study.local_search import refuses
     from .forecast import member
 
@@ -56,7 +56,7 @@ def refinement(plan: Plan, search: Search, chosen: Sequence[dict[str, float | st
         except VfifeError:  # told when it is run
             continue
         directions = EACH * paths * (DISPLACED if assembly.contacts else 1) / CONTACT_LANES
-        alone: float = estimate(assembly)["seconds"]
+        alone = run_cost(assembly).seconds
         return search.refine * alone * (3.0 + directions)
     return 0.0
 

@@ -185,7 +185,7 @@ def grown(
     work: Callable[[Growing], Work],
 ) -> Work:
     """What a search comes to, its members kept in a file; ends with the code of a signal, and says how to go on."""
-    from .progress import ProgressLine
+    from ..job.progress import ProgressLine
 
     kept = f"Members that ended are kept in {target}; the same command goes on after them."
     with sentences(str(target)), writing(str(target), kept):

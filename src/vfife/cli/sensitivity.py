@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..job.progress import ProgressLine
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model
-from .progress import ProgressLine
 from .run import Companions, Duration, ForceStep, Quiet, Step, Turns, Yes
 from .slopecost import told_of
 from .targets import refuse_inputs

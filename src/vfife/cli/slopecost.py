@@ -35,8 +35,8 @@ def told_of(
     from ..assembly.assemble import assemble
     from ..codegen.native import CONTACT_LANES
     from ..errors import VfifeError
+    from ..job.cost import Forecast, run_cost
     from ..modelfile.parameter import numbers
-    from ..results.cost import estimate, too_much
 
     asked: dict[str, Any] = {"turns": turns, "duration": None if duration is None else positive("--duration", duration, "s")}
     size = step if step in (None, "auto") else positive("--step", str(step), "s")
@@ -50,11 +50,11 @@ def told_of(
     variant = max(time.process_time() - began, BATCH)
     count = sum(any(fnmatchcase(path, pattern) for pattern in to) for path, value in numbers(mechanism).items() if value)
     cores, lanes = os.cpu_count() or 1, CONTACT_LANES
-    alone, displaced = estimate(assembly), runs or 2 if assembly.contacts else 1
+    alone, displaced = run_cost(assembly), runs or 2 if assembly.contacts else 1
     each = EACH * (displaced + SIZES - 1.0) + CHANGES * SIZES
-    seconds = alone["seconds"] * (1.0 + each * count / (lanes * cores)) + ASSEMBLIES * count * variant
+    seconds = alone.seconds * (1.0 + each * count / (lanes * cores)) + ASSEMBLIES * count * variant
     said = f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has derivatives, each checked by finite changes"
-    much = too_much({"seconds": seconds, "memory": alone["memory"], "disk": 0.0}, Path())
+    much = Forecast("run", seconds=seconds, memory=alone.memory).excess(Path())
     if much and not yes:
         remedy = "add --yes if that is meant, or ask for fewer numbers (--to) or turns"
         fail(f"{much}, for {said}; {remedy}. Nothing was begun.")

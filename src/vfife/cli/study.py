@@ -201,7 +201,7 @@ def carried(
     held: Lock | None = None,
 ) -> None:
     """Computes what is left; says what was kept, and ends with the exit code of that. ``held``: the right to write, where it was taken before."""
-    from .progress import ProgressLine
+    from ..job.progress import ProgressLine
 
     went_on = f"Members that ended are kept in {target}; the same command goes on after them."
     kept = went_on if target.exists() else ""

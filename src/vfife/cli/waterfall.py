@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .mapcost import Brief, Work
-from .mapmaking import Given, Question, answered
-from .mapoptions import Yes, number_range, quantity_at
-from .options import LawsOption, ModelArgument, SetOption
+from .map import MapCommand, Yes, number_range
+from .options import LawsOption, ModelArgument, SetOption, positive
 from .run import Quiet
 
 if TYPE_CHECKING:
@@ -60,20 +58,14 @@ def waterfall(
     Every run begins at the model's own start. After Ctrl-C or a kill the same command goes on with the runs that are missing.
     """
 
-    def understood(mechanism: Mechanism) -> Question:
-        from ..codegen.native import stream_lanes
-        from ..study.maps.waterfall import about_steps, last_of
-        from ..study.maps.waterfall import waterfall as made
+    def made(mechanism: Mechanism, **job: Any) -> Any:
+        from ..study.maps.waterfall import waterfall as waterfall_of
 
         path, low, high = number_range(mechanism, over)
-        size, taken = quantity_at("--step", step), last_of(last, turns)
-        steps, kept = about_steps(mechanism, path, low, high, size), max(len(of or ()), 1) * (highest * taken + 1) / taken
-        lanes, brief = max(stream_lanes(len(mechanism.contacts)), 3), Brief(20, turns, "--count 20")
-        work = Work(count, "run", turns, turns - taken, steps, lanes, kept, grown=False, brief=brief)
-        given = {
-            "path": path, "low": low, "high": high, "count": count, "turns": turns, "last": taken, "series": of or (), "outputs": outputs,
-            "highest": highest, "window": window, "step": size,
-        }  # fmt: skip
-        return Question(work, "runs", made, given, {"hertz": hertz})
+        return waterfall_of(
+            mechanism, path, low, high, count=count, turns=turns, last=last, series=of or (), outputs=outputs, highest=highest,
+            window=window, step=None if step is None else positive("--step", step, "s"), **job,
+        )  # fmt: skip
 
-    answered(Given(model, ".waterfall", target, figure, csv, set_, laws, yes, quiet, "waterfall"), understood)
+    flow = MapCommand(model, ".waterfall", target, figure, csv, set_, laws, yes, quiet, "--count 20", "waterfall")
+    flow.run(made, {"hertz": hertz})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..results.header import WEAR_APPLICATION, head_with
-from .mapmaking import places
-from .mapoptions import STEP
+from .job import RUNS, CommandJob, places, refuse_endings
+from .map import STEP
 from .options import LawsOption, SetOption, positive, read_model
-from .run import Quiet
+from .run import Quiet, Yes
 from .signals import NOW
 from .targets import refuse_inputs
-from .terminal import counted, grid, output, row, sentences, span, tell, writing
+from .terminal import counted, grid, output, row, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -57,6 +56,7 @@ def wear(
     saved: Saved = None,
     set_: SetOption = None,
     laws: LawsOption = None,
+    yes: Yes = False,
     quiet: Quiet = False,
 ) -> None:
     """Wear of joints with play over many turns, by Archard's law: blocks of turns that are simulated, and jumps with a known error between them.
@@ -64,12 +64,13 @@ def wear(
     The joints that wear have a table wear in the model. Clearances follow the worn surfaces. After Ctrl-C or a kill the same command goes on.
     """
     kept = head_with(model, WEAR_APPLICATION) is not None
-    place = model if kept else target if target is not None else Path("runs") / f"{model.stem}.wear"
+    place = model if kept else target if target is not None else RUNS / f"{model.stem}.wear"
+    job = CommandJob("wear", place, yes=yes, quiet=quiet)
     with sentences(str(model)):
         if not turns <= MOST_TURNS:  # not a bound of the option: its help would be widened by all its zeros
             raise ValueError(f"--turns {turns:g}: more than can be counted; allowed: 1 to {MOST_TURNS:g}")
-        drawn = places(place, figure, csv, target is None and not kept, "wear")
-        refuse_worn(saved)
+        drawn = places(place, "wear", figure, csv, target is None and not kept)
+        refuse_endings((("--worn", saved, (".toml",)),), in_folder=True)
         targets = (("--figure", drawn), ("--csv", csv), ("--worn", saved), *((("-o", place),) if not kept else ()))
         refuse_inputs(targets, (model, *(laws or ())))
         from ..study.tribology.simulate_wear import load_wear
@@ -83,12 +84,11 @@ def wear(
                 None if text is None else positive(option, text, unit)
                 for option, text, unit in (("--clearance", clearance, "m"), ("--force", force, "N"), ("--step", step, "s"))
             ]
-            place.parent.mkdir(parents=True, exist_ok=True) if target is None else None
-            NOW.saved = f"What is complete is kept in {place}; the same command goes on after it."
-            with writing(str(place)):
+            with job.at_work(str(model)):
+                job.start()
                 found = worn_over(
                     mechanism, turns, block=block, settle=settle, tolerance=tolerance, harmonics=harmonics, clearance=sizes[0], force=sizes[1],
-                    step=sizes[2], file=place, progress=None if quiet else Line(any(size is not None for size in sizes[:2])),
+                    step=sizes[2], file=place, progress=job,
                 )  # fmt: skip
     keep(found, drawn, csv, saved)
     if not quiet:
@@ -96,29 +96,6 @@ def wear(
     if not found.complete and not kept:
         tell("interrupted", f"{NOW.by}: {found.turns[-1]:,.0f} of {turns:,.0f} turns are known and kept in {place}; the same command goes on.")
         raise typer.Exit(NOW.code)
-
-
-def refuse_worn(saved: Path | None) -> None:
-    """Raises ValueError for a worn model that cannot be written."""
-    if saved is None:
-        return
-    if saved.suffix.lower() != ".toml" or not saved.absolute().parent.is_dir():
-        raise ValueError(f"--worn {saved}: this is no file ending in .toml, in a folder that is there; name one")
-
-
-class Line:
-    """Where the wear stands, after each jump, with the time that is left if it goes on like that and no limit ends it before."""
-
-    def __init__(self, limited: bool) -> None:
-        self.began, self.first, self.most = time.monotonic(), 0.0, "at most " if limited else ""
-
-    def __call__(self, known: float, turns: float, simulated: int) -> None:
-        """Says it."""
-        spent = time.monotonic() - self.began
-        gone = known - self.first
-        left = f", {self.most}{span(spent * (turns - known) / gone)} left" if gone > 0.0 and known < turns else ""
-        self.first = known if spent < 1e-3 else self.first
-        tell("wear", f"{known:,.0f} of {turns:,.0f} turns, {simulated:,} simulated{left}", "bold")
 
 
 def keep(found: Worn, drawn: Path, csv: Path | None, saved: Path | None) -> None:

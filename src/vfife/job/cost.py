@@ -20,8 +20,8 @@ from ..assembly.assembled import Assembly
 from ..codegen.native import stream_lanes
 from ..codegen.straight_line import about
 from ..results import tables
-from ..solvers.refinement import iterations
 from ..solvers.record import recorded_rows
+from ..solvers.refinement import iterations
 from ..solvers.transient import choose_loop, run
 from .amounts import amount_of_bytes, counted, span
 
@@ -72,6 +72,7 @@ class Forecast:
     less: str = "ask for fewer members or turns"
     note: str = ""
     remarks: tuple[str, ...] = ()
+    first_look: float = math.inf  # s that a first look at the same takes
 
     def excess(self, place: Path) -> str:
         """Words for what of it is so much that it may not be meant: hours, half the memory or half of the disk; empty where nothing is."""
@@ -84,11 +85,6 @@ class Forecast:
         if free is not None and self.disk > SHARE * free:
             parts.append(f"some {amount_of_bytes(self.disk)} on a disk that has {amount_of_bytes(free)} left")
         return " and ".join(parts)
-
-    def overflows(self, place: Path) -> bool:
-        """Whether the disk has no room for it."""
-        free = tables.free_bytes(place)
-        return free is not None and self.disk > free
 
     @property
     def amount(self) -> str:
@@ -136,12 +132,14 @@ class RunCost:
     memory: float = LIBRARIES
     disk: float = 0.0
 
-    def forecast(self, steps: int, less: str) -> Forecast:
+    def forecast(self, steps: int, less: str = "") -> Forecast:
         """The forecast of the run."""
         return Forecast("run", 1, steps, self.seconds, self.memory, self.disk, less=less)
 
 
-def run_cost(assembly: Assembly, reference: Assembly | None = None, *, companions: int = 0, refined: bool = False, measured: bool = False) -> RunCost:
+def run_cost(
+    assembly: Assembly, reference: Assembly | None = None, *, companions: int = 0, refined: bool = False, measured: bool = False
+) -> RunCost:
     """The cost of a run with its ideal ``reference`` and ``companions``, from the table; ``measured``: long work is calibrated by a chunk.
 
     ``refined``: a smooth run, repeated with smaller steps, or a static one, repeated on other meshes.
@@ -193,9 +191,8 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
     choice = assembly.choice
     outputs = min(choice.outputs, math.ceil(CHUNK_STEPS / choice.outputs_every))
     short = dataclasses.replace(assembly, choice=dataclasses.replace(choice, outputs=outputs))
-    chunk = lambda: run(short, companions=companions)  # noqa: E731
-    chunk()
-    return timed(chunk) / short.choice.steps
+    run(short, companions=companions)
+    return timed(lambda: run(short, companions=companions)) / short.choice.steps
 
 
 # ------------------------------------------------------------------------------------------------------------------ lanes
@@ -225,7 +222,10 @@ def stream(assembly: Assembly, width: float = math.inf) -> Stream:
 
 
 def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:
-    """The stream of runs of so many ``turns``, timed: ``once`` makes ``count`` of them, of fewer turns. Of two lengths the difference is stepping."""
+    """The stream of runs of so many ``turns``, timed: ``once`` makes ``count`` of them, of fewer turns.
+
+    Of two lengths the difference is stepping.
+    """
     once(1)  # compiles and imports
     first = timed(lambda: once(1)) / count
     if turns == 1:

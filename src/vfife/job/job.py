@@ -9,12 +9,14 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, ModelError
 from ..solvers.status import Progress
-from .cost import LIBRARIES, Forecast
 from .progress import Counter, ScriptLine
+
+if TYPE_CHECKING:
+    from .cost import Forecast
 
 
 class Job:
@@ -33,7 +35,7 @@ class Job:
         if self.place is None:
             forecast = dataclasses.replace(forecast, disk=0.0)
         else:  # rows go into the file while they come
-            forecast = dataclasses.replace(forecast, memory=LIBRARIES)
+            forecast = dataclasses.replace(forecast, memory=0.0)
         if excess := forecast.excess(self.place or Path()):
             remedy = f"add confirm=True if that is meant, or {forecast.less}"
             remedy += "" if self.place is not None or forecast.noun != "run" else ", or give a file for the outputs"
@@ -57,9 +59,7 @@ class Job:
             self.line.close()
 
 
-def job_of(
-    caller: str, place: str | Path | None, confirm: bool, progress: Any, convert: Callable[[Progress], None] | None = None
-) -> Job:
+def job_of(caller: str, place: str | Path | None, confirm: bool, progress: Any, convert: Callable[[Progress], None] | None = None) -> Job:
     """The job that a function was handed as its ``progress``, or one around the call that it was given for it.
 
     ``convert`` hands a :class:`Progress` to that call in its own form. Raises ModelError for what can be neither.

@@ -1,4 +1,4 @@
-"""Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, elsewhere a line every ten seconds or nothing."""
+"""Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, elsewhere a line every ten seconds."""
 
 from __future__ import annotations
 
@@ -95,7 +95,8 @@ class ScriptLine:
     """The progress of work that a script asked for: nothing in its first second, nor where nobody would see it."""
 
     def __init__(self) -> None:
-        self.began, self.line = time.monotonic(), None
+        self.began = time.monotonic()
+        self.line: Any = None
         self.make = script_line()
 
     def __call__(self, progress: Progress) -> None:

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from ...analysis.attractors import ALIKE, Attractor, attractors
 from ...analysis.chaos import exponent
 from ...analysis.verdict import Verdict, verdict
+from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
+from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.csvtable import write_rows
@@ -23,6 +25,9 @@ from ...results.mapfile import MapFile
 from ...solvers.record import recorded_rows
 from ...solvers.turn_runner import Orbits, Start
 from .section_series import (
+    START,
+    TURNED_START,
+    MapWork,
     chosen_series,
     kept_in,
     law_words,
@@ -42,6 +47,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+FIRST_LOOK = 100, 30  # starts, turns of each
 Range: TypeAlias = tuple[str, float, float]
 WHAT, BESIDE = "basins", "beside"
 OF_START = {"position", "angle", "velocity"}  # of a body: with what it begins
@@ -169,6 +175,7 @@ def basins(
     companions: int = SAMPLE,
     file: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
+    confirm: bool = False,
 ) -> Basins:
     """To which motion a mechanism comes from each start of a grid: ``x`` and ``y`` are (path, from, to), in SI units, with so many values.
 
@@ -177,12 +184,21 @@ def basins(
     turned so far beyond the model's own start, ``phase`` (1), for ``turns`` turns, of which ``dropped`` are left out, two thirds unless said.
     ``exponents``: a small difference is watched, without which chaos is told by the 0-1 test alone, of 100 turns or more. ``companions``: so many
     members are gone through again, with 1.25 times and half the step. With a ``file`` what is known is kept in it, and the same call goes on
-    there. Ctrl-C leaves what is complete. A journal outside its bearing is no start, and left out. Raises ModelError for a grid that cannot be,
+    there. Ctrl-C leaves what is complete. ``confirm``: make them even where it takes more than an hour. A journal outside its bearing is
+    no start, and left out. Raises ModelError for a grid that cannot be,
     HeldError.
     """
     dropped = left_out(dropped, turns)
-    asked = planned(mechanism, x, y, count, turns, dropped, series, phase, step, exponents, companions)
-    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
+    job = job_of("basins", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
+
+    def begin(first: Assembly, steps: int) -> None:
+        start = TURNED_START if "start.crank" in (x[0], y[0]) else START
+        work = MapWork("start", count[0] * count[1], turns, dropped, steps, 4, len(series or (1, 1)) + 1, companions, exponents, start=start,
+                       first_look=FIRST_LOOK)  # fmt: skip
+        job.begin(work.forecast(first, file))
+
+    asked = planned(mechanism, x, y, count, turns, dropped, series, phase, step, exponents, companions, begin)
+    with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         known = dict(kept.members()) if kept is not None else {}
         beside = unpacked(kept.stored(BESIDE)) if kept is not None else []
         own = Starts(mechanism, asked.steps)
@@ -201,8 +217,7 @@ def basins(
                 known[one.number] = points, one.growth
                 if kept is not None:
                     kept.keep(one.number, points, one.growth, np.zeros(0))
-                if progress is not None:
-                    progress(len(known), asked.count)
+                job.count(len(known), asked.count, "starts")
             if not beside and companions:
                 some = [member for member, (points, _) in sorted(known.items()) if len(points)]
                 beside = list(started_companions([some[k] for k in sampled(len(some), companions)], made, *length, asked.series))
@@ -216,9 +231,12 @@ def basins(
 
 def planned(
     mechanism: Mechanism, x: Range, y: Range, count: tuple[int, int], turns: int, dropped: int, series: Sequence[str], phase: float,
-    step: float | None, exponents: bool, companions: int,
+    step: float | None, exponents: bool, companions: int, begin: Callable[[Assembly, int], None],
 ) -> Grid:  # fmt: skip
-    """What is asked. Raises ModelError for numbers that there are not, or that do not leave members side by side."""
+    """What is asked; ``begin`` sees the model at its own start, and the steps of a turn.
+
+    Raises ModelError for numbers that there are not, or that do not leave members side by side.
+    """
     refuse_idle(mechanism, turns, dropped)
     units = []
     for name, (path, _, _) in (("x", x), ("y", y)):
@@ -233,6 +251,7 @@ def planned(
     steps = step_count(models_along(mechanism, (x, y)), step, search=True)
     first = Starts(mechanism, steps).at({})
     refuse_large_frame(first)
+    begin(first, steps)
     chosen, _ = chosen_series(first, series)
     values = [tuple(np.linspace(low, high, some).tolist()) for (_, low, high), some in zip((x, y), count, strict=True)]
     return Grid(text, (x[0], y[0]), (units[0], units[1]), values[0], values[1], turns, dropped, chosen, phase, steps, exponents, companions)

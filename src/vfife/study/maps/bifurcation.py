@@ -16,6 +16,7 @@ from ...analysis.chaos import exponent
 from ...analysis.verdict import Verdict, verdict
 from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
+from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.csvtable import write_rows
@@ -25,6 +26,7 @@ from ...solvers.tangents import Neighbours
 from ...solvers.turn_runner import Orbits, Start, Sweep, carried_on, side_by_side
 from ..finite_difference import nearby
 from .section_series import (
+    MapWork,
     chosen_series,
     kept_in,
     law_words,
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+FIRST_LOOK = 30, 45  # values and turns at each
 CHAINS = ("up", "down")
 WHAT = "bifurcation"
 
@@ -237,6 +240,7 @@ def bifurcation(
     companions: int = SAMPLE,
     file: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
+    confirm: bool = False,
 ) -> Bifurcation:
     """Sweeps the number at ``path`` from ``low`` to ``high`` (SI) and back in ``count`` values, the state carried on from one to the next.
 
@@ -246,12 +250,21 @@ def bifurcation(
     ``starts`` each value begins anew from each of them: ``{}`` is the model's own, ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another
     (:func:`~vfife.basins` says which numbers there are).
     ``companions``: so many values are gone through again, with 1.25 times and half the step. With a ``file`` what is known is kept in it after
-    each value, and the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for a number that cannot be swept so, HeldError
-    where another process writes the file.
+    each value, and the same call goes on there. Ctrl-C leaves what is complete. ``confirm``: make it even where it takes more than an hour, or half
+    of the disk. Raises ModelError for a number that cannot be swept so, HeldError where another process writes the file.
     """
-    asked, every = planned(mechanism, path, np.linspace(low, high, count), turns, left_out(dropped, turns), series, phase, step, starts, companions)
+    values, dropped = np.linspace(low, high, count), left_out(dropped, turns)
+    job = job_of("bifurcation", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
+
+    def begin(first: Assembly, steps: int) -> None:
+        lanes, chains = (4, 1) if starts else (2, 2)
+        numbers = (len(series or (1, 1)) + 1) * chains
+        work = MapWork("value", count * max(len(starts), 1), turns, dropped, steps, lanes, numbers, companions, first_look=FIRST_LOOK)
+        job.begin(work.forecast(first, file))
+
+    asked, every = planned(mechanism, path, values, turns, dropped, series, phase, step, starts, companions, begin)
     refuse(asked, every)
-    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
+    with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         known = Legs(asked) if kept is None else Legs.of(asked, kept)
         try:
             for number, points, growth, state, beside in (anew if starts else carried)(asked, every, known, kept):
@@ -259,8 +272,7 @@ def bifurcation(
                     kept.array(f"beside {number}", packed(beside))
                     kept.keep(number, points, growth, state)
                 known.add(number, points, growth, beside)
-                if progress is not None:
-                    progress(len(known.legs), known.count)
+                job.count(len(known.legs), known.count, "values")
         except KeyboardInterrupt:
             if not known.legs:
                 raise
@@ -269,14 +281,15 @@ def bifurcation(
 
 def planned(
     mechanism: Mechanism, path: str, values: Array, turns: int, dropped: int, series: Sequence[str], phase: float, step: float | None,
-    starts: Sequence[Mapping[str, float]], companions: int,
+    starts: Sequence[Mapping[str, float]], companions: int, begin: Callable[[Assembly, int], None],
 ) -> tuple[Swept, list[Assembly]]:  # fmt: skip
-    """What is asked, and the model at each value, stepped alike."""
+    """What is asked, and the model at each value, stepped alike; ``begin`` sees the first of them and the steps of a turn before the others."""
     text = dump(mechanism)
     refuse_idle(mechanism, turns, dropped)
     for one in starts:
         refuse_contradiction(mechanism, (path, *one))
     steps = step_count(models_along(mechanism, ((path, float(values[0]), float(values[-1])),)), step, search=True)
+    begin(stepped(loads(text, set=[(path, float(values[0]))]), steps), steps)
     every = assembled(text, path, values.tolist(), steps)
     chosen, units = chosen_series(every[0], series)
     own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)

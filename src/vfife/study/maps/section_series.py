@@ -6,6 +6,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass, replace
 from itertools import product, takewhile
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +18,7 @@ from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError, StepError, VfifeError, suggestion
 from ...fields import Measure
+from ...job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
@@ -280,3 +282,82 @@ def tupled(said: Mapping[str, Any]) -> dict[str, Any]:
         return tuple(map(nested, value)) if isinstance(value, list) else value
 
     return {key: nested(value) for key, value in said.items()}
+
+
+# --------------------------------------------------------------------------------------------------------------- forecast
+
+
+STRUCK = 1.8  # a step that is searched for onsets of contact, by one that is not
+COMPANION_STEPS = 2.8  # steps of both companions of a case, by its own
+COMPRESSED = 0.8  # bytes of a map file, by those of its numbers
+START, TURNED_START = 0.02, 0.06  # s to assemble a start and to classify its motion; where the crank is turned to it first
+ALIGNING = 10  # turns in which a small difference turns into its direction of growth
+
+
+@dataclass(frozen=True)
+class MapWork:
+    """What a map computes: ``cases`` of so many ``turns``, the first of them ``dropped``, of ``steps`` each, in so many ``lanes`` at once.
+
+    ``numbers`` of a turn are kept; ``companions`` cases are repeated with other steps; ``growth``: a small difference is followed; ``struck``:
+    onsets of contact are searched for; ``start``: time (s) to assemble one.
+    """
+
+    noun: str
+    cases: int
+    turns: int
+    dropped: int
+    steps: float
+    lanes: int
+    numbers: float
+    companions: int = 0
+    growth: bool = True
+    struck: bool = False
+    start: float = START
+    first_look: tuple[int, int] = (0, 0)  # cases and turns that suffice for one
+
+    def turns_of_one(self) -> float:
+        """Turns of a single lane that take as long as a case, all cores being at work."""
+        if self.lanes not in TANGENTS:  # a stream of runs, as in a study
+            return self.turns * LANES[8] / (cores() * self.lanes)
+        plain, derived = LANES[self.lanes], TANGENTS[self.lanes]
+        before = max(0, self.dropped - ALIGNING) if self.growth else self.turns
+        first, second = plain * before, derived * (self.turns - before)
+        if self.lanes == 2:  # a second thread follows the differences of two cases at once, while the motion goes on
+            second = 0.5 * TANGENTS[4] * (self.turns - before)
+            return max(plain * self.turns, second) if cores() > 1 else plain * self.turns + second
+        if self.lanes == 1:
+            return first + max(second, STRUCK * (self.turns - self.dropped) * self.struck)
+        return (first + second) / (self.lanes * cores())
+
+    def brief(self) -> MapWork:
+        """The first look at the same: fewer cases of fewer turns."""
+        cases, turns = self.first_look
+        return replace(self, cases=min(self.cases, cases), turns=turns, dropped=self.dropped * turns // self.turns)
+
+    def forecast(self, assembly: Assembly, file: str | Path | None) -> Forecast:
+        """The forecast of the cases that the file does not have; the time of a step is measured where there is much to do."""
+        cost, left = run_cost(assembly), max(self.cases - known_cases(file), 0)
+        seconds = self._seconds(step := 1e-9 * cost.ns_per_step, left)
+        if seconds > WORTH and cost.loop == "generated":
+            seconds = self._seconds(step := timed_step(assembly), left)
+        size = COMPRESSED * 8 * (self.turns - self.dropped) * self.numbers
+        size += 8 * assembly.layout.rows * self.lanes * (self.lanes < 3)  # the state to go on from
+        look = self.brief()
+        first = look._seconds(step, look.cases) if left == self.cases and look.turns else math.inf
+        threads = min(cores(), 2) if self.lanes < 3 else cores()
+        return Forecast(self.noun, left, self.steps * self.turns, seconds, disk=size * left, threads=threads, first_look=first)
+
+    def _seconds(self, step: float, left: int) -> float:
+        each = step * self.steps * self.turns_of_one() + self.start * (self.lanes > 2) / cores()
+        return each * (left + COMPANION_STEPS * min(self.companions, left))
+
+
+def known_cases(file: str | Path | None) -> int:
+    """Cases that a map file has."""
+    if file is None or not Path(file).exists():
+        return 0
+    try:
+        with MapFile.open(Path(file)) as known:
+            return len(known.members())
+    except VfifeError:  # reported when the map goes on with it
+        return 0

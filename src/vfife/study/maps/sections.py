@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 from ...analysis.chaos import Exponent, exponent
 from ...analysis.verdict import Verdict, verdict
 from ...assembly.assembled import Assembly
+from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...solvers.impact_section import COLUMNS, Sectioning
 from .section_series import (
+    MapWork,
     chosen_series,
     kept_in,
     law_words,
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+FIRST_LOOK = 1, 90  # motions, turns
 WHAT, DROPPED = "section", 1 / 3
 
 
@@ -116,13 +119,15 @@ def poincare_section(
     step: float | None = None,
     file: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
+    confirm: bool = False,
 ) -> PoincareSection:
     """The Poincaré section of a mechanism's motion: ``turns`` turns, of which ``dropped`` are not looked at, a third unless said.
 
     ``series``: what is looked at once a turn, at a ``phase`` (1) of it, by its name in ``result.series``; the penetration and the largest force of
     a contact, or a place or speed, that vary, unless said. ``joints`` with play: of these every contact that begins. ``step`` (s): the one that a
     run of ten turns finds unless said, a whole number of them in a turn. With a ``file`` what is known is kept in it every fifty turns, and the
-    same call goes on there, to the bit. Ctrl-C leaves what is complete. Raises ModelError for what cannot be looked at so, HeldError where another
+    same call goes on there, to the bit. Ctrl-C leaves what is complete. ``confirm``: make it even where it takes more than an hour. Raises
+    ModelError for what cannot be looked at so, HeldError where another
     process writes the file.
     """
     dropped = left_out(dropped, turns, DROPPED)
@@ -130,11 +135,14 @@ def poincare_section(
     steps = step_count([mechanism], step, search=True)
     first = stepped(mechanism, steps)
     refuse_large_frame(first)
+    job = job_of("poincare_section", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
+    work = MapWork("motion", 1, turns, dropped, steps, 1, len(series or (1, 1)) + 1, struck=bool(joints), first_look=FIRST_LOOK)
+    job.begin(work.forecast(first, file))
     chosen, units = chosen_series(first, series)
     contacts = struck_contacts(first, joints)
     asked = Sectioned(dump(mechanism), turns, dropped, chosen, phase, steps, tuple(first.contacts[k] for k in contacts), units)
     motion = Sectioning(first, seed(mechanism, first, steps), phase, turns, dropped, contacts)
-    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
+    with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         found = [] if kept is None else sectioned(kept)
         resume = None if kept is None or not found else (len(found) - 1, kept.state(len(found) - 1))
         try:
@@ -144,8 +152,7 @@ def poincare_section(
                     kept.array(f"struck {piece.number}", piece.struck)
                     kept.keep(piece.number, points, piece.growth, piece.state)
                 found.append((points, piece.growth, piece.struck))
-                if progress is not None:
-                    progress(motion.cuts[piece.number][1], turns)
+                job.count(motion.cuts[piece.number][1], turns, "turns")
         except KeyboardInterrupt:
             if not any(len(points) for points, _, _ in found):
                 raise

@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 
 from ...analysis.spectral import COSINES, resolution_of, window_of
 from ...assembly.assembled import Assembly
+from ...codegen.native import stream_lanes
 from ...errors import Fault, ModelError
+from ...job.cost import ASSEMBLY
+from ...job.job import job_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
@@ -28,12 +31,13 @@ from ...solvers.arguments import Asked
 from ...solvers.ensemble import placed
 from ...solvers.record import Record
 from ...solvers.streaming import Lane, stepped
-from .section_series import kept_in, law_words, refuse_large_frame, refuse_unknown, tupled, unit_at, unit_of
+from .section_series import MapWork, kept_in, law_words, refuse_large_frame, refuse_unknown, tupled, unit_at, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+FIRST_LOOK = 20  # runs
 
 
 class Spectral(Lane):
@@ -170,19 +174,32 @@ def waterfall(
     step: float | None = None,
     file: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
+    confirm: bool = False,
 ) -> Waterfall:
     """Spectra of ``series`` over the number at ``path``, as ``driver.crank.speed``, from ``low`` to ``high`` (SI) in ``count`` runs of their own.
 
     Each makes so many ``turns``, of which the ``last`` are transformed, four unless said: orders are told apart by 1/last of a turn, up to the
     ``highest``. What is faster than half the ``outputs`` of a turn is folded back. ``series``: the forces of joints with play, of all joints where
     there is none, unless said. ``step`` (s): the finer automatic one of both ends unless said. With a ``file`` each run is kept when it ends, and
-    the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for what cannot be, HeldError where another process writes the
-    file.
+    the same call goes on there. Ctrl-C leaves what is complete. ``confirm``: make it even where it takes more than an hour. Raises ModelError for
+    what cannot be, HeldError where another process writes the file.
     """
     last = last_of(last, turns)
+    job = job_of("waterfall", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
+    text = dump(mechanism)
+    some = [loads(text, set=[(path, value)]) for value in np.linspace(low, high, LOOKED_AT).tolist()]
+    periods = [turn_of(model) or 0.0 for model in some]
+    if all(periods) and 1 <= last <= turns:  # planned reports the others
+        step = step or automatic(some)
+        steps = sum(periods) / len(periods) / step
+        lanes, numbers = stream_lanes(len(mechanism.contacts)), max(len(series), 1) * (highest * last + 1) / last
+        work = MapWork(
+            "run", count, turns, turns - last, steps, max(lanes, 3), numbers, growth=False, start=ASSEMBLY, first_look=(FIRST_LOOK, turns)
+        )
+        job.begin(work.forecast(placed(mechanism, step, turns, outputs), file))
     asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
     places = round(asked.highest * asked.last) + 1
-    with kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
+    with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
         found = {} if kept is None else {number: points for number, (points, _) in kept.members().items()}
         missing = [k for k in range(count) if k not in found]
         try:
@@ -191,8 +208,7 @@ def waterfall(
                 if kept is not None:
                     kept.keep(one.number, points, np.zeros((0, 1)), np.zeros((0, 1)))
                 found[one.number] = points
-                if progress is not None:
-                    progress(len(found), count)
+                job.count(len(found), count, "runs")
         except KeyboardInterrupt:
             if not found:
                 raise
@@ -272,14 +288,6 @@ def last_of(last: int | None, turns: int) -> int:
 def automatic(models: Sequence[Mechanism]) -> float:
     """The finer automatic step (s) of the first and the last of models."""
     return min(prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step for model in (models[0], models[-1]))
-
-
-def about_steps(mechanism: Mechanism, path: str, low: float, high: float, step: float | None) -> float:
-    """About so many steps a turn has, in the mean of a waterfall's runs; 0 where no crank turns, which is told when it is begun."""
-    text = dump(mechanism)
-    models = [loads(text, set=[(path, value)]) for value in np.linspace(low, high, LOOKED_AT).tolist()]
-    turns = [turn_of(model) or 0.0 for model in models]
-    return 0.0 if not all(turns) else sum(turns) / len(turns) / (step or automatic(models))
 
 
 def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,9 @@ from ...analysis.measures import largest_loads
 from ...analysis.wear import PLACES
 from ...assembly.assemble import assemble
 from ...errors import Fault, ModelError, RunFileError
+from ...job.amounts import span
+from ...job.cost import Forecast, timed_step
+from ...job.job import Job, job_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
@@ -21,10 +26,11 @@ from ...results.tally import warn_of_damage
 from ...results.wearfile import WearFile, WornPoint
 from ...solvers.interrupts import Halt
 from ...solvers.record import Record
+from ...solvers.status import Progress
 from ...solvers.transient import choose_loop
 from ...solvers.turn_runner import WearRunner, restepped
 from ..maps.section_series import kept_as, step_count
-from .jumps import Standing, between, jumps
+from .jumps import GROW, LEAST, Standing, between, jumps
 from .wear_state import Asked, Surface, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
 
 Array = NDArray[np.float64]
@@ -53,7 +59,7 @@ def around(asked: Asked, rate: Array) -> Array:
     return smooth(rate, max(asked.harmonics, 1))
 
 
-Progress = Callable[[float, float, int], None]  # turns known, of how many, turns simulated
+MOST_BLOCKS = 10**7
 REACH = 0.04  # of the clearance, by which no jump goes further
 FIRST = 0.01  # of the clearance, by which the first goes
 
@@ -70,7 +76,8 @@ def wear(
     force: float | None = None,
     step: float | None = None,
     file: str | Path | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[float, float, int], None] | Job | None = None,
+    confirm: bool = False,
 ) -> Worn:
     """Wears the joints that have a table ``wear`` for so many ``turns`` of the crank, or until a limit.
 
@@ -78,29 +85,38 @@ def wear(
     at the most; what the step does to the rates is told by the last block again with half of it. The clearance follows the worn profiles by so many
     ``harmonics`` (1: their mean; 0: not at all). ``clearance`` (m) and ``force`` (N) are limits that end a life: play of a joint, by the deepest
     places of its surfaces, and the largest force of one. ``step`` (s): the automatic one unless said. With a ``file`` every jump is kept in it, and
-    the same call goes on there. Ctrl-C leaves what is complete. Raises ModelError for a mechanism that does not wear so, HeldError where another
-    process writes the file.
+    the same call goes on there. Ctrl-C leaves what is complete. ``confirm``: go on even where the first block shows that it takes more than an
+    hour. Raises ModelError for a mechanism that does not wear so, HeldError where another process writes the file.
     """
     asked, surfaces = planned(mechanism, turns, block, settle, tolerance, harmonics, clearance, force, step)
-    with kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept:
-        points: list[WornPoint] = [] if kept is None else kept.points()
-        apart: tuple[float, ...] = () if kept is None else kept.beside
-        try:
-            with Halt() as halt:
-                wearing = Wearing(mechanism, asked, surfaces, halt)
-                for point in wearing.points(points, None if kept is None or not points else kept.state(len(points) - 1)):
-                    if kept is not None:
-                        kept.keep(len(points), point, wearing.blocks.state)
-                    points.append(point)
-                    if progress is not None:
-                        progress(point.told["turns"], asked.turns, round(wearing.blocks.turns))
-                if not apart:
-                    apart = beside(asked, surfaces, wearing.blocks, points[-1].rate, halt)
-                    if kept is not None:
-                        kept.keep_beside(apart)
-        except KeyboardInterrupt:
-            if not points:
-                raise
+    began, points, apart = time.monotonic(), list[WornPoint](), tuple[float, ...]()
+    new = file is not None and not Path(file).exists()
+    report: Any = progress
+    job = job_of("wear", file, confirm, progress, lambda one: report(one.done, one.steps, round(wearing.blocks.turns)))
+    try:
+        with job, kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept, Halt() as halt:
+            points, apart = ([], ()) if kept is None else (kept.points(), kept.beside)
+            wearing = Wearing(mechanism, asked, surfaces, halt)
+            known = points[-1].told["turns"] if points else 0.0
+            if points:
+                job.begin(wearing.forecast(points[-1], file))
+            for point in wearing.points(points, None if kept is None or not points else kept.state(len(points) - 1)):
+                if not points:
+                    job.begin(wearing.forecast(point, file))
+                if kept is not None:
+                    kept.keep(len(points), point, wearing.blocks.state)
+                points.append(point)
+                job(wearing.progress(point.told["turns"], known, time.monotonic() - began))
+            if not apart:
+                apart = beside(asked, surfaces, wearing.blocks, points[-1].rate, halt)
+                if kept is not None:
+                    kept.keep_beside(apart)
+    except KeyboardInterrupt:
+        if not points:
+            raise
+    finally:
+        if new and not points:
+            Path(str(file)).unlink(missing_ok=True)
     return worn_of(mechanism.name, asked, points, apart)
 
 
@@ -203,6 +219,29 @@ class Wearing:
             if told["ended"]:
                 return
             here, last = there, told
+
+    def forecast(self, point: WornPoint, file: str | Path | None) -> Forecast:
+        """The forecast of what is left after a point: jumps at its rate, each with a block in the middle and one at its end."""
+        asked, told = self.asked, point.told
+        blocks, size, left = 2 * FINER, float(told["next"]), asked.turns - told["turns"]
+        reach = REACH * self.clearance / max(self.measure(point.rate), 1e-300) if asked.harmonics else math.inf
+        while left > 0.0 and not told["ended"] and blocks < MOST_BLOCKS:
+            size = min(max(size, LEAST), reach)
+            left, size, blocks = left - size, GROW * size, blocks + 2
+        steps = (asked.settle + asked.block) * asked.steps
+        seconds = timed_step(self.blocks.assembly) * steps * blocks
+        count = 0 if told["ended"] else blocks
+        limited = "" if asked.clearance is None and asked.force is None else ", less where a limit is reached"
+        return Forecast("block", count, steps, seconds, disk=16.0 * point.depth.size * blocks, less="ask for fewer turns or smaller blocks",
+                        note=f", if wear goes on as in its first block{limited}")  # fmt: skip
+
+    def progress(self, turns: float, known: float, seconds: float) -> Progress:
+        """Where the wear stands: ``turns`` of which ``known`` ones were in the file."""
+        asked, gone = self.asked, turns - known
+        most = "" if asked.clearance is None and asked.force is None else "at most "
+        left = f", {most}{span(seconds * (asked.turns - turns) / gone)} left" if gone > 0.0 and turns < asked.turns else ""
+        text = f"{turns:,.0f} of {asked.turns:,.0f} turns, {self.blocks.turns:,.0f} simulated{left}"
+        return Progress(turns, asked.turns, seconds, text)  # type: ignore[arg-type]
 
     def cut(self, here: Standing, there: Standing) -> Standing:
         """The jump, ended where a joint reaches the limit of play in it."""
