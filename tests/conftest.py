@@ -11,7 +11,7 @@ from hypothesis import settings
 from one_loop import ForAllLaws
 from vfife.codegen import runner
 from vfife.laws import ContactLaw, FrictionLaw
-from vfife.results import opening
+from vfife.results import connections
 
 # The examples of a property are the same in every run, so that chance fails no test; `make soak` draws others each time, and prints what failed.
 settings.register_profile("calm", deadline=None, derandomize=os.environ.get("VFIFE_EXAMPLES") != "all", print_blob=True)
@@ -22,7 +22,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Share the command line and the data-driven loop among all tests, and write files without waiting for the disk."""
     typer.testing._get_command = functools.cache(typer.testing._get_command)  # a thousand tests use the command line
     # No test takes the power away: a write need not reach the disk before the test goes on, which takes 10 ms each time.
-    opening.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
+    connections.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
     if "not verify" in config.option.markexpr:
         runner.DataDriven = ForAllLaws
 

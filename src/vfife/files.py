@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -115,3 +116,11 @@ def require_regular(found: os.stat_result, path: str | Path) -> None:
     for is_kind, number, words in KINDS:
         if is_kind(found.st_mode):
             raise OSError(number, words, str(path))
+
+
+def free_bytes(path: Path) -> int | None:
+    """Bytes that are free where a file is, or is to be; None where nobody knows."""
+    for place in (path, *path.absolute().parents):
+        with suppress(OSError):
+            return shutil.disk_usage(place).free
+    return None

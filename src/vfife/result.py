@@ -11,11 +11,11 @@ from .errors import RunFileError, StorageError
 from .files import replacement
 from .model.above import answered
 from .results.companions import beside, kept_companions, restored_companions
-from .results.header import is_run_file
+from .results.connections import unwritten
 from .results.provenance import final_state, keep_reference, provenance, restored, versions
 from .results.runfile import RunFile
-from .results.tables import unwritten
-from .results.tally import warn_of_damage
+from .results.schemas import is_run_file
+from .results.store import warn_of_damage
 from .results.view import View
 from .solvers.record import Estimate, Record, Rows, lasting_rows
 
@@ -79,7 +79,7 @@ class Result(View):
             with replacement(path) as temporary, RunFile.create(temporary, meta, replace=True) as file:
                 self.finish(file)
         except OSError as error:
-            raise StorageError(unwritten(str(path), f"no run file can be made here ({error.strerror})")) from error
+            raise StorageError(unwritten(path, f"no run file can be made here ({error.strerror})")) from error
 
     def finish(self, file: RunFile) -> None:
         """Ends a run file: what it does not have yet of the model, outputs, last state and reference, how the run ended, and its summary."""
@@ -91,7 +91,7 @@ class Result(View):
             file.checkpoint(int(record.steps[-1]), record.final[lasting_rows(record.assembly.layout)])
         if self.reference is not None and not file.has_reference:
             keep_reference(file, self.reference.record)
-        meta = {} if file.knows("kept") else self._meta()
+        meta = {} if file.knows("meta", "kept") else self._meta()
         if record.estimate is not None:
             meta["estimate"] = dataclasses.asdict(record.estimate)
         file.finish(record.status, self.summary, **meta, wall=record.wall, loop=record.loop, message=record.message)
@@ -99,7 +99,7 @@ class Result(View):
     def _meta(self) -> dict[str, Any]:
         record, left = self.record, self.record.companions
         meta = provenance(record.assembly, record.kept, record.loop)
-        return meta if left is None else meta | kept_companions(record.assembly, left.counts, left.earlier)
+        return meta if left is None else meta | kept_companions(record.assembly, left.counts, left.earlier, left.kept)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:

@@ -28,11 +28,12 @@ from .model.validate import validate
 from .modelfile import dump
 from .result import Result
 from .results.companions import kept_companions, refuse_displaced
+from .results.connections import located
 from .results.lock import Lock
-from .results.opening import run_file_at
 from .results.provenance import keep_reference, provenance
 from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout, step_of
 from .results.runfile import RunFile
+from .results.schemas import RUN
 from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Asked, Loop
@@ -291,7 +292,7 @@ def carry_out(
     first contacts land deeper than a joint allows, and what was tried is kept in the choice of the step.
     """
     assembly, loop = prepared.assembly, prepared.loop
-    if file is not None and not file.knows("kept"):
+    if file is not None and not file.knows("meta", "kept"):
         file.begin(prepared.kept)
     if file is not None and prepared.reference is not None and not file.has_reference:
         keep_reference(file, prepared.reference.record)
@@ -384,7 +385,7 @@ def resume(run: str | Path, *, until: float | str | None = None, progress: Calla
     end = given.quantity("until", until, "s")
     given.callable("progress", progress)
     given.tell()
-    path = run_file_at(run)
+    path = located(RUN, Path(run))
     with Lock(path.parent), RunFile.write(path) as file:
         prepared, last = taken_up(file, end)
         result = carry_out(prepared, progress=progress, file=file, resume=last)

@@ -13,7 +13,7 @@ LAID = {"a.map": (MapFile, "vfife map show"), "a.study": (StudyFile, "vfife stud
 def laid(tmp_path):
     """A file of each kind."""
     MapFile.create(tmp_path / "a.map", {}).__exit__()
-    StudyFile.create(tmp_path / "a.study", {}, []).__exit__()
+    StudyFile.begin(tmp_path / "a.study", {}, []).__exit__()
     RunFile.create(tmp_path / "run.sqlite", {}).__exit__()
     return tmp_path
 

@@ -18,10 +18,11 @@ from typer.testing import CliRunner
 import vfife
 from cli.folders import contents, stages
 from cli.models import PENDULUM
+from vfife import files
 from vfife.cli.app import app
 from vfife.codegen.runner import Runner
 from vfife.job import cost
-from vfife.results import place, tables
+from vfife.results import place
 from vfife.results.lock import Lock, holder
 from vfife.results.runfile import RunFile
 from vfife.solvers import transient
@@ -67,7 +68,7 @@ def test_what_is_refused_touches_nothing(command: Callable, pendulum: Path, kept
 
 def test_a_disk_without_room_is_told_before_anything_begins(command: Callable, pendulum: Path, kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before = contents(kept)
-    monkeypatch.setattr(tables, "free_bytes", lambda path: 1000)
+    monkeypatch.setattr(files, "free_bytes", lambda path: 1000)
     done = command("run", pendulum, "-o", "kept", "--force", "--json")
     assert done.exit_code == 5 and "1,000 are free there" in done.stderr and "nothing is touched" in done.stderr
     assert json.loads(done.stdout)["status"] == "storage"
@@ -146,7 +147,7 @@ FORECASTS = {
 def test_what_takes_too_much_is_asked_for_twice(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, what: str) -> None:
     words, said = FORECASTS[what]
     if what == "disk":
-        monkeypatch.setattr(tables, "free_bytes", lambda path: 150_000)
+        monkeypatch.setattr(files, "free_bytes", lambda path: 150_000)
     if what == "memory":
         monkeypatch.setattr(cost, "physical_memory", lambda: 1_000_000)
     done = command("run", pendulum, *words, "--step", "1e-6", "--json")

@@ -20,7 +20,8 @@ from vfife import files, plots
 from vfife.cli import run as of_a_run
 from vfife.cli.app import app
 from vfife.codegen import cache
-from vfife.results import netcdf, place, tables
+from vfife.results import netcdf, place
+from vfife.results.runfile import RunFile
 
 
 @pytest.fixture
@@ -82,7 +83,7 @@ def fault_number(fault: Any) -> int:
 @pytest.mark.parametrize("call", [3, 20, 25, 30])
 def test_a_full_disk_in_the_run_file(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     with monkeypatch.context() as context:
-        context.setattr(tables, "insert", full_at(call))
+        context.setattr(RunFile, "insert", full_at(call))
         done = command("run", pendulum, "--json", "--outputs", "2000", "--step", "1e-6")
     assert done.exit_code == 5, (done.exit_code, done.stderr, done.exception)
     assert "disk is full" in done.stderr and "bytes are free there" in done.stderr and "Traceback" not in done.stderr

@@ -13,7 +13,6 @@ import pytest
 import vfife
 from support import bits
 from vfife.codegen.runner import Runner
-from vfife.results import runfile
 from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
 from vfife.solvers import interrupts
@@ -106,14 +105,14 @@ def arch() -> vfife.Mechanism:
     return m
 
 
-def full_at(call: int) -> Callable[..., int]:
+def full_at(call: int) -> Callable[..., None]:
     """What writes a row, on a disk that is full at one of its calls."""
-    insert, calls = runfile.tables.insert, []
+    insert, calls = RunFile.insert, []
 
-    def full(connection: sqlite3.Connection, table: str, *values: Any) -> int:
+    def full(file: RunFile, table: str, *values: Any) -> None:
         calls.append(1)
         if len(calls) == call:
             raise sqlite3.OperationalError("database or disk is full")
-        return insert(connection, table, *values)
+        insert(file, table, *values)
 
     return full

@@ -1,36 +1,80 @@
-"""Run files of former versions are read: version 0.1 kept no start, other block names, and the text of laws of the user's own."""
+"""Files of version 0.2 are read: runs, and the first format of studies, maps, wear and fits, which had no tally. Those of 0.1 are refused."""
 
 import json
+import sqlite3
+import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import vfife
-from vfife.analysis.measured import present_name
+from vfife.errors import DamageWarning, RunFileError
+from vfife.results.mapfile import MapFile, WearFile
 from vfife.results.runfile import RunFile
+from vfife.results.schemas import SCHEMAS
+from vfife.results.studyfile import StudyFile
 
 FORMER = Path(__file__).parent / "former"
+WRITTEN = json.loads((FORMER / "former.json").read_text())
 
 
-@pytest.mark.parametrize("name", ["four_bar", "own_law"])
-def test_a_file_of_the_first_format_gives_its_numbers(name: str) -> None:
+@pytest.mark.parametrize("name", ["slider_crank", "own_law"])
+def test_a_run_gives_its_numbers(name: str, tmp_path: Path) -> None:
     """``own_law`` ran with a law from a file that is not here: its table stands for it, and nothing of it is run."""
-    told = json.loads((FORMER / f"{name}.json").read_text())
-    with RunFile.open(FORMER / f"{name}.sqlite") as file:
-        assert "assembly" not in file.meta
-        assert any(block.startswith("clearance_") for block, _ in file.meta["kept"])
     result = vfife.load_result(FORMER / f"{name}.sqlite")
-    now = {present_name(key) or key: value for key, value in told.items()}
-    assert {name: float(result.measures[name]) for name in now} == pytest.approx(now, rel=1e-12)
+    then = json.loads((FORMER / f"{name}.json").read_text())
+    assert {key: float(result.measures[key]) for key in then} == pytest.approx(then, rel=1e-12)
     assert result.record.status is vfife.Status.COMPLETE
     assert "soft" not in vfife.ContactLaw.registry
-    if name == "four_bar":
-        assert result.reference is not None and result.ledger.error < 1e-2
+    result.save(tmp_path / "run.sqlite")
+    again = vfife.load_result(tmp_path)
+    assert again.data.identical(result.data) and again.measures == result.measures
 
 
-def test_it_is_written_in_the_present_format(tmp_path: Path) -> None:
-    former = vfife.load_result(FORMER / "own_law.sqlite")
-    former.save(tmp_path / "run.sqlite")
-    with RunFile.open(tmp_path) as file:
-        assert {"assembly", "start", "tables"} <= set(file.meta)
-    assert vfife.load_result(tmp_path).data.identical(former.data)
+def test_answers_of_the_first_format_are_read_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DamageWarning)
+        assert vfife.load_study(FORMER / "a.study").values("pin.force.max").tolist() == WRITTEN["study"]
+        assert {name: one.tolist() for name, one in vfife.load_map(FORMER / "a.map").points.items()} == WRITTEN["map"]
+        wear = vfife.load_wear(FORMER / "a.wear")
+        assert wear.turns.tolist() == WRITTEN["wear"] and float(wear.depth.max()) == WRITTEN["depth"]
+        assert json.loads(json.dumps(vfife.load_fit(FORMER / "a.fit").json(), default=float)) == WRITTEN["fit"]
+
+
+def test_a_file_of_the_first_format_has_a_tally_when_something_was_added(tmp_path: Path) -> None:
+    path = tmp_path / "a.study"
+    path.write_bytes((FORMER / "a.study").read_bytes())
+    with StudyFile.write(path) as file:
+        assert file.version == 1
+        file.add([{"joint.pin.clearance": 3e-4}], file.spec)
+    with StudyFile.open(path) as file:
+        assert file.version == 2 and not file.damage and len(file.members()) == 3
+    with sqlite3.connect(path) as connection:
+        connection.execute("DELETE FROM outcomes WHERE number = 1")
+    with StudyFile.open(path) as file:
+        assert file.damage == ("1 outcomes are missing",)
+
+
+@pytest.mark.parametrize("kind", [MapFile, WearFile])
+def test_the_last_state_goes_on(kind: type[MapFile | WearFile]) -> None:
+    with kind.open(FORMER / f"a.{kind.schema.kind}") as file:
+        state = file.state(1 if kind is MapFile else 0)
+        assert np.isfinite(state).all() and state.size
+
+
+def test_runs_of_the_first_version_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.sqlite"
+    path.write_bytes((FORMER / "own_law.sqlite").read_bytes())
+    for version in (1, 2):
+        with sqlite3.connect(path) as connection:
+            connection.execute(f"PRAGMA user_version = {version}")
+        with pytest.raises(RunFileError, match=r"vfife 0\.1; install version 0\.2"):
+            RunFile.open(path)
+
+
+def test_kinds_are_told_apart() -> None:
+    applications = [one.application for one in SCHEMAS]
+    assert len(set(applications)) == len(SCHEMAS)
+    for one in SCHEMAS:
+        assert set(one.rows) < set(one.tables) and one.oldest <= one.format

@@ -13,7 +13,7 @@ import pytest
 import vfife
 from cli.conftest import command  # noqa: F401 - a fixture
 from support import four_bar
-from vfife.results import storedrun
+from vfife.results import runfile
 from vfife.results.runfile import RunFile
 
 
@@ -27,7 +27,7 @@ def large(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, vfife.
             some = slice(first, first + 7)
             file.append(result.record.steps[some], result.record.rows[some])
         result.finish(file)
-    monkeypatch.setattr(storedrun, "LARGE", 0)
+    monkeypatch.setattr(runfile, "LARGE", 0)
     outputs, read = RunFile.outputs, list[bool]()
 
     def counted(self: RunFile, only_steps: bool = False) -> object:

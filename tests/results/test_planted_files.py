@@ -15,8 +15,8 @@ from vfife import files
 from vfife.cli.app import app
 from vfife.errors import ModelError, RunFileError
 from vfife.live.served.documents import Conflict, Document
+from vfife.results.connections import Connection
 from vfife.results.lock import Lock
-from vfife.results.opening import Connection
 
 PENDULUM = Path(__file__).resolve().parents[2] / "examples" / "double_pendulum.toml"
 posix = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are POSIX's")
@@ -165,7 +165,7 @@ def test_a_view_in_the_place_of_a_table_is_refused(tmp_path):
 
 
 def test_a_statement_that_does_not_end_is_stopped(monkeypatch):
-    monkeypatch.setattr("vfife.results.opening.MOST_BEATS", 3)
+    monkeypatch.setattr("vfife.results.connections.MOST_BEATS", 3)
     connection = sqlite3.connect(":memory:", factory=Connection)
     endless = "WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n) SELECT max(k) FROM n"
     with pytest.raises(sqlite3.OperationalError, match="interrupted"):

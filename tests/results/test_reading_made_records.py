@@ -12,9 +12,10 @@ import vfife
 from made_records import made_record
 from support import four_bar
 from vfife.errors import VfifeError
-from vfife.results import tables
 from vfife.results.channels import channels, entities
+from vfife.results.connections import unwritten
 from vfife.results.reductions import Reductions, joined, turn_of
+from vfife.results.runfile import RunFile, missing
 from vfife.results.spectra import PARTS, length_of, sampled
 from vfife.results.view import View
 
@@ -116,18 +117,21 @@ def test_forces_of_joints_have_their_size_and_directions() -> None:
 
 
 def test_rows_of_tables_are_sealed_and_counted(tmp_path) -> None:
-    connection = sqlite3.connect(tmp_path / "one.sqlite")
-    tables.complete(connection)
-    assert tables.insert(connection, "turns", 3, 40, b"four") == 8 + 8 + 4
-    assert tables.insert(connection, "events", 1, 7, "now", "it began") == 8 + 8 + 3 + 8
-    assert tables.sound(connection, "turns", 3) == (3, 40, b"four") and tables.sound(connection, "turns", 4) is None
-    connection.execute("UPDATE turns SET last = 41")
-    assert tables.sound(connection, "turns", 3) is None, "its seal is that of another row"
-    assert not tables.has(connection, "none")
+    with RunFile.create(tmp_path / "one.sqlite") as file:
+        with file.transaction():
+            file.insert("events", 1, 7, "now", "it began")
+        assert file.size == 8 + 8 + 3 + 8
+        row = file.row("events", 1)
+        assert row is not None and row.values == (1, 7, "now", "it began") and row["text"] == "it began"
+        assert file.row("events", 2) is None
+        with sqlite3.connect(file.path) as connection:
+            connection.execute("UPDATE events SET step = 8")
+        assert file.row("events", 1) is None, "its seal is that of another row"
+        assert file.has("events") and not file.has("none")
 
 
 def test_sentences_about_files_that_cannot_be_written() -> None:
-    assert "bytes were to be written" not in tables.unwritten("/nowhere/run.sqlite", "disk I/O error")
-    assert "1,234 bytes were to be written, " in tables.unwritten("/nowhere/run.sqlite", "disk I/O error", 1234)
-    assert "you may not write" in tables.unwritten("/nowhere/run.sqlite", "attempt to write a readonly database")
-    assert (tables.missing(3, 4), tables.missing(3, 5)) == ("output 3", "outputs 3 to 4")
+    assert "bytes were to be written" not in unwritten("/nowhere/run.sqlite", "disk I/O error")
+    assert "1,234 bytes were to be written, " in unwritten("/nowhere/run.sqlite", "disk I/O error", 1234)
+    assert "you may not write" in unwritten("/nowhere/run.sqlite", "attempt to write a readonly database")
+    assert (missing(3, 4), missing(3, 5)) == ("output 3", "outputs 3 to 4")

@@ -14,7 +14,7 @@ from support import SQUARE, four_bar, go, journal_in_bearing
 from vfife.errors import RunFileError, VfifeError
 from vfife.report.summary import report, show
 from vfife.result import Result
-from vfife.results import tables
+from vfife.results.runfile import RunFile
 from vfife.simulation import simulate
 
 
@@ -118,12 +118,9 @@ def test_a_run_file_gives_it_back_to_the_bit(result: Result, tmp_path: Path) -> 
 
 
 def test_a_law_that_is_not_there_is_told(result: Result, tmp_path: Path) -> None:
-    import sqlite3
-
     result.save(tmp_path / "run.sqlite")
-    with sqlite3.connect(tmp_path / "run.sqlite") as connection:
-        key, text, _ = connection.execute("SELECT * FROM meta WHERE key = 'model'").fetchone()
-        tables.insert(connection, "meta", key, text.replace("lankarani-nikravesh", "mine"))
+    with RunFile.write(tmp_path / "run.sqlite") as file:
+        file.put({"model": file.meta["model"].replace("lankarani-nikravesh", "mine")})
     with pytest.raises(RunFileError, match="law of your own"):
         Result.load(tmp_path)
 

@@ -12,7 +12,7 @@ from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.errors import RunFileError
 from vfife.kernels.blocks import BLOCKS
-from vfife.results import provenance, space
+from vfife.results import provenance, runfile
 from vfife.results.runfile import RunFile
 from vfife.solvers.transient import run
 
@@ -72,7 +72,7 @@ def test_later_layouts_do_not_matter(result: vfife.Result, tmp_path: Path, chang
         return dict(reversed(parts.items()))
 
     start, state = changed(meta["start"]), changed(last)
-    with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file._transaction():
+    with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file.transaction():
         file._put({
             "start": np.concatenate(list(start.values())),
             "assembly": meta["assembly"] | {"blocks": [[name, len(values)] for name, values in start.items()]},
@@ -90,7 +90,7 @@ def test_later_layouts_do_not_matter(result: vfife.Result, tmp_path: Path, chang
 def test_a_start_that_does_not_fit_is_told(result: vfife.Result, tmp_path: Path) -> None:
     path = tmp_path / "run.sqlite"
     result.save(path)
-    with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file._transaction():
+    with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file.transaction():
         file._put({"start": np.zeros(3)})
     with pytest.raises(RunFileError, match="does not fit the model; run the model again"):
         vfife.load_result(path)
@@ -103,8 +103,8 @@ def test_rows_are_those_of_a_run_without_a_file(tmp_path: Path, monkeypatch: pyt
     """In memory, and mapped where they are many: the same bits, also after the file is closed."""
     assembly = assemble(journal_in_bearing(), 1e-6, duration=2e-3, outputs=500)
     rows = run(assembly, loop="data-driven").rows
-    for limit in (space.IN_MEMORY, 0):
-        monkeypatch.setattr(space, "IN_MEMORY", limit)
+    for limit in (runfile.IN_MEMORY, 0):
+        monkeypatch.setattr(runfile, "IN_MEMORY", limit)
         path = tmp_path / f"{limit}.sqlite"
         with RunFile.create(path) as file:
             record = run(assembly, loop="data-driven", file=file)

@@ -9,7 +9,7 @@ import pytest
 
 from vfife.errors import VfifeError
 from vfife.results.studied import Study, in_order, unit_of
-from vfife.results.studyfile import Kept
+from vfife.results.studyfile import StudyCase
 
 GRID = [(a, b) for a in (3.0, 1.0) for b in ("soft", "hard")]
 A, B = "body.a.mass", "joint.B.contact"
@@ -26,7 +26,7 @@ def made(kinds: tuple[str, str], values: list[tuple[object, object]], ended: int
         k: {"status": "complete", "measures": {"C.force.max": float(k)}, "turns": 2, "settled": None, "step": 1e-6, "reason": ""}
         for k in range(ended)
     }
-    members = [Kept(k, str(k), {A: first, B: second}) for k, (first, second) in enumerate(values)]
+    members = [StudyCase(k, str(k), {A: first, B: second}) for k, (first, second) in enumerate(values)]
     return Study(None, {"study": asked}, members, outcomes)
 
 

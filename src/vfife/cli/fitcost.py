@@ -20,8 +20,8 @@ def forecast(task: Task, place: Path) -> dict[str, Any]:
     import numpy as np
 
     from ..codegen.native import stream_lanes
+    from ..files import free_bytes
     from ..job.cost import LIBRARIES, RECORD_COPIES, run_cost
-    from ..results.tables import free_bytes
     from ..study.identification.sought import numbers_at
     from .forecast import MADE, SHARED
 
@@ -48,7 +48,7 @@ def known(task: Task, place: Path) -> int:
         return 0
     try:
         with FitFile.open(place) as file:
-            return task.runs if file.found(task.how) is not None else file.count()
+            return task.runs if file.fit(task.how) is not None else len(file.keys("looks"))
     except VfifeError:  # told when it is gone on with
         return 0
 

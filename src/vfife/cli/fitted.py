@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..job.progress import ProgressLine
-from ..results.header import FIT_APPLICATION, head_with
+from ..results.schemas import FIT
 from .fitcost import told_of
 from .options import JsonOption, LawsOption, SetOption, overrides, read_model, take_laws
 from .run import Quiet, Step
@@ -109,7 +109,7 @@ def fit(
     it has penetration and force, and unloading where it was measured. A forecast comes first. Every point is kept in a file: after Ctrl-C or a kill
     the same command goes on, and vfife fit FILE.fit shows it.
     """
-    kept = len(files) == 1 and head_with(files[0], FIT_APPLICATION) is not None
+    kept = len(files) == 1 and FIT.owns(files[0])
     with sentences(str(files[-1])):
         check_targets(figure, csv, model)
         refuse_inputs((("--figure", figure), ("--csv", csv), ("--fitted", model)), (*files, *(laws or ())))
@@ -161,7 +161,7 @@ def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ..
         raise ValueError(f"-o {place}: a fit file is kept here; the model with what was found is written by --fitted {place}")
     if place.is_dir() or place.suffix.lower() in (*ENDINGS, ".csv"):
         raise ValueError(f"-o {place}: a fit file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.fit")
-    if place.exists() and head_with(place, FIT_APPLICATION) is None:
+    if place.exists() and not FIT.owns(place):
         raise ValueError(f"-o {place}: there is something else of this name, which is no fit file; name another one")
     if target is not None and not place.absolute().parent.is_dir():
         raise ValueError(f"-o {place}: there is no folder {place.absolute().parent}; make it first")
@@ -189,7 +189,7 @@ def shown(file: Path, model: Path | None) -> Fit:
 
     found = load_fit(file)
     with FitFile.open(file) as kept:
-        save_fitted(model, kept.asked["model"], found)
+        save_fitted(model, kept.spec["model"], found)
     return found
 
 

@@ -60,8 +60,8 @@ def expected(
     """
     from ..codegen.native import stream_lanes
     from ..errors import VfifeError
+    from ..files import free_bytes
     from ..job.cost import run_cost
-    from ..results.tables import free_bytes
     from ..study.member import streams
 
     seconds, steps, contacts, unfit = [0.0], [0], 0, set()

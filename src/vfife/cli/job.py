@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .. import files
 from ..job.amounts import span
 from ..job.job import Job
 from ..job.progress import ProgressLine
-from ..results import tables
 from ..results.folder import is_own
 from .signals import NOW
 from .terminal import STORAGE, fail, sentences, tell, writing
@@ -38,7 +38,7 @@ class CommandJob(Job):
     def begin(self, forecast: Forecast) -> None:
         """Report a forecast; end the command where the disk has no room, or where it takes much and nobody said ``--yes``."""
         if excess := forecast.excess(self.target):
-            free = tables.free_bytes(self.target)
+            free = files.free_bytes(self.target)
             if free is not None and forecast.disk > free:
                 size = f"some {forecast.disk:,.0f} bytes for {forecast.amount}, and {free:,} are free there"
                 remedy = f"{forecast.less}, or name a place on another disk. Nothing was begun, and nothing is touched."

@@ -72,7 +72,7 @@ def written(source: Path, slide: list[str] | None, no_sliders: bool, set_: list[
     mechanism, step = model_of(source, overrides(set_))
     if mechanism.settings.analysis == "static":
         from ..result import Result
-        from ..results.header import is_run_file
+        from ..results.schemas import is_run_file
 
         if slide:
             raise ValueError(
@@ -96,7 +96,7 @@ def serve(
                 raise
             fail(f"vfife live: {EXTRA}")
         from ..live.served.session import Session
-        from ..results.header import is_run_file
+        from ..results.schemas import is_run_file
 
         take_laws(laws)
         settings = overrides(set_)

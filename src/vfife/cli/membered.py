@@ -28,9 +28,9 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and
 
 def refuse_foreign(target: Path, force: bool) -> None:
     """Raises ValueError where something else has the name of the study file."""
-    from ..results.header import study_head
+    from ..results.schemas import STUDY
 
-    if target.exists() and study_head(target) is None:
+    if target.exists() and not STUDY.owns(target):
         raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
 
 

@@ -24,9 +24,9 @@ def report(run: RunArgument, out: Out = None, no_live: NoLive = False, force: Fo
 
     One file that asks for nothing else, to be read in a browser or printed.
     """
-    from ..results.header import study_head
+    from ..results.schemas import STUDY
 
-    if study_head(run) is not None:
+    if STUDY.owns(run):
         of_study(run, out, no_live, force)
         return
     target = out if out is not None else Path(f"{(run.resolve() if run.is_dir() else run).stem}-report.html")

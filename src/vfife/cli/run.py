@@ -161,7 +161,7 @@ def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, C
 
 def to_go_on(folder: Path | None, model: Path) -> Path | None:
     """The folder of a run to go on with; None where there is none yet."""
-    from ..results.header import is_run_file
+    from ..results.schemas import is_run_file
 
     path = folder if folder is not None else Path("runs") / model.stem
     return path if is_run_file(path / "run.sqlite") else None

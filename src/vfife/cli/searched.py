@@ -204,7 +204,7 @@ def grown(
                 try:
                     return work(Growing(file, base, workers=workers, runner=runner, told=told))
                 except BrokenOff:
-                    ended = file.counts()[1]
+                    ended = len(file.keys("outcomes"))
     tell(Status.INTERRUPTED, f"{NOW.by}: {ended:,} members have ended; the same command goes on: {again()}")
     raise typer.Exit(NOW.code)
 

@@ -82,13 +82,13 @@ def run(
     member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
     """
     with sentences(str(file)):
-        from ..results.header import study_head
+        from ..results.schemas import STUDY
         from ..study.cluster import elsewhere
         from ..study.plan import SEARCH
         from ..study.study_file import load_plan
 
         take_laws(laws)
-        if study_head(file) is not None:
+        if STUDY.owns(file):
             raise ValueError(f"{file}: this is what a study was kept in; see vfife study show, resume or add, or name its STUDY.toml")
         plan, base = load_plan(file)
         if plan.asked.method == SEARCH:

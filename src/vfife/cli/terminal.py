@@ -119,7 +119,7 @@ def writing(name: str, kept: str = "") -> Iterator[None]:
         remedy = f"Make the folder {at.parent} first, or name another place" if not at.parent.is_dir() else "Name another place"
         fail(f"{name}: {error.strerror or error}. {remedy}. {kept}".rstrip())
     except (OSError, MemoryError) as error:
-        from ..results.tables import free_bytes
+        from ..files import free_bytes
 
         free = free_bytes(Path(getattr(error, "filename", None) or name))
         forbidden = isinstance(error, PermissionError) or getattr(error, "errno", None) == errno.EROFS

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..results.header import WEAR_APPLICATION, head_with
+from ..results.schemas import WEAR
 from .job import RUNS, CommandJob, places, refuse_endings
 from .map import STEP
 from .options import LawsOption, SetOption, positive, read_model
@@ -63,7 +63,7 @@ def wear(
 
     The joints that wear have a table wear in the model. Clearances follow the worn surfaces. After Ctrl-C or a kill the same command goes on.
     """
-    kept = head_with(model, WEAR_APPLICATION) is not None
+    kept = WEAR.owns(model)
     place = model if kept else target if target is not None else RUNS / f"{model.stem}.wear"
     job = CommandJob("wear", place, yes=yes, quiet=quiet)
     with sentences(str(model)):

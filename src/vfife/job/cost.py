@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .. import files
 from ..assembly.assembled import Assembly
 from ..codegen.native import stream_lanes
 from ..codegen.straight_line import about
-from ..results import tables
 from ..solvers.record import recorded_rows
 from ..solvers.refinement import iterations
 from ..solvers.transient import choose_loop, run
@@ -76,7 +76,7 @@ class Forecast:
 
     def excess(self, place: Path) -> str:
         """Words for what of it is so much that it may not be meant: hours, half the memory or half of the disk; empty where nothing is."""
-        free, memory = tables.free_bytes(place), physical_memory()
+        free, memory = files.free_bytes(place), physical_memory()
         parts = []
         if self.seconds > LONG:
             parts.append(f"some {span(self.seconds)}")

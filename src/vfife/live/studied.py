@@ -16,7 +16,7 @@ from ..plots.study import pictures
 from ..report.study import where
 from ..report.studypage import document
 from ..results.studied import Study
-from ..results.studyfile import Kept
+from ..results.studyfile import StudyCase
 from ..solvers.status import Status
 from .cell import LARGEST_REPORT
 from .page import written
@@ -80,13 +80,13 @@ def reported(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
     return whole, ()
 
 
-def mechanism(study: Study, member: Kept) -> Mechanism:
+def mechanism(study: Study, member: StudyCase) -> Mechanism:
     """A member as a mechanism; laws of the user's own are those that the file tells of."""
     with standing_in(study.asked["own_laws"]):
         return loads(study.asked["text"], list(member.numbers.items()))
 
 
-def by_parameters(study: Study, done: list[Kept]) -> list[Slide]:
+def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
     """A slider for each parameter, where members fill a grid of numbers that is not too large; else none."""
     axes = study.axes
     numbers = all(one.name in axes and not any(isinstance(value, str) for value in axes[one.name]) for one in study.parameters)
@@ -100,7 +100,7 @@ def by_parameters(study: Study, done: list[Kept]) -> list[Slide]:
     ]
 
 
-def chosen(study: Study, done: list[Kept]) -> list[Kept]:
+def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
     """Members of a slider: the first one, those with the least and the largest of each measure, the others evenly."""
     if len(done) <= MOST_MEMBERS:
         return done
@@ -115,7 +115,7 @@ def chosen(study: Study, done: list[Kept]) -> list[Kept]:
     return [one for one in done if one.number in wanted]
 
 
-def over_members(study: Study, picked: list[Kept]) -> Slide:
+def over_members(study: Study, picked: list[StudyCase]) -> Slide:
     """One slider over members."""
     words = tuple(f"{one.number}: {where(study, one)}" for one in picked)
     return Members(MEMBER, (), "1", tuple(float(k) for k in range(len(picked))), 0, True, tuple(one.numbers for one in picked), words)

@@ -17,7 +17,7 @@ from ..laws.elasticity import elastic_energy
 from ..model.mechanism import Mechanism
 from ..modelfile import load
 from ..result import Result
-from ..results.header import RUN_FILE, is_run_file
+from ..results.schemas import RUN_FILE, is_run_file
 from ..simulation import comparable
 from ..solvers.transient import LONGEST_STRAIGHT_LINE, choose_loop
 

@@ -12,7 +12,7 @@ from .digits import prefixed
 if TYPE_CHECKING:
     from ..results.member_errors import MemberError
     from ..results.studied import Study
-    from ..results.studyfile import Kept
+    from ..results.studyfile import StudyCase
 
 
 def extremes(found: Study) -> dict[str, dict[str, Any]]:
@@ -57,7 +57,7 @@ def errors_plainly(found: Study) -> dict[str, Any] | None:
     return {name: dataclasses.asdict(one) for name, one in found.errors.items()} or None
 
 
-def where(found: Study, member: Kept) -> str:
+def where(found: Study, member: StudyCase) -> str:
     """Values of a member's parameters in words."""
     return placed(found, dict(zip((one.name for one in found.parameters), found.at(member), strict=True)))
 

@@ -20,11 +20,13 @@ from .provenance import named_rows, rows_named
 from .runfile import RunFile
 
 
-def kept_companions(assembly: Assembly, counts: NDArray[np.int64], earlier: Mapping[str, tuple[float, float]]) -> dict[str, Any]:
-    """The entry of a run file's meta; nothing without companions."""
+def kept_companions(
+    assembly: Assembly, counts: NDArray[np.int64], earlier: Mapping[str, tuple[float, float]], rows: NDArray[np.uint32] | None = None
+) -> dict[str, Any]:
+    """The entry of a run file's meta, with the names of ``rows``, those of today unless given; nothing without companions."""
     if not len(counts):
         return {}
-    kept = named_rows(assembly, companion_rows(assembly))
+    kept = named_rows(assembly, companion_rows(assembly) if rows is None else rows)
     return {"companions": {"counts": [int(one) for one in counts], "kept": kept, "earlier": dict(earlier)}}
 
 

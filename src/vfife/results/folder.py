@@ -10,8 +10,8 @@ from pathlib import Path
 
 from ..errors import RunFileError
 from ..files import read_bytes
-from .header import RUN_FILE, is_run_file
 from .lock import LOCK, holder
+from .schemas import RUN_FILE, is_run_file
 
 MODEL, SUMMARY, FIGURES = "model.toml", "summary.json", "figures"
 SQLITE_TRACES = tuple(f"{RUN_FILE}{end}" for end in ("-wal", "-shm", "-journal"))

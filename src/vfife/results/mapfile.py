@@ -1,67 +1,69 @@
-"""One SQLite file a map, a section or basins: what is asked, and what each value, piece or start left; whole up to the last transaction."""
+"""Files of maps and of wear: a row for each value, piece, start or number of turns, with the state from which the next one goes on."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RunFileError
-from . import tables
-from .askedfile import AskedFile
-from .header import MAP_APPLICATION, MAP_FORMAT
-from .packing import packed, unpacked
-from .tables import told
+from .schemas import MAP, WEAR, Schema
+from .store import Row, Store
 
 Array = NDArray[np.float64]
 
 
-class MapFile(AskedFile):
-    """A map file."""
+class MapFile(Store):
+    """A file of a bifurcation diagram, a section, basins or a waterfall."""
 
-    kind: ClassVar[str] = "map"
-    application: ClassVar[int] = MAP_APPLICATION
-    version: ClassVar[int] = MAP_FORMAT
-    schema: ClassVar[list[str]] = tables.MAP_SCHEMA
-    rows: ClassVar[dict[str, str]] = {"legs": "values", "arrays": "arrays"}
+    schema: ClassVar[Schema] = MAP
 
-    @told
-    def keep(self, number: int, points: Array, growth: Array, state: Array) -> None:
-        """What the chains left at a value: points, shape (turns, series x chains), growth (turns, chains) and the state to go on from."""
-        with self._transaction():
-            self._insert("legs", number, packed(points), packed(growth), packed(state))
+    def legs(self, gaps: bool) -> dict[int, tuple[Array, Array]]:
+        """Points, shape (turns, series x chains), and growth, shape (turns, chains), by number; with ``gaps`` also those after a missing one."""
+        rows: Any = (row for _, row in self.read("legs") if row is not None) if gaps else self.sequence("legs")
+        return {row["number"]: (row["points"], row["growth"]) for row in rows}
 
-    @told
-    def array(self, key: str, values: Array) -> None:
-        """Keeps an array beside a leg that is kept after it: without the leg it means nothing."""
-        with self._transaction():
-            self._insert("arrays", key, packed(values))
-
-    @told
-    def stored(self, key: str) -> Array | None:
-        """An array; None where it is missing or damaged."""
-        row = tables.sound(self._connection, "arrays", key)
-        return None if row is None else unpacked(row[1])
-
-    @told
-    def members(self) -> dict[int, tuple[Array, Array]]:
-        """Points and growth of all that are there, whatever is missing or damaged between them."""
-        found = tables.rows(self._connection, "legs")
-        return {number: (unpacked(row[1]), unpacked(row[2])) for number, row in found if row is not None}
-
-    @told
-    def legs(self) -> list[tuple[Array, Array]]:
-        """Points and growth of all values from the first on, up to one that is missing or damaged."""
-        found: list[tuple[Array, Array]] = []
-        while (row := tables.sound(self._connection, "legs", len(found))) is not None:
-            found.append((unpacked(row[1]), unpacked(row[2])))
+    def array(self, key: str) -> Array | None:
+        """An array that was written before a leg, without which it means nothing; None where it is missing or damaged."""
+        found: Array | None = self.get("arrays", key, "data")
         return found
 
-    @told
     def state(self, number: int) -> Array:
-        """The state after a value, shape (rows, chains)."""
-        row = tables.sound(self._connection, "legs", number)
-        if row is None:
-            raise RunFileError(f"{self.path}: the state after value {number} is damaged; make the map again")
-        return unpacked(row[3])
+        """The state after a leg, shape (rows, chains)."""
+        return _state(self, "legs", number, f"value {number}")
+
+
+class WearPoint(NamedTuple):
+    """Surfaces after ``told["turns"]`` turns: ``depth`` (m) and its ``rate`` (m a turn) around them, shape (surfaces, places)."""
+
+    depth: Array
+    rate: Array
+    told: dict[str, Any]
+
+
+class WearFile(Store):
+    """A file of how a mechanism wears."""
+
+    schema: ClassVar[Schema] = WEAR
+
+    def points(self) -> list[WearPoint]:
+        """All points from the first on, up to one that is missing or damaged."""
+        return [WearPoint(row["depth"], row["rate"], row["told"]) for row in self.sequence("points")]
+
+    @property
+    def companion_difference(self) -> tuple[float, ...]:
+        """Difference of the last block from its companion; empty before it was computed."""
+        return tuple(self.get("meta", "beside", "json") or ())
+
+    def state(self, number: int) -> Array:
+        """The state after a point, shape (rows,)."""
+        return _state(self, "points", number, f"point {number}")
+
+
+def _state(file: Store, table: str, number: int, name: str) -> Array:
+    row: Row | None = file.row(table, number)
+    if row is None:
+        raise RunFileError(f"{file.path}: the state after {name} is damaged; make the {file.schema.kind} again")
+    found: Array = row["state"]
+    return found

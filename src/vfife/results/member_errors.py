@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from ..solvers.status import Status
 
 if TYPE_CHECKING:
-    from .studyfile import Kept
+    from .studyfile import StudyCase
 
 Outcomes = Mapping[int, Mapping[str, Any]]
 # Members of a sample: at least so many, all if there are fewer, and of a large study this share. Of 20 members the
@@ -65,7 +65,7 @@ class MemberError:
         return min(self.most, self.rms / math.sqrt(min(share, 1.0 - share)))
 
 
-def sample_of(members: Sequence[Kept], outcomes: Outcomes) -> list[Kept]:
+def sample_of(members: Sequence[StudyCase], outcomes: Outcomes) -> list[StudyCase]:
     """Choose the members that are repeated: those with the least hashes of their hashes, of all that are complete.
 
     The choice depends on nothing but the numbers of members, so a study that grew in pieces has the same sample as one
@@ -99,7 +99,7 @@ def error_over_change(ratio: float, order: int) -> float:
 
 
 def member_errors(
-    members: Sequence[Kept], outcomes: Outcomes, repeats: Outcomes, measures: Sequence[str], meta: Mapping[str, Any]
+    members: Sequence[StudyCase], outcomes: Outcomes, repeats: Outcomes, measures: Sequence[str], meta: Mapping[str, Any]
 ) -> dict[str, MemberError]:
     """Estimate the numerical error of each measure; a measure without two values to compare is left out.
 

@@ -12,8 +12,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..files import replacement
-from .tables import free_bytes
+from ..files import free_bytes, replacement
 
 if TYPE_CHECKING:
     import xarray

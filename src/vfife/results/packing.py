@@ -7,7 +7,6 @@ from __future__ import annotations
 import hashlib
 import math
 import zlib
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -50,9 +49,3 @@ def seal(table: str, *values: Any) -> bytes:
         part = value if isinstance(value, bytes) else str(value).encode("utf-8", "surrogatepass")
         whole.update(f"|{type(value).__name__[0]}{len(part)}|".encode() + part)
     return whole.digest()
-
-
-def parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
-    """What JSON can say, and arrays."""
-    arrays = {key: value for key, value in meta.items() if isinstance(value, np.ndarray)}
-    return {key: value for key, value in meta.items() if key not in arrays}, arrays

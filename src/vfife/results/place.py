@@ -9,8 +9,8 @@ from pathlib import Path
 
 from ..errors import HeldError
 from .folder import FIGURES, MODEL, STAGE, empty, entries, in_the_way, model_of, numbered, own_files, refuse_foreign, tidy
-from .header import RUN_FILE
 from .lock import Lock, holder
+from .schemas import RUN_FILE
 
 OPEN_MOVES = os.name != "nt"  # whether a folder can be renamed in which a file is open: its lock
 

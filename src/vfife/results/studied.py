@@ -17,8 +17,8 @@ from ..errors import VfifeError, shown, suggestion
 from ..model.above import answered
 from ..solvers.status import Status
 from .member_errors import NOT_ESTIMATED, MemberError, member_errors
-from .studyfile import WHAT, Kept, StudyFile
-from .tally import warn_of_damage
+from .store import warn_of_damage
+from .studyfile import WHAT, StudyCase, StudyFile
 
 if TYPE_CHECKING:
     import pandas
@@ -74,7 +74,7 @@ class Study:
         self,
         path: Path | None,
         meta: Mapping[str, Any],
-        members: Sequence[Kept],
+        members: Sequence[StudyCase],
         outcomes: Mapping[int, Mapping[str, Any]],
         repeats: Mapping[int, Mapping[str, Any]] | None = None,
     ) -> None:
@@ -127,12 +127,12 @@ class Study:
         return tuple(Varied(**{**one, "paths": tuple(one["paths"])}) for one in self.asked["parameters"])
 
     @cached_property
-    def done(self) -> tuple[Kept, ...]:
+    def done(self) -> tuple[StudyCase, ...]:
         """The members that ended, in the order in which they were planned."""
         return tuple(one for one in self.members if one.number in self.outcomes)
 
     @property
-    def left(self) -> tuple[Kept, ...]:
+    def left(self) -> tuple[StudyCase, ...]:
         """The members that are still to be computed."""
         return tuple(one for one in self.members if one.number not in self.outcomes)
 
@@ -148,13 +148,13 @@ class Study:
         return Status.COMPLETE.value if not self.left else str(self.meta.get("status", "unfinished"))
 
     @property
-    def failed(self) -> list[tuple[Kept, str]]:
+    def failed(self) -> list[tuple[StudyCase, str]]:
         """Members that gave no measures, or not all of them, each with its reason."""
         return [(one, str(self.outcomes[one.number]["reason"])) for one in self.done if self.outcomes[one.number]["reason"]]
 
     # -------------------------------------------------------------------------------------------------------- numbers
 
-    def at(self, member: Kept) -> tuple[float | str, ...]:
+    def at(self, member: StudyCase) -> tuple[float | str, ...]:
         """Values of the parameters of a member, SI units."""
         return tuple(member.numbers[one.paths[0]] for one in self.parameters)
 
@@ -206,7 +206,7 @@ class Study:
     def _sample(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
         return tuple(value for value, one in zip(values, self.parameters, strict=True) if not one.gridded)
 
-    def place(self, member: Kept) -> tuple[int, ...]:
+    def place(self, member: StudyCase) -> tuple[int, ...]:
         """Where a member lies along the axes."""
         values = self.at(member)
         if MEMBER in self.axes:

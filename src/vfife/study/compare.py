@@ -15,7 +15,7 @@ from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
 from ..result import Result
 from ..results.comparison import Comparison
-from ..results.header import is_run_file
+from ..results.schemas import is_run_file
 from ..simulation import Prepared, prepare, reference_of
 from ..solvers.arguments import Arguments, Asked, Loop
 from ..solvers.status import Progress, Status

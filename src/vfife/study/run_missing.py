@@ -21,7 +21,7 @@ from ..results.member_errors import sample_of
 from ..results.provenance import own_laws, versions
 from ..results.reductions import REDUCTION
 from ..results.studied import Study, unit_of
-from ..results.studyfile import WHAT, Kept, StudyFile, hash_of
+from ..results.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..results.view import standing
 from ..solvers.status import Status
 from .engine import Outcome, Wanted, run_members
@@ -129,12 +129,12 @@ def runner_of(runner: Runner | None) -> Runner:
     return runner or run_members
 
 
-def done(member: Kept, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
+def done(member: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
     """Whether nothing of a member is left to compute."""
     return outcome is not None and outcome["hash"] == member.hash and not (retry and outcome["status"] != Status.COMPLETE)
 
 
-def alike_first(members: list[Kept]) -> list[Kept]:
+def alike_first(members: list[StudyCase]) -> list[StudyCase]:
     """Members that differ in their joints alone one after another, for what is closed and assembled serves all of them."""
     return sorted(members, key=lambda one: [(path, str(value)) for path, value in one.numbers.items() if not path.startswith("joint.")])
 
@@ -151,7 +151,7 @@ def opened(path: Path, plan: Plan, base: Mechanism, name: str, *, replace: bool 
     """The study file of a plan, made, or gone on with and added to. Raises VfifeError where another study is there."""
     asked = asked_of(plan, base, name)
     if not path.exists() or replace:
-        return StudyFile.create(path, asked, plan.numbers())
+        return StudyFile.begin(path, asked, plan.numbers())
     return taken_up(path, plan, asked)
 
 
@@ -213,7 +213,7 @@ def grown(path: Path, plan: Plan, base: Mechanism, name: str, *, replace: bool =
     """The study file of a plan without members of its own, made or gone on with. Raises VfifeError where another study is there."""
     asked: dict[str, Any] = asked_of(plan, base, name)
     if not path.exists() or replace:
-        return StudyFile.create(path, asked, [])
+        return StudyFile.begin(path, asked, [])
     file = StudyFile.write(path)
     if why := same_question(file, asked):
         file.close()
@@ -262,14 +262,14 @@ class Repetition:
     lanes: int | None
     runner: Runner
 
-    def repeat(self, members: Sequence[Kept], ratio: float, last: bool) -> list[Kept]:
+    def repeat(self, members: Sequence[StudyCase], ratio: float, last: bool) -> list[StudyCase]:
         """Run members with about so many times their step; return those that failed, which are kept only the ``last`` time."""
         if not members:
             return []
         asked = self.file.meta[WHAT]["wanted"]
         wanted = Wanted(**{**asked, "measures": tuple(asked["measures"]), "step": None})
         numbers = [{**one.numbers, STEP: self.step(one, ratio)} for one in members]
-        failed, stop = list[Kept](), threading.Event()
+        failed, stop = list[StudyCase](), threading.Event()
         found = self.runner(self.base, numbers, wanted, workers=self.workers, lanes=self.lanes, stop=stop)
         try:
             for k, outcome in found:
@@ -283,7 +283,7 @@ class Repetition:
                 found.close()
         return sorted(failed, key=lambda one: one.number)
 
-    def step(self, member: Kept, ratio: float) -> float:
+    def step(self, member: StudyCase, ratio: float) -> float:
         """The step (s) nearest ``ratio`` times that of a member by which a turn has a whole number of outputs, and each of these of steps."""
         outcome, per = self.outcomes[member.number], self.base.settings.outputs
         turn = outcome["steps"] // outcome["turns"]

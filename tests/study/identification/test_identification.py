@@ -193,7 +193,7 @@ def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
         part = vfife.fit(oscillator(), path, BOUNDS, **given, file=file, progress=interrupt)
         assert part.status == "interrupted" and math.isnan(part["spring.k.damping"].error)
         with FitFile.open(file) as one:
-            kept.append(one.count())
+            kept.append(len(one.keys("looks")))
     assert kept == sorted(set(kept)), "each goes further than the one before"
     found = vfife.fit(oscillator(), path, BOUNDS, **given, file=file)
     assert (found.set, found.starts, found.evaluations) == (whole.set, whole.starts, whole.evaluations)
@@ -201,10 +201,10 @@ def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
     again, read = vfife.fit(oscillator(), path, BOUNDS, **given, file=file), vfife.load_fit(file)
     assert again.json() == read.json() == found.json() and np.array_equal(read.curves[0].model, whole.curves[0].model)
     with FitFile.open(file) as one:
-        before = one.count()
+        before = len(one.keys("looks"))
     more = vfife.fit(oscillator(), path, BOUNDS, **{**given, "screened": 12}, file=file)
     with FitFile.open(file) as one:
-        assert before < one.count() and more.status == "complete"
+        assert before < len(one.keys("looks")) and more.status == "complete"
     with pytest.raises(VfifeError, match="there is a fit file here that asks something else"):
         vfife.fit(oscillator(), path, {"spring.k.damping": (1, 9)}, **given, file=file)
     with pytest.raises(VfifeError, match="this is a fit file, of many runs; see vfife fit"):

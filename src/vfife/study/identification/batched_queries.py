@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import VfifeError
-from ...results.fitfile import FitFile, Row
+from ...results.fitfile import Evaluation, FitFile
 from ...solvers.status import Progress
 from .curves import Curves, Trace
 from .residuals import Fitted, Misfit, Point, Slopes, answers, questions
@@ -145,12 +145,12 @@ class Evaluations:
         asked = [list(missing(look, one)) for look, one in zip(looks, seen, strict=True)]
         points = [point for some in asked for point in some]
         found = iter(answers(self.curves, self.sought, points) if points else ())
-        rows: list[Row] = []
+        rows: list[Evaluation] = []
         for k, (look, some) in enumerate(zip(looks, asked, strict=True)):
             if some:
                 seen[k] = self.taken(look, seen[k], [next(found) for _ in some], rows)
         if self.file is not None and rows:
-            self.file.keep(rows)
+            self.file.add_points(rows)
         self.made += len(points)
         told = [one for one in seen if one is not None]
         for look, one in zip(looks, told, strict=True):
@@ -160,7 +160,7 @@ class Evaluations:
 
     def known(self, look: Look) -> Seen | None:
         """What is kept of a point; without derivatives where these are not."""
-        row = None if self.file is None else self.file.look(key("curves", look.shares, look.near))
+        row = None if self.file is None else self.file.point(key("curves", look.shares, look.near))
         if row is None or self.file is None:
             return None
         said, values = row
@@ -168,11 +168,11 @@ class Evaluations:
             return Seen(None, said["reason"])
         gains = np.array(said["gains"])
         one = Seen(Fitted(said["offset"], gains, values, self.misfit.residuals(values), said["along"]), "", said["unsettled"])
-        if look.by_steps is None or (kept := self.file.look(key("slopes", look.shares, said["offset"], look.by_steps))) is None:
+        if look.by_steps is None or (kept := self.file.point(key("slopes", look.shares, said["offset"], look.by_steps))) is None:
             return one
         return dataclasses.replace(one, slopes=Slopes(np.asarray(kept[1]), np.array(kept[0]["offsets"])))
 
-    def taken(self, look: Look, seen: Seen | None, found: list[Any], rows: list[Row]) -> Seen:
+    def taken(self, look: Look, seen: Seen | None, found: list[Any], rows: list[Evaluation]) -> Seen:
         """A point from the runs that were missing."""
         if seen is None:
             trace = found.pop(0)
@@ -193,14 +193,14 @@ class Evaluations:
         """Derivatives at a point that was seen, kept or made. Raises VfifeError where steps carry none along."""
         shares, offset, by_steps = np.array(look.shares), 0.0 if seen.fitted is None else seen.fitted.offset, bool(look.by_steps)
         name = key("slopes", look.shares, offset, by_steps)
-        if self.file is not None and (kept := self.file.look(name)) is not None:
+        if self.file is not None and (kept := self.file.point(name)) is not None:
             return Slopes(np.asarray(kept[1]), np.array(kept[0]["offsets"]))
         found = answers(self.curves, self.sought, questions(shares, by_steps))
         if isinstance(found[0], VfifeError):
             raise found[0]
         slopes = Slopes.of(found, self.misfit, shares, offset, by_steps)
         if self.file is not None:
-            self.file.keep([(name, {"offsets": slopes.offsets.tolist()}, slopes.jacobian)])
+            self.file.add_points([(name, {"offsets": slopes.offsets.tolist()}, slopes.jacobian)])
         return slopes
 
     def laid(self, trace: Trace, near: float | None) -> Seen:

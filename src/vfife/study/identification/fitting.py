@@ -303,7 +303,7 @@ class Task:
         if file is None:
             return self.found(None, progress)
         with Lock(Path(file).absolute().parent, f"{Path(file).name}.lock", "this fit"), self.opened(Path(file), replace) as kept:
-            before = kept.found(self.how)
+            before = kept.fit(self.how)
             if before is not None and before.status == "complete":
                 return before
             found = self.found(kept, progress)
@@ -312,7 +312,7 @@ class Task:
 
     def opened(self, path: Path, replace: bool) -> FitFile:
         """The file of the fit. Raises VfifeError for one that asks something else."""
-        return FitFile.create(path, self.asked) if replace else FitFile.going_on(path, self.asked)
+        return FitFile.create(path, {"fit": self.asked}) if replace else FitFile.resume(path, self.asked)
 
     def found(self, file: FitFile | None, progress: Callable[[Progress], None] | None) -> Fit:
         """What is found, with the points of a file."""

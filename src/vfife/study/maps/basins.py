@@ -199,8 +199,8 @@ def basins(
 
     asked = planned(mechanism, x, y, count, turns, dropped, series, phase, step, exponents, companions, begin)
     with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
-        known = dict(kept.members()) if kept is not None else {}
-        beside = unpacked(kept.stored(BESIDE)) if kept is not None else []
+        known = kept.legs(gaps=True) if kept is not None else {}
+        beside = unpacked(kept.array(BESIDE)) if kept is not None else []
         own = Starts(mechanism, asked.steps)
         near = seed(mechanism, own.at({}), asked.steps) if exponents else None
         finer: dict[int, Starts] = {asked.steps: own}
@@ -216,13 +216,13 @@ def basins(
                 points = rows if one.assembly is None else looked(one.assembly, recorded_rows(one.assembly), rows, asked.series, asked.steps)
                 known[one.number] = points, one.growth
                 if kept is not None:
-                    kept.keep(one.number, points, one.growth, np.zeros(0))
+                    kept.write_row("legs", one.number, points, one.growth, np.zeros(0))
                 job.count(len(known), asked.count, "starts")
             if not beside and companions:
                 some = [member for member, (points, _) in sorted(known.items()) if len(points)]
                 beside = list(started_companions([some[k] for k in sampled(len(some), companions)], made, *length, asked.series))
                 if kept is not None:
-                    kept.array(BESIDE, packed(beside))
+                    kept.write_row("arrays", BESIDE, packed(beside))
         except KeyboardInterrupt:
             if not known:
                 raise
@@ -265,5 +265,5 @@ def together(name: str, asked: Grid, known: Mapping[int, tuple[Array, Array]], b
 
 def read_basins(kept: MapFile) -> Basins:
     """The basins in a map file, as far as they are known."""
-    said = kept.asked
-    return together(said["name"], Grid(**tupled(said["asked"])), kept.members(), unpacked(kept.stored(BESIDE)))
+    said = kept.spec
+    return together(said["name"], Grid(**tupled(said["asked"])), kept.legs(gaps=True), unpacked(kept.array(BESIDE)))

@@ -172,8 +172,8 @@ class Legs:
     @classmethod
     def of(cls, asked: Swept, kept: MapFile) -> Legs:
         """Those of a file; of what is carried on, up to the first that is missing."""
-        legs = kept.members() if asked.starts else dict(enumerate(kept.legs()))
-        return cls(asked, legs, [one for number in legs for one in unpacked(kept.stored(f"beside {number}"))])
+        legs = kept.legs(gaps=bool(asked.starts))
+        return cls(asked, legs, [one for number in legs for one in unpacked(kept.array(f"beside {number}"))])
 
     @property
     def count(self) -> int:
@@ -215,7 +215,7 @@ class Legs:
 
 def read_diagram(kept: MapFile) -> Bifurcation:
     """The diagram in a map file, as far as it is known."""
-    said = kept.asked
+    said = kept.spec
     asked = Swept(**tupled(said["asked"]))
     return Legs.of(asked, kept).diagram(said["name"])
 
@@ -269,8 +269,8 @@ def bifurcation(
         try:
             for number, points, growth, state, beside in (anew if starts else carried)(asked, every, known, kept):
                 if kept is not None:
-                    kept.array(f"beside {number}", packed(beside))
-                    kept.keep(number, points, growth, state)
+                    kept.write_row("arrays", f"beside {number}", packed(beside))
+                    kept.write_row("legs", number, points, growth, state)
                 known.add(number, points, growth, beside)
                 job.count(len(known.legs), known.count, "values")
         except KeyboardInterrupt:

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from ...errors import RunFileError
 from ...results.mapfile import MapFile
-from ...results.tally import warn_of_damage
+from ...results.store import warn_of_damage
 from . import basins, bifurcation, sections, waterfall
 from .basins import Basins
 from .bifurcation import Bifurcation
@@ -25,7 +25,7 @@ READERS: dict[str, Callable[[MapFile], Kept]] = {
 def load_map(path: str | Path) -> Kept:
     """The diagram, section, basins or waterfall in a map file, as far as it is known. Raises RunFileError for any other file."""
     with MapFile.open(Path(path)) as file:
-        what = str(file.asked.get("what"))
+        what = str(file.spec.get("what"))
         if what not in READERS:
             raise RunFileError(f"{path}: this map file was written by another version of vfife; make the map again")
         found = READERS[what](file)

@@ -24,10 +24,10 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, numbers
 from ...result import Result
-from ...results.askedfile import AskedFile
 from ...results.channels import entities
 from ...results.lock import Lock
 from ...results.mapfile import MapFile
+from ...results.store import Store
 from ...results.view import View, standing
 from ...simulation import carry_out, prepare
 from ...solvers.arguments import Asked
@@ -123,7 +123,7 @@ def looked(assembly: Assembly, kept: NDArray[np.uint32], rows: Array, series: Se
     return found
 
 
-Own = TypeVar("Own", bound=AskedFile)
+Own = TypeVar("Own", bound=Store)
 DROPPED = 2 / 3  # of the turns, that are not looked at unless said
 NEAR = 1e-6  # of a number, by which the difference begins that is watched
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")  # numbers that move no pin, the first first
@@ -262,7 +262,7 @@ def kept_as(kind: type[Own], file: str | Path | None, said: Mapping[str, Any], w
     path = Path(file)
     with Lock(path.absolute().parent, f"{path.name}.lock", what):
         said = {key: value if isinstance(value, str) else _listed(value) for key, value in said.items()}
-        with kind.going_on(path, said) as found:
+        with kind.resume(path, said) as found:
             yield found
 
 
@@ -358,6 +358,6 @@ def known_cases(file: str | Path | None) -> int:
         return 0
     try:
         with MapFile.open(Path(file)) as known:
-            return len(known.members())
+            return len(known.keys("legs"))
     except VfifeError:  # reported when the map goes on with it
         return 0

@@ -149,8 +149,8 @@ def poincare_section(
             for piece in motion.pieces(resume):
                 points = looked(first, motion.kept, piece.rows, chosen, steps)
                 if kept is not None:
-                    kept.array(f"struck {piece.number}", piece.struck)
-                    kept.keep(piece.number, points, piece.growth, piece.state)
+                    kept.write_row("arrays", f"struck {piece.number}", piece.struck)
+                    kept.write_row("legs", piece.number, points, piece.growth, piece.state)
                 found.append((points, piece.growth, piece.struck))
                 job.count(motion.cuts[piece.number][1], turns, "turns")
         except KeyboardInterrupt:
@@ -169,8 +169,8 @@ def struck_contacts(first: Assembly, joints: Sequence[str]) -> tuple[int, ...]:
 def sectioned(kept: MapFile) -> list[tuple[Array, Array, Array]]:
     """Points, growth and onsets of the pieces that a file has."""
     found = []
-    for number, (points, growth) in enumerate(kept.legs()):
-        struck = kept.stored(f"struck {number}")
+    for number, (points, growth) in kept.legs(gaps=False).items():
+        struck = kept.array(f"struck {number}")
         if struck is None:
             break
         found.append((points, growth, struck))
@@ -188,5 +188,5 @@ def together(name: str, asked: Sectioned, pieces: Sequence[tuple[Array, Array, A
 
 def read_section(kept: MapFile) -> PoincareSection:
     """The section in a map file, as far as it is known."""
-    said = kept.asked
+    said = kept.spec
     return together(said["name"], Sectioned(**tupled(said["asked"])), sectioned(kept))

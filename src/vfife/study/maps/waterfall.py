@@ -200,13 +200,13 @@ def waterfall(
     asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
     places = round(asked.highest * asked.last) + 1
     with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
-        found = {} if kept is None else {number: points for number, (points, _) in kept.members().items()}
+        found = {} if kept is None else {number: points for number, (points, _) in kept.legs(gaps=True).items()}
         missing = [k for k in range(count) if k not in found]
         try:
             for one in stepped((Spectral(k, assemblies[k], turns, last, asked.series) for k in missing), max(1, len(missing))):
                 points = transformed(one, asked, places)
                 if kept is not None:
-                    kept.keep(one.number, points, np.zeros((0, 1)), np.zeros((0, 1)))
+                    kept.write_row("legs", one.number, points, np.zeros((0, 1)), np.zeros((0, 1)))
                 found[one.number] = points
                 job.count(len(found), count, "runs")
         except KeyboardInterrupt:
@@ -217,8 +217,8 @@ def waterfall(
 
 def read_waterfall(file: MapFile) -> Waterfall:
     """The waterfall in a file, as far as it is known."""
-    said = file.asked
-    return laid_out(said["name"], Fallen(**tupled(said["asked"])), {number: points for number, (points, _) in file.members().items()})
+    said = file.spec
+    return laid_out(said["name"], Fallen(**tupled(said["asked"])), {number: points for number, (points, _) in file.legs(gaps=True).items()})
 
 
 def transformed(one: Spectral, asked: Fallen, places: int) -> Array:

@@ -22,8 +22,8 @@ from ...job.job import Job, job_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
-from ...results.tally import warn_of_damage
-from ...results.wearfile import WearFile, WornPoint
+from ...results.mapfile import WearFile, WearPoint
+from ...results.store import warn_of_damage
 from ...solvers.interrupts import Halt
 from ...solvers.record import Record
 from ...solvers.status import Progress
@@ -89,13 +89,13 @@ def wear(
     hour. Raises ModelError for a mechanism that does not wear so, HeldError where another process writes the file.
     """
     asked, surfaces = planned(mechanism, turns, block, settle, tolerance, harmonics, clearance, force, step)
-    began, points, apart = time.monotonic(), list[WornPoint](), tuple[float, ...]()
+    began, points, apart = time.monotonic(), list[WearPoint](), tuple[float, ...]()
     new = file is not None and not Path(file).exists()
     report: Any = progress
     job = job_of("wear", file, confirm, progress, lambda one: report(one.done, one.steps, round(wearing.blocks.turns)))
     try:
         with job, kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept, Halt() as halt:
-            points, apart = ([], ()) if kept is None else (kept.points(), kept.beside)
+            points, apart = ([], ()) if kept is None else (kept.points(), kept.companion_difference)
             wearing = Wearing(mechanism, asked, surfaces, halt)
             known = points[-1].told["turns"] if points else 0.0
             if points:
@@ -104,13 +104,13 @@ def wear(
                 if not points:
                     job.begin(wearing.forecast(point, file))
                 if kept is not None:
-                    kept.keep(len(points), point, wearing.blocks.state)
+                    kept.write_row("points", len(points), point.told, point.depth, point.rate, wearing.blocks.state)
                 points.append(point)
                 job(wearing.progress(point.told["turns"], known, time.monotonic() - began))
             if not apart:
                 apart = beside(asked, surfaces, wearing.blocks, points[-1].rate, halt)
                 if kept is not None:
-                    kept.keep_beside(apart)
+                    kept.write_row("meta", "beside", list(apart))
     except KeyboardInterrupt:
         if not points:
             raise
@@ -123,7 +123,7 @@ def wear(
 def load_wear(path: str | Path) -> Worn:
     """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
     with WearFile.open(Path(path)) as file:
-        said, points, apart = file.asked, file.points(), file.beside
+        said, points, apart = file.spec, file.points(), file.companion_difference
     again = "Give the command that made it again: it computes what is gone."
     if not points:
         why = f"this wear file is damaged: {'; '.join(file.damage)}" if file.damage else "no point of this wear is known so far"
@@ -191,7 +191,7 @@ class Wearing:
         self.told = {"spread": spread, "force": loads(record, self.surfaces)}
         return found
 
-    def points(self, known: list[WornPoint], state: Array | None) -> Iterator[WornPoint]:
+    def points(self, known: list[WearPoint], state: Array | None) -> Iterator[WearPoint]:
         """Points after those that are known, up to the end of the turns or of a life."""
         asked, joints = self.asked, list(dict.fromkeys(surface.joint for surface in self.surfaces))
         if known and state is not None:
@@ -207,7 +207,7 @@ class Wearing:
             here = Standing(0.0, depth, rate, FIRST * self.clearance / change if change > 0.0 else asked.turns)
             last = self.say(here, joints)
             last["ended"] = over(asked, last, None)
-            yield WornPoint(here.depth, here.rate, last)
+            yield WearPoint(here.depth, here.rate, last)
         tolerance, reach = (share * self.clearance for share in (asked.tolerance, REACH if asked.harmonics else np.inf))
         if last["ended"]:
             return
@@ -215,12 +215,12 @@ class Wearing:
             there = self.cut(here, there)
             told = self.say(there, joints)
             told["ended"] = over(asked, told, last)
-            yield WornPoint(there.depth, there.rate, told)
+            yield WearPoint(there.depth, there.rate, told)
             if told["ended"]:
                 return
             here, last = there, told
 
-    def forecast(self, point: WornPoint, file: str | Path | None) -> Forecast:
+    def forecast(self, point: WearPoint, file: str | Path | None) -> Forecast:
         """The forecast of what is left after a point: jumps at its rate, each with a block in the middle and one at its end."""
         asked, told = self.asked, point.told
         blocks, size, left = 2 * FINER, float(told["next"]), asked.turns - told["turns"]

@@ -22,7 +22,7 @@ from ...modelfile import loads
 from ...numerics.elementwise import sincos, tan
 from ...numerics.products import times
 from ...results.csvtable import write_rows
-from ...results.wearfile import WornPoint
+from ...results.mapfile import WearPoint
 from ...solvers.record import Record
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ def sharpness(found: Sequence[Surface], depth: Array, harmonics: int) -> float:
     return max(bent[joint] / play[joint] for joint in bent)
 
 
-def worn_of(name: str, asked: Asked, points: Sequence[WornPoint], beside: Sequence[float] = ()) -> Worn:
+def worn_of(name: str, asked: Asked, points: Sequence[WearPoint], beside: Sequence[float] = ()) -> Worn:
     """What the points tell."""
     found = surfaces_of(loads(asked.model))
     own = np.stack([depth_at(one.profile, ANGLES)[0] for one in found])

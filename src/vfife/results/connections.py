@@ -1,44 +1,20 @@
-"""Connections to run files: one that writes, one that reads whatever a killed writer left."""
+"""Connections to sealed files: one that writes, one that reads whatever a killed writer left; messages on damage and full disks."""
 
 from __future__ import annotations
 
 import shutil
 import sqlite3
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..errors import RunFileError, StorageError
-from ..files import replacement
-from .header import FIT_APPLICATION, FORMAT, MAP_APPLICATION, RUN_FILE, WEAR_APPLICATION, head_of, head_with, study_head
-from .tables import damaged, unwritten
+from ..errors import RunFileError
+from ..files import free_bytes
+from .schemas import RUN, RUN_FILE, SCHEMAS, Schema
 
 BEAT = 1_000_000  # instructions of SQLite's machine between two looks at the budget, some 20 ms
 MOST_BEATS = 5_000  # about two minutes; the longest statement of ours, a read of all rows of a study of a million members, takes 40
 SYNCHRONOUS = "NORMAL"  # what is complete is on the disk before a run goes on, though the machine should lose its power
-
-
-def run_file_at(path: str | Path) -> Path:
-    """The run file that a path means. Raises RunFileError where there is none that this version reads."""
-    path = Path(path)
-    path = path / RUN_FILE if path.is_dir() else path
-    if not path.is_file():
-        raise RunFileError(f"{path}: there is no run file of this name; name the folder or file of a run")
-    head = head_of(path)
-    if head is None and study_head(path) is not None:
-        raise RunFileError(f"{path}: this is a study file, of many runs; see vfife study show, plot and export, and vfife report")
-    if head is None and head_with(path, MAP_APPLICATION) is not None:
-        raise RunFileError(f"{path}: this is a map file, of many turns; see vfife map show")
-    if head is None and head_with(path, WEAR_APPLICATION) is not None:
-        raise RunFileError(f"{path}: this is a wear file, of many turns; see vfife wear, which shows it")
-    if head is None and head_with(path, FIT_APPLICATION) is not None:
-        raise RunFileError(f"{path}: this is a fit file, of many runs; see vfife fit, which shows it")
-    if head is None:
-        raise RunFileError(f"{path}: this is no run file of vfife; name the folder or the {RUN_FILE} that a run left")
-    if int.from_bytes(head[60:64], "big") > FORMAT:
-        raise RunFileError(f"{path}: this run file was written by a newer vfife; install that version to read it")
-    return path
+STORAGE = ("full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big")  # in what SQLite says
 
 
 class Connection(sqlite3.Connection):
@@ -68,7 +44,7 @@ def refuse_schema(connection: sqlite3.Connection) -> None:
             raise sqlite3.DatabaseError(f"it has a {kind} {str(name)[:40]!r}, which vfife never makes")
 
 
-def connected(path: Path) -> sqlite3.Connection:
+def writable(path: Path) -> sqlite3.Connection:
     """A connection that writes."""
     connection = sqlite3.connect(path, timeout=60.0, isolation_level=None, factory=Connection)
     try:
@@ -81,28 +57,10 @@ def connected(path: Path) -> sqlite3.Connection:
     return connection
 
 
-@contextmanager
-def new_file(path: Path, kind: str, application: int, version: int, schema: Iterable[str]) -> Iterator[sqlite3.Connection]:
-    """A connection to a new file with its tables, which is there whole or not at all; one of this name gives way. Raises StorageError."""
-    try:
-        with replacement(path) as part:
-            connection = connected(part)
-            try:
-                connection.execute(f"PRAGMA application_id = {application}")
-                connection.execute(f"PRAGMA user_version = {version}")
-                for statement in schema:
-                    connection.execute(statement)
-                yield connection
-            finally:
-                connection.close()
-    except (OSError, sqlite3.Error) as error:
-        raise StorageError(f"{unwritten(str(path), f'no {kind} file can be made here ({error})')} Name a folder you can write to") from error
-
-
 def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
     """A connection that can read the file; the journal of a killed writer is rolled back first.
 
-    That needs to write: where it cannot be done in place, it is done on a copy that vanishes.
+    That needs to write: where it cannot be done in place, it is done on a copy that vanishes. Raises RunFileError.
     """
     try:
         connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, timeout=60.0, isolation_level=None, factory=Connection)
@@ -130,3 +88,42 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
     except (sqlite3.DatabaseError, UnicodeDecodeError, OSError) as error:
         raise RunFileError(damaged(path, str(error), kind)) from error
     return memory
+
+
+def located(schema: Schema, path: Path) -> Path:
+    """The file of a schema that a path means; of a run also its folder. Raises RunFileError where there is none that this version reads."""
+    if schema is RUN and path.is_dir():
+        path = path / RUN_FILE
+    if not path.is_file():
+        raise RunFileError(f"{path}: there is no {schema.kind} file of this name; {schema.source}")
+    head = schema.head(path)
+    if head is None:
+        other = next((one for one in SCHEMAS if one.owns(path)), None)
+        raise RunFileError(f"{path}: this is {f'no {schema.kind} file of vfife; {schema.source}' if other is None else other.about}")
+    version = int.from_bytes(head[60:64], "big")
+    if version > schema.format:
+        raise RunFileError(f"{path}: this {schema.kind} file was written by a newer vfife; install that version to read it")
+    if version < schema.oldest:
+        raise RunFileError(f"{path}: this {schema.kind} file was written by vfife 0.1; install version 0.2 to read it, or make it again")
+    return path
+
+
+def is_of_storage(error: Exception) -> bool:
+    """Whether an error of SQLite is about the disk, not about a damaged file."""
+    return isinstance(error, sqlite3.OperationalError) and any(word in str(error).lower() for word in STORAGE)
+
+
+def damaged(path: Path | str, what: str, kind: str) -> str:
+    """The sentence about a damaged file."""
+    again = "run the model again" if kind == "run" else f"make the {kind} again"
+    return f"{path}: this {kind} file is damaged ({what}); {again}, or take a copy of the file"
+
+
+def unwritten(path: Path | str, what: str, needed: int = 0) -> str:
+    """The sentence about a file that could not be written: what the system says, and bytes that were needed and are free where it may be these."""
+    if any(word in what.lower() for word in ("readonly", "read-only", "permi")):
+        return f"{path}: {what}; you may not write to this file or its folder."
+    free = free_bytes(Path(path))
+    wanted = f"{needed:,} bytes were to be written, " if needed else ""
+    room = "" if free is None else f" ({wanted}{free:,} bytes are free there)"
+    return f"{path}: {what}{room}; is the disk full, or the folder gone or read-only?"
