@@ -57,13 +57,13 @@ class Reaper(threading.Thread):
 
 def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
     plan, base = understood(RAW, "study", base=load_model(BASE))
-    with run_missing.opened(tmp_path / "own.study", plan, base, "own") as file:
-        assert run_missing.carry_out(file, base)
-        own = run_missing.read_back(file)
-    reaper = Reaper(tmp_path / "far.study")
-    with cluster("local", 2) as runner, run_missing.opened(tmp_path / "far.study", plan, base, "far") as file:
+    with run_missing.opened(tmp_path / "own.study", run_missing.asked_of(plan, base, "own"), plan.numbers()) as file:
+        assert run_missing.Engine(file, base).run()
+        own = run_missing.Engine(file, base).study()
+    reaper, asked = Reaper(tmp_path / "far.study"), run_missing.asked_of(plan, base, "far")
+    with cluster("local", 2) as runner, run_missing.opened(tmp_path / "far.study", asked, plan.numbers()) as file:
         reaper.start()
-        assert run_missing.carry_out(file, base, runner=runner)
+        assert run_missing.Engine(file, base, runner=runner).run()
         reaper.ended.set()
         reaper.join()
     far = Study.open(tmp_path / "far.study")

@@ -16,7 +16,7 @@ from vfife.results.member_errors import MemberError, error_over_change, sample_o
 from vfife.results.studied import Study
 from vfife.study.engine import Outcome
 from vfife.study.limits import Bound, quantile
-from vfife.study.run_missing import STEP, carry_out, opened, read_back, repeat_sample
+from vfife.study.run_missing import STEP, Engine, asked_of, opened
 from vfife.study.study_file import of_mapping, understood
 from vfife.study.tolerance import share_that_fails, spreads
 
@@ -60,11 +60,12 @@ def plan_of(count: int, model: str = CASE_B):
 
 def made(path, count: int, runner, contacts: bool = True) -> Study:
     plan, base = plan_of(count)
-    with opened(path, plan, base, "s") as file:
-        assert carry_out(file, base, runner=runner)
-        other = base if contacts else load(IDEAL)
-        repeat_sample(file, other, runner=runner)
-        return read_back(file)
+    with opened(path, asked_of(plan, base, "s"), plan.numbers()) as file:
+        engine = Engine(file, base, runner=runner)
+        assert engine.run()
+        engine.base = base if contacts else load(IDEAL)
+        engine.repeat_sample()
+        return engine.study()
 
 
 def test_the_error_over_the_change_follows_from_the_order() -> None:

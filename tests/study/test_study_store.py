@@ -17,6 +17,7 @@ from vfife.results import studyfile
 from vfife.results.studied import Study
 from vfife.results.studyfile import StudyCase, StudyFile
 from vfife.study import run_missing, studies
+from vfife.study.cluster import Resources
 from vfife.study.engine import Outcome, Wanted, run_members
 from vfife.study.study_file import load_plan
 
@@ -76,7 +77,7 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
 ) -> None:
     plan, base = load_plan(asked)
     monkeypatch.setattr(studyfile, "GATHER", 0.0)
-    whole = studies.made(tmp_path / "whole.study", plan, base, "asked")
+    whole = studies.computed(tmp_path / "whole.study", plan, base, "asked")
     assert len(whole.done) == 6
     statements, survived, kept = 0, False, set()
     while not survived:
@@ -85,13 +86,13 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
 
         def once(path: Path = path, count: int = statements) -> None:
             after(count, monkeypatch)
-            studies.made(path, plan, base, "asked")
+            studies.computed(path, plan, base, "asked")
 
         survived = killed(once) == 0
         before = len(Study.open(path).done) if path.exists() else -1
         kept.add(before)
         closed.computed.clear()
-        again = studies.made(path, plan, base, "asked")
+        again = studies.computed(path, plan, base, "asked")
         assert told(again) == told(whole) and again.repeats == whole.repeats and len(again.repeats) == 6
         assert len(closed.computed) == 6 - max(before, 0)
     assert {-1, 0, 6} < kept and len(kept) > 5, "kills fell before, between and after all members"
@@ -106,13 +107,13 @@ def test_what_came_of_other_numbers_is_not_taken_for_a_member(asked: Path, tmp_p
     """A whole outcome in the place of another member is computed again."""
     plan, base = load_plan(asked)
     path = tmp_path / "x.study"
-    whole = told(studies.made(path, plan, base, "asked"))
+    whole = told(studies.computed(path, plan, base, "asked"))
     with StudyFile.write(path) as file:
         first, second = file.members()[:2]
         other = StudyCase(first.number, second.hash, first.numbers)
         file.record(other, Outcome({"C.force.max": 1.0, "C.impacts": 1.0}, turns=2, step=1e-6, steps=7))
     closed.computed.clear()
-    assert told(studies.made(path, plan, base, "asked")) == whole and len(closed.computed) == 1
+    assert told(studies.computed(path, plan, base, "asked")) == whole and len(closed.computed) == 1
 
 
 @pytest.mark.system("kills a process")
@@ -130,15 +131,15 @@ def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(asked: Pa
     def once() -> None:
         monkeypatch.setattr(studyfile, "GATHER", 0.0)
         monkeypatch.setattr(StudyFile, "record", recorded_twice)
-        studies.made(tmp_path / "b.study", plan, base, "asked", workers=1)
+        studies.computed(tmp_path / "b.study", plan, base, "asked", Resources(1))
 
     assert killed(once) == -signal.SIGKILL
     assert len(Study.open(tmp_path / "b.study").done) == 2
-    whole, again = (studies.made(tmp_path / name, plan, base, "asked", workers=1) for name in ("a.study", "b.study"))
+    whole, again = (studies.computed(tmp_path / name, plan, base, "asked", Resources(1)) for name in ("a.study", "b.study"))
     assert told(whole) == told(again)
     assert len(whole.done) == 4
     numbers = [dict(one.numbers) for one in whole.members]
-    own = dict(run_members(base, numbers, Wanted(("C.force.max", "C.impacts"), 1, step=1e-5), workers=1))
+    own = dict(run_members(base, numbers, Wanted(("C.force.max", "C.impacts"), 1, step=1e-5), Resources(1)))
     assert [own[k].values["C.force.max"] for k in range(4)] == whole.values("C.force.max").tolist()
 
 
@@ -204,7 +205,7 @@ def test_it_is_read_while_it_grows_and_has_one_writer(asked: Path, tmp_path: Pat
 
     plan, base = load_plan(asked)
     monkeypatch.setattr(studyfile, "GATHER", 0.0)
-    studies.made(path, plan, base, "asked", progress=look)
+    studies.computed(path, plan, base, "asked", progress=lambda done, of, _: look(done, of))
     assert seen == [1, 2, 3, 4, 5, 6]
 
 

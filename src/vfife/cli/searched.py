@@ -19,8 +19,9 @@ from .terminal import command, grid, output, print_json, row, sentences, tell, w
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..study.allocation import Allocated
+    from ..study.cluster import Resources
     from ..study.plan import Plan
-    from ..study.run_missing import Growing, Runner
+    from ..study.run_missing import Engine
     from ..study.searches import Allotment
 
 Work = TypeVar("Work")
@@ -48,17 +49,15 @@ def optimise(
     from ..report.study import quantity
 
     with sentences(str(file)):
-        from ..study.cluster import elsewhere
+        from ..study.cluster import Resources
         from ..study.searches import load_search, optimised
 
         take_laws(laws)
-        run_on = elsewhere(cluster, device)
+        resources = Resources(workers, None, cluster, device)
         plan, base, search = load_search(file)
     target = placed(file, output_, force)
     told_of_search(plan, base, search, target, yes, quiet, force)
-    found, more = grown(
-        target, plan, base, file.stem, force, workers, cluster, run_on, quiet, search.members, lambda grow: optimised(grow, plan, search, base)
-    )
+    found, more = grown(target, plan, base, file.stem, force, resources, quiet, search.members, lambda engine: optimised(engine, plan, search))
     from ..study.optimise import best
     from ..study.run_missing import units_of
 
@@ -107,16 +106,16 @@ def allocate(
     limit.
     """
     with sentences(str(file)):
-        from ..study.cluster import elsewhere
+        from ..study.cluster import Resources
         from ..study.run_missing import units_of
         from ..study.searches import allotted, load_allotment
 
         take_laws(laws)
-        run_on = elsewhere(cluster, device)
+        resources = Resources(workers, None, cluster, device)
         plan, base, task = load_allotment(file)
     target = placed(file, output_, force)
     told_of_allotment(plan, base, task, target, yes, quiet, force)
-    found = grown(target, plan, base, file.stem, force, workers, cluster, run_on, quiet, None, lambda grow: allotted(grow, task))
+    found = grown(target, plan, base, file.stem, force, resources, quiet, None, lambda engine: allotted(engine, task))
     if as_json:
         print_json({"file": str(target), **allocated(task, found)})
     elif not quiet and found.choice is not None:
@@ -177,33 +176,30 @@ def grown(
     base: Mechanism,
     name: str,
     force: bool,
-    workers: int | None,
-    cluster: str | None,
-    run_on: Runner | None,
+    resources: Resources,
     quiet: bool,
     of: int | None,
-    work: Callable[[Growing], Work],
+    work: Callable[[Engine], Work],
 ) -> Work:
     """What a search comes to, its members kept in a file; ends with the code of a signal, and says how to go on."""
     from ..job.progress import ProgressLine
 
     kept = f"Members that ended are kept in {target}; the same command goes on after them."
     with sentences(str(target)), writing(str(target), kept):
-        from ..study.cluster import joined
-        from ..study.run_missing import BrokenOff, Growing
-        from ..study.run_missing import grown as made
+        from ..study.run_missing import Engine, asked_of, opened
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
         with locked(target) as lock:
             NOW.last.append(lock.release)
             NOW.saved = kept
-            with joined(cluster, workers, run_on) as runner, made(target, plan, base, name, replace=force) as file, ProgressLine(quiet) as line:
+            asked = asked_of(plan, base, name)
+            with resources.runner() as runner, opened(target, asked, [], replace=force) as file, ProgressLine(quiet) as line:
                 show = MemberLine(line)
                 told = (lambda done, many, outcome: show(done, max(many, of), outcome)) if of is not None else show
                 try:
-                    return work(Growing(file, base, workers=workers, runner=runner, told=told))
-                except BrokenOff:
+                    return work(Engine(file, base, resources, runner, told))
+                except KeyboardInterrupt:
                     ended = len(file.keys("outcomes"))
     tell(Status.INTERRUPTED, f"{NOW.by}: {ended:,} members have ended; the same command goes on: {again()}")
     raise typer.Exit(NOW.code)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from ..results.lock import Lock
     from ..results.studied import Study
     from ..results.studyfile import StudyFile
+    from ..study.cluster import Resources
     from ..study.plan import Plan
-    from ..study.run_missing import Runner
 
 RUN = "run"
 Added = Annotated[
@@ -83,7 +83,7 @@ def run(
     """
     with sentences(str(file)):
         from ..results.schemas import STUDY
-        from ..study.cluster import elsewhere
+        from ..study.cluster import Resources
         from ..study.plan import SEARCH
         from ..study.study_file import load_plan
 
@@ -93,18 +93,19 @@ def run(
         plan, base = load_plan(file)
         if plan.asked.method == SEARCH:
             raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
-        run_on = elsewhere(cluster, device)
+        resources = Resources(workers, None, cluster, device)
         target = output if output is not None else Path("runs") / f"{file.stem}.study"
         refuse_foreign(target, force)
     told_of(plan, base, target, yes, quiet, anew=force, retry=retry)
 
     def opened() -> StudyFile:
+        from ..study.run_missing import asked_of
         from ..study.run_missing import opened as made
 
         target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
-        return made(target, plan, base, file.stem, replace=force)
+        return made(target, asked_of(plan, base, file.stem), plan.numbers(), replace=force)
 
-    carried(target, opened, base, workers, cluster, run_on, as_json, quiet, retry)
+    carried(target, opened, base, resources, as_json, quiet, retry)
 
 
 @study.command(cls=Command)
@@ -140,23 +141,23 @@ def add(
     """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
     with ExitStack() as held:
         with sentences(str(file)):
-            from ..study.cluster import elsewhere
+            from ..study.cluster import Resources
             from ..study.run_missing import added, split
             from ..study.studies import locked
 
             take_laws(laws)
-            run_on = elsewhere(cluster, device)
+            resources = Resources(workers, None, cluster, device)
             items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
             lock = held.enter_context(locked(file)) if file.exists() else None  # two that add at once would lose what one of them asks for
             plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
         told_of(plan, base, file, yes, quiet, retry=retry)
 
         def opened() -> StudyFile:
-            from ..study.run_missing import taken_up
+            from ..study.run_missing import opened as made
 
-            return taken_up(file, plan, asked)
+            return made(file, asked, plan.numbers())
 
-        carried(file, opened, base, workers, cluster, run_on, as_json, quiet, retry, lock)
+        carried(file, opened, base, resources, as_json, quiet, retry, lock)
 
 
 study.command(cls=Command)(show)
@@ -192,9 +193,7 @@ def carried(
     target: Path,
     opened: Callable[[], StudyFile],
     base: Mechanism,
-    workers: int | None,
-    cluster: str | None,
-    run_on: Runner | None,
+    resources: Resources,
     as_json: bool,
     quiet: bool,
     retry: bool = False,
@@ -206,19 +205,18 @@ def carried(
     went_on = f"Members that ended are kept in {target}; the same command goes on after them."
     kept = went_on if target.exists() else ""
     with sentences(str(target)), writing(str(target), kept):
-        from ..study.cluster import joined
-        from ..study.run_missing import carry_out, read_back, repeat_sample
+        from ..study.run_missing import Engine
         from ..study.studies import locked
 
         target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
         with held or locked(target) as lock:
             NOW.last.append(lock.release)
             NOW.saved = went_on
-            with joined(cluster, workers, run_on) as runner, opened() as file:  # a cluster that cannot be had costs no file
+            with resources.runner() as runner, opened() as file:  # a cluster that cannot be had costs no file
                 with ProgressLine(quiet) as line:
-                    whole = carry_out(file, base, workers=workers, told=MemberLine(line), runner=runner, retry=retry)
-                    whole = whole and repeat_sample(file, base, workers=workers, runner=runner)
-                found = read_back(file)
+                    engine = Engine(file, base, resources, runner, MemberLine(line))
+                    whole = engine.run(retry) and engine.repeat_sample()
+                found = engine.study()
     if as_json:
         from .studied import payload
 

@@ -61,7 +61,7 @@ def run_batch(asked: Question, numbers: Sequence[Numbers], lanes: int | None = N
     if not numbers:
         loads(asked.model)
         return Answer([], time.monotonic() - start)
-    wanted = Wanted(**{**asked.wanted, "measures": tuple(asked.wanted["measures"])})
+    wanted = Wanted.of(asked.wanted)
     found: dict[int, Outcome] = dict(run_members(loads(asked.model), numbers, wanted, workers=1, lanes=lanes))
     return Answer([dataclasses.asdict(found[k]) for k in range(len(numbers))], time.monotonic() - start)
 

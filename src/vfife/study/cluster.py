@@ -10,7 +10,7 @@ import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -256,24 +256,31 @@ def quiet_tracker() -> Iterator[None]:
         sys.warnoptions.remove(TRACKER)
 
 
-def elsewhere(address: str | None, device: str | None) -> Runner | None:
-    """What runs members on a device, None without one.
-
-    Raises ValueError where a cluster is given as well, DeviceError for a card that cannot be used.
+@dataclass(frozen=True)
+class Resources:
+    """What members run on: ``workers`` threads, or processes of a local cluster, with ``lanes`` in each; the address of a ``cluster``, or a
+    ``device``. Raises ValueError where both are given, DeviceError for a device that cannot be used.
     """
-    if address is not None and device is not None:
-        raise ValueError(f"cluster {address} and device {device} exclude each other: workers of a cluster have no card; leave out one of them")
-    return on_device(device)
+
+    workers: int | None = None
+    lanes: int | None = None
+    cluster: str | None = None
+    device: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.cluster is not None and self.device is not None:
+            given = f"cluster {self.cluster} and device {self.device}"
+            raise ValueError(f"{given} exclude each other: workers of a cluster have no card; leave out one of them")
+        on_device(self.device)
+
+    @contextmanager
+    def runner(self) -> Iterator[Runner | None]:
+        """What runs members: a cluster while this is entered, a device, or None for this process alone. Raises as :func:`cluster` does."""
+        with nullcontext(on_device(self.device)) if self.cluster is None else cluster(self.cluster, self.workers) as runner:
+            yield runner
 
 
-@contextmanager
-def joined(address: str | None, processes: int | None = None, otherwise: Runner | None = None) -> Iterator[Runner | None]:
-    """:func:`cluster` where an address is given; where not, what runs members ``otherwise``, or None, for this process alone."""
-    if address is None:
-        yield otherwise
-        return
-    with cluster(address, processes) as runner:
-        yield runner
+THREADS = Resources()  # of this process, one a core
 
 
 def on_cluster(

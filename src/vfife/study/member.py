@@ -6,6 +6,7 @@ import dataclasses
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,11 @@ class Wanted:
     settle: float | None = None
     last: int = 1
     step: float | None = None
+
+    @classmethod
+    def of(cls, written: Mapping[str, Any]) -> Wanted:
+        """Return what was written as a mapping of its fields."""
+        return cls(**{**written, "measures": tuple(written["measures"])})
 
 
 def streams(assembly: Assembly, loop: Loop = "auto") -> bool:

@@ -1,4 +1,4 @@
-"""Members of a plan computed one after another into a study file: those that are there already never again."""
+"""The missing members of a study file: one engine computes and keeps them, for studies and for searches."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ import copy
 import dataclasses
 import hashlib
 import threading
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing, suppress
+from functools import cached_property
+from itertools import zip_longest
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from ..assembly.assemble import assemble
@@ -24,13 +28,17 @@ from ..results.studied import Study, unit_of
 from ..results.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..results.view import standing
 from ..solvers.status import Status
+from .cluster import THREADS, Resources, Runner
 from .engine import Outcome, Wanted, run_members
 from .plan import Parameter, Plan
 from .study_file import Written, understood, wanted_of
 from .varied import number
 
-Told = Callable[[int, int, Outcome], None]
-Runner = Callable[..., Iterator[tuple[int, Outcome]]]
+Numbers = Mapping[str, float | str]
+Progress = Callable[[int, int, Outcome], None]
+NOTHING: Any = MappingProxyType({})
+STEP = "run.step"  # path of the step in a model
+RATIO = 1.5  # step of a repetition over that of its member; the coarser run costs two thirds of the member
 
 
 def asked_of(plan: Plan, base: Mechanism, name: str) -> dict[str, Any]:
@@ -84,49 +92,124 @@ def texts_of(asked: Mapping[str, Any]) -> dict[tuple[str, str], str]:
     return {(one["kind"], one["name"]): one["text"] for one in asked["own_laws"]}
 
 
-def carry_out(
-    file: StudyFile,
-    base: Mechanism,
-    *,
-    workers: int | None = None,
-    lanes: int | None = None,
-    told: Told | None = None,
-    runner: Runner | None = None,
-    retry: bool = False,
-) -> bool:
-    """Computes what the file has no outcome of; whether all of it was computed. What ended is kept, whatever ends this.
+@dataclasses.dataclass
+class Engine:
+    """Compute the members of a study file that it has no outcome of, and keep them: all at once for a study, or as a search asks for them.
 
-    ``retry``: members that failed are computed again.
-
-    ``runner``: what runs members, as :func:`~vfife.study.engine.run_members` does; outcomes may come in any order, and twice. ``told`` hears after
-    each member how many have ended, of how many, and what it came to. Raises StorageError where nothing can be written.
+    What ended is kept, whatever ends the work. ``runner`` is what runs members, as :func:`~vfife.study.engine.run_members` does, this process
+    without one; outcomes may come in any order, and twice. ``progress`` is called after each member with how many have ended, of how many, and its
+    outcome. ``lasting``: the file remains when the work is done.
     """
-    wanted = Wanted(**{**file.meta[WHAT]["wanted"], "measures": tuple(file.meta[WHAT]["wanted"]["measures"])})
-    members, ended = file.members(), file.outcomes()
-    left = alike_first([one for one in members if not done(one, ended.get(one.number), retry)])
-    ended_now, before, stop = set[int](), len(members) - len(left), threading.Event()
-    found = runner_of(runner)(base, [one.numbers for one in left], wanted, workers=workers, lanes=lanes, stop=stop)
-    try:
-        for k, outcome in found if left else ():
-            kept = complete(outcome, wanted)
-            file.record(left[k], kept)
-            ended_now.add(k)
-            if told is not None:
-                told(before + len(ended_now), len(members), kept)
-    except KeyboardInterrupt:
-        file.flush()
-    finally:
-        stop.set()
-        if isinstance(found, Generator):
-            found.close()
-    whole = before + len(ended_now) == len(members)
-    file.finish(Status.COMPLETE.value if whole else Status.INTERRUPTED.value)
-    return whole
+
+    file: StudyFile
+    base: Mechanism
+    resources: Resources = THREADS
+    runner: Runner | None = None
+    progress: Progress | None = None
+    lasting: bool = True
+
+    @property
+    def wanted(self) -> Wanted:
+        """What is wanted of each member."""
+        return Wanted.of(self.file.meta[WHAT]["wanted"])
+
+    def run(self, retry: bool = False) -> bool:
+        """Compute the members without an outcome, with ``retry`` also those that failed; return whether all were computed.
+
+        Raises StorageError where nothing can be written.
+        """
+        wanted, members, ended = self.wanted, self.file.members(), self.file.outcomes()
+        left = alike_first([one for one in members if not done(one, ended.get(one.number), retry)])
+        before, new = len(members) - len(left), set[int]()
+        with suppress(KeyboardInterrupt), closing(self._outcomes(left, wanted)) as found:
+            for member, outcome in found:
+                self.file.record(member, outcome)
+                new.add(member.number)
+                if self.progress is not None:
+                    self.progress(before + len(new), len(members), outcome)
+        whole = before + len(new) == len(members)
+        if not whole:
+            self.file.flush()
+        self.file.finish(Status.COMPLETE.value if whole else Status.INTERRUPTED.value)
+        return whole
+
+    def ask(self, numbers: Sequence[Numbers]) -> list[Mapping[str, float] | None]:
+        """Return the measures of members that a search asks for, None of those that failed.
+
+        Raises KeyboardInterrupt where they were not all computed, StorageError where nothing can be written.
+        """
+        names = [hash_of(one) for one in numbers]
+        if not self._known.keys() >= set(names):
+            self.file.add([one for one, name in zip(numbers, names, strict=True) if name not in self._known], self.file.meta[WHAT])
+            if not self.run():
+                raise KeyboardInterrupt
+            del self._known
+        return [self._known[name] for name in names]
+
+    @cached_property
+    def _known(self) -> dict[str, Mapping[str, float] | None]:
+        """Measures of the members that the file has, by the hash of their numbers."""
+        outcomes = self.file.outcomes()
+        ended = [(one, outcomes[one.number]) for one in self.file.members() if done(one, outcomes.get(one.number), retry=False)]
+        return {one.hash: outcome["measures"] if outcome["status"] == Status.COMPLETE else None for one, outcome in ended}
+
+    def repeat_sample(self) -> bool:
+        """Compute a sample of the members again with other steps, by which the numerical error of their measures is known.
+
+        A member that is not stable with the coarser step is repeated with a finer one, and one that fails with both is kept as failed. A static
+        analysis has no step, and is not repeated. Returns whether the sample is complete: after Ctrl-C it is not.
+        """
+        if self.base.settings.analysis == "static":
+            return True
+        outcomes, repeats = self.file.outcomes(), self.file.repeats()
+        left = [one for one in sample_of(self.file.members(), outcomes) if repeats.get(one.number, {}).get("hash") != one.hash]
+        if not left:
+            return True
+        self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
+        wanted = dataclasses.replace(self.wanted, step=None)
+        try:
+            for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
+                failed = []
+                steps = [{STEP: repeated_step(outcomes[one.number], self.base.settings.outputs, ratio)} for one in left]
+                with closing(self._outcomes(left, wanted, steps)) as found:
+                    for member, outcome in found:
+                        if outcome.status == Status.COMPLETE or last:
+                            self.file.record_repeat(member, outcome)
+                        else:
+                            failed.append(member)
+                left = sorted(failed, key=lambda one: one.number)
+        except KeyboardInterrupt:
+            return False
+        finally:
+            self.file.flush()
+        return True
+
+    def _outcomes(self, members: Sequence[StudyCase], wanted: Wanted, more: Sequence[Numbers] = ()) -> Generator[tuple[StudyCase, Outcome]]:
+        """Run members, each with ``more`` numbers where there are any; no more of them once it is closed."""
+        if not members:
+            return
+        stop, run = threading.Event(), self.runner or run_members
+        numbers = [{**one.numbers, **other} for one, other in zip_longest(members, more, fillvalue=NOTHING)]
+        found = run(self.base, numbers, wanted, workers=self.resources.workers, lanes=self.resources.lanes, stop=stop)
+        try:
+            for k, outcome in found:
+                yield members[k], complete(outcome, wanted)
+        finally:
+            stop.set()
+            if isinstance(found, Generator):
+                found.close()
+
+    def study(self) -> Study:
+        """Return the study as far as the file has it."""
+        return Study(self.file.path if self.lasting else None, self.file.meta, self.file.members(), self.file.outcomes(), self.file.repeats())
 
 
-def runner_of(runner: Runner | None) -> Runner:
-    """Return what runs members: ``runner``, or this process without one."""
-    return runner or run_members
+def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> float:
+    """The step (s) nearest ``ratio`` times that of a member by which a turn has a whole number of ``outputs``, and each of these of steps."""
+    turn = outcome["steps"] // outcome["turns"]
+    every = turn // outputs if turn % outputs == 0 else 0
+    count = outputs * max(1, round(every / ratio)) if every > 1 else round(turn / ratio)
+    return float(outcome["step"] * turn / max(1, count))
 
 
 def done(member: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
@@ -147,149 +230,20 @@ def complete(outcome: Outcome, wanted: Wanted) -> Outcome:
     return dataclasses.replace(outcome, reason=f"it has no measure {', '.join(missing)}")
 
 
-def opened(path: Path, plan: Plan, base: Mechanism, name: str, *, replace: bool = False) -> StudyFile:
-    """The study file of a plan, made, or gone on with and added to. Raises VfifeError where another study is there."""
-    asked = asked_of(plan, base, name)
+def opened(path: Path, asked: Mapping[str, Any], numbers: Sequence[Numbers], *, replace: bool = False) -> StudyFile:
+    """Return the study file with these members, which is made, or gone on with and added to. Raises VfifeError where another study is there."""
     if not path.exists() or replace:
-        return StudyFile.begin(path, asked, plan.numbers())
-    return taken_up(path, plan, asked)
-
-
-def taken_up(path: Path, plan: Plan, asked: Mapping[str, Any]) -> StudyFile:
-    """A study file that is there, with the members of a plan. Raises VfifeError where it is that of another study."""
+        return StudyFile.begin(path, asked, numbers)
     file = StudyFile.write(path)
     try:
         if why := same_question(file, asked):
             raise VfifeError(f"{path}: the study in this file {why}; name another file, or replace it")
-        file.add(plan.numbers(), asked)
+        if numbers:
+            file.add(numbers, asked)
     except BaseException:
         file.close()
         raise
     return file
-
-
-def read_back(file: StudyFile) -> Study:
-    """The study of a file that is open."""
-    members = file.members()
-    return Study(file.path, file.meta, members, file.outcomes(), file.repeats())
-
-
-Numbers = Mapping[str, float | str]
-
-
-class BrokenOff(Exception):
-    """A study was interrupted; what ended is kept."""
-
-
-class Growing:
-    """Members of a study by their numbers. ``runner`` and ``told`` are those of :func:`~vfife.study.run_missing.carry_out`."""
-
-    def __init__(
-        self, file: StudyFile, base: Mechanism, *, workers: int | None = None, runner: Runner | None = None, told: Told | None = None
-    ) -> None:
-        self.file, self.base, self.workers, self.runner, self.told = file, base, workers, runner, told
-        self.known: dict[str, Mapping[str, float] | None] = {}
-        self.read()
-
-    def read(self) -> None:
-        """Takes what the file has."""
-        outcomes = self.file.outcomes()
-        for one in self.file.members():
-            if (outcome := outcomes.get(one.number)) is not None and outcome["hash"] == one.hash:
-                self.known[one.hash] = outcome["measures"] if outcome["status"] == Status.COMPLETE else None
-
-    def __call__(self, numbers: Sequence[Numbers]) -> list[Mapping[str, float] | None]:
-        """Measures of members, None of those that failed. Raises BrokenOff after Ctrl-C, StorageError where nothing can be kept."""
-        asked = [hash_of(one) for one in numbers]
-        if new := [one for one, name in zip(numbers, asked, strict=True) if name not in self.known]:
-            self.file.add(new, self.file.meta[WHAT])
-            if not carry_out(self.file, self.base, workers=self.workers, runner=self.runner, told=self.told):
-                raise BrokenOff
-            self.read()
-        return [self.known[name] for name in asked]
-
-
-def grown(path: Path, plan: Plan, base: Mechanism, name: str, *, replace: bool = False) -> StudyFile:
-    """The study file of a plan without members of its own, made or gone on with. Raises VfifeError where another study is there."""
-    asked: dict[str, Any] = asked_of(plan, base, name)
-    if not path.exists() or replace:
-        return StudyFile.begin(path, asked, [])
-    file = StudyFile.write(path)
-    if why := same_question(file, asked):
-        file.close()
-        raise VfifeError(f"{path}: the study in this file {why}; name another file, or replace it")
-    return file
-
-
-STEP = "run.step"  # path of the step in a model
-RATIO = 1.5  # step of a repetition over that of its member; the coarser run costs two thirds of the member
-
-
-def repeat_sample(file: StudyFile, base: Mechanism, *, workers: int | None = None, lanes: int | None = None, runner: Runner | None = None) -> bool:
-    """Compute the members of the sample again with other steps, and keep what they come to; those that are kept are not repeated.
-
-    A member that is not stable with the coarser step is repeated with a finer one, and one that fails with both is kept as failed. A static
-    analysis has no step, and is not repeated. ``runner`` is as in :func:`~vfife.study.run_missing.carry_out`.
-
-    Returns whether the sample is complete: after Ctrl-C it is not. Raises StorageError if nothing can be written.
-    """
-    if base.settings.analysis == "static":
-        return True
-    outcomes, known = file.outcomes(), file.repeats()
-    left = [one for one in sample_of(file.members(), outcomes) if known.get(one.number, {}).get("hash") != one.hash]
-    if not left:
-        return True
-    file.begin_repeats({"order": 1 if base.contacts else 2, "ratio": RATIO})
-    run = Repetition(file, base, outcomes, workers, lanes, runner_of(runner))
-    try:
-        finer = run.repeat(left, RATIO, last=False)
-        run.repeat(finer, 1.0 / RATIO, last=True)
-    except KeyboardInterrupt:
-        file.flush()
-        return False
-    file.flush()
-    return True
-
-
-@dataclasses.dataclass
-class Repetition:
-    """Members that are repeated into a study file, ``outcomes`` being those of their own steps."""
-
-    file: StudyFile
-    base: Mechanism
-    outcomes: Mapping[int, Mapping[str, Any]]
-    workers: int | None
-    lanes: int | None
-    runner: Runner
-
-    def repeat(self, members: Sequence[StudyCase], ratio: float, last: bool) -> list[StudyCase]:
-        """Run members with about so many times their step; return those that failed, which are kept only the ``last`` time."""
-        if not members:
-            return []
-        asked = self.file.meta[WHAT]["wanted"]
-        wanted = Wanted(**{**asked, "measures": tuple(asked["measures"]), "step": None})
-        numbers = [{**one.numbers, STEP: self.step(one, ratio)} for one in members]
-        failed, stop = list[StudyCase](), threading.Event()
-        found = self.runner(self.base, numbers, wanted, workers=self.workers, lanes=self.lanes, stop=stop)
-        try:
-            for k, outcome in found:
-                if outcome.status == Status.COMPLETE or last:
-                    self.file.record_repeat(members[k], complete(outcome, wanted))
-                else:
-                    failed.append(members[k])
-        finally:
-            stop.set()
-            if isinstance(found, Generator):
-                found.close()
-        return sorted(failed, key=lambda one: one.number)
-
-    def step(self, member: StudyCase, ratio: float) -> float:
-        """The step (s) nearest ``ratio`` times that of a member by which a turn has a whole number of outputs, and each of these of steps."""
-        outcome, per = self.outcomes[member.number], self.base.settings.outputs
-        turn = outcome["steps"] // outcome["turns"]
-        every = turn // per if turn % per == 0 else 0
-        count = per * max(1, round(every / ratio)) if every > 1 else round(turn / ratio)
-        return float(outcome["step"] * turn / max(1, count))
 
 
 def split(text: str, what: str) -> list[tuple[str, str]]:

@@ -21,7 +21,7 @@ from .limits import CONFIDENCE, Bound, flat, needed, read_bounds
 from .local_search import Refined, refined, slopes_of
 from .optimise import BATCH, Axis, Found, Search, searched
 from .plan import MOST_MEMBERS, SEARCH, Parameter, Plan
-from .run_missing import BrokenOff, Growing, units_of
+from .run_missing import Engine, units_of
 from .study_file import Written, understood
 
 REFINE = 20  # members more that derivatives may lead to
@@ -196,36 +196,26 @@ def numbers_at(parameters: Sequence[Parameter], values: Mapping[str, float | str
     return found
 
 
-def optimised(
-    grow: Growing, plan: Plan, search: Search, base: Mechanism, told: Callable[[list[Found]], None] | None = None
-) -> tuple[list[Found], Refined]:
+def optimised(engine: Engine, plan: Plan, search: Search, told: Callable[[list[Found]], None] | None = None) -> tuple[list[Found], Refined]:
     """The members of a search, in a study file, and of these the last that derivatives led to."""
 
     def at(parameters: Mapping[str, float | str]) -> dict[str, float | str]:
         return numbers_at(plan.parameters, parameters)
 
     def ask(asked: Sequence[Mapping[str, float | str]]) -> Sequence[Mapping[str, float] | None]:
-        return grow([at(one) for one in asked])
-
-    slopes = slopes_of(plan, base, search, at)
-
-    def kept(parameters: Mapping[str, float | str]) -> Mapping[str, Mapping[str, float]]:
-        try:
-            return slopes(dict(parameters))
-        except KeyboardInterrupt:
-            raise BrokenOff from None
+        return engine.ask([at(one) for one in asked])
 
     found = searched(search, ask, told)
-    more = refined(search, found, ask, kept, told) if search.refine else Refined()
+    more = refined(search, found, ask, slopes_of(plan, engine.base, search, at), told) if search.refine else Refined()
     return [*found, *more.members], more
 
 
-def allotted(grow: Growing, task: Allotment, told: Callable[[Choice, int, int], None] | None = None) -> Allocated:
+def allotted(engine: Engine, task: Allotment, told: Callable[[Choice, int, int], None] | None = None) -> Allocated:
     """The allocation of fits, its machines being members of a study file. Raises ModelError, VfifeError."""
     names, bound, asked = [one.name for one in task.parameters], task.bound, task.asked
 
     def values(rows: Sequence[Sequence[float]]) -> Array:
-        found = grow([numbers_at(task.parameters, dict(zip(names, row, strict=True))) for row in rows])
+        found = engine.ask([numbers_at(task.parameters, dict(zip(names, row, strict=True))) for row in rows])
         return np.array([math.nan if one is None else one.get(bound.measure, math.nan) for one in found])
 
     return allocate(

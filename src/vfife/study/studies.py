@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from tempfile import TemporaryDirectory
+from typing import Any
 
 from ..errors import Fault, ModelError, kind_of, shown
 from ..model.mechanism import Mechanism
@@ -16,11 +17,11 @@ from ..modelfile.read import raw_of, text_of
 from ..modelfile.tables import Raw
 from ..results.lock import Lock
 from ..results.studied import Study
-from .cluster import elsewhere, joined
+from .cluster import THREADS, Resources
 from .limits import Estimate
 from .optimise import Found, best, imported
-from .plan import Plan
-from .run_missing import BrokenOff, Growing, Runner, carry_out, grown, opened, read_back, repeat_sample
+from .plan import SEARCH, Plan
+from .run_missing import Engine, Progress, asked_of, opened
 from .searches import allotment_of, allotted, optimised, search_of
 from .study_file import of_mapping, understood
 
@@ -57,34 +58,40 @@ def study(
     file, StorageError where it cannot be written, DeviceError for a card that cannot be used.
     """
     plan, base, name = asked_in_python(model, vary, measures, more)
-    run = elsewhere(cluster, device)
-    if file is None:
-        with tempfile.TemporaryDirectory() as folder:
-            found = made(Path(folder) / f"s{ENDING}", plan, base, name, force, workers, lanes, progress, cluster, run, retry)
-        found.path = None
-        return found
-    return made(Path(file), plan, base, name, force, workers, lanes, progress, cluster, run, retry)
+    told = None if progress is None else lambda done, of, _: progress(done, of)
+    return computed(file, plan, base, name, Resources(workers, lanes, cluster, device), force=force, retry=retry, progress=told)
 
 
-def made(
-    path: Path,
+def computed(
+    file: str | Path | None,
     plan: Plan,
     base: Mechanism,
     name: str,
+    resources: Resources = THREADS,
+    *,
     force: bool = False,
-    workers: int | None = None,
-    lanes: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    cluster: str | None = None,
-    otherwise: Runner | None = None,
     retry: bool = False,
+    progress: Progress | None = None,
 ) -> Study:
-    """A plan carried out into its file."""
-    told = None if progress is None else lambda done, of, _: progress(done, of)
-    with locked(path), joined(cluster, workers, otherwise) as runner, opened(path, plan, base, name, replace=force) as file:
-        if carry_out(file, base, workers=workers, lanes=lanes, told=told, runner=runner, retry=retry):
-            repeat_sample(file, base, workers=workers, lanes=lanes, runner=runner)
-        return read_back(file)
+    """Carry out a plan into its file."""
+    with engine_of(file, plan, base, name, resources, force=force, progress=progress) as engine:
+        if engine.run(retry):
+            engine.repeat_sample()
+        return engine.study()
+
+
+@contextmanager
+def engine_of(
+    file: str | Path | None, plan: Plan, base: Mechanism, name: str, resources: Resources, *, force: bool = False, progress: Progress | None = None
+) -> Iterator[Engine]:
+    """The engine of a plan, whose file is locked and open meanwhile; a temporary one for None. A cluster that cannot be had costs no file."""
+    with ExitStack() as held:
+        path = Path(held.enter_context(TemporaryDirectory())) / f"s{ENDING}" if file is None else Path(file)
+        held.enter_context(locked(path))
+        runner = held.enter_context(resources.runner())
+        numbers = [] if plan.asked.method == SEARCH else plan.numbers()
+        study = held.enter_context(opened(path, asked_of(plan, base, name), numbers, replace=force))
+        yield Engine(study, base, resources, runner, progress, lasting=file is not None)
 
 
 def locked(path: Path) -> Lock:
@@ -117,9 +124,6 @@ def written(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], calle
     named = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
     raw = of_mapping({"measures": named, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **more})
     return raw, caller, None, base, ""
-
-
-Work = TypeVar("Work")
 
 
 @dataclass(frozen=True)
@@ -181,10 +185,11 @@ def optimise(
     tables, known_as, folder, base, name = written(model, vary, measures, more, "optimise()")
     plan, base, search = search_of(tables, known_as, folder, base)
     imported()
-    (found, last), study = kept(
-        file, plan, base, name, lambda grow: optimised(grow, plan, search, base), force=force, workers=workers, cluster=cluster, device=device,
-        progress=progress,
-    )  # fmt: skip
+    with engine_of(
+        file, plan, base, name or base.name, Resources(workers, None, cluster, device), force=force, progress=counting(progress)
+    ) as engine:
+        found, last = optimised(engine, plan, search)
+        study = engine.study()
     return Optimum(tuple(best(search, found)), tuple(found), study, len(last.members), last.why)
 
 
@@ -215,42 +220,15 @@ def allocate(
     """
     tables, known_as, folder, base, name = written(model, vary, measures, more, "allocate()")
     plan, base, task = allotment_of(tables, known_as, folder, base)
-    found, study = kept(
-        file, plan, base, name, lambda grow: allotted(grow, task), force=force, workers=workers, cluster=cluster, device=device,
-        progress=progress,
-    )  # fmt: skip
+    with engine_of(
+        file, plan, base, name or base.name, Resources(workers, None, cluster, device), force=force, progress=counting(progress)
+    ) as engine:
+        found, study = allotted(engine, task), engine.study()
     chosen, rejected = found.choice, tuple((task.chosen(one), one.cost) for one in found.rejected)
     cheapest, cost = (None, None) if chosen is None else (task.chosen(chosen), chosen.cost)
     return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)
 
 
-def kept(
-    file: str | Path | None,
-    plan: Plan,
-    base: Mechanism,
-    name: str,
-    work: Callable[[Growing], Work],
-    *,
-    force: bool,
-    workers: int | None,
-    cluster: str | None,
-    device: str | None,
-    progress: Callable[[int], None] | None,
-) -> tuple[Work, Study]:
-    """What a search comes to, and the study of its members, which are kept in a file where there is one to be."""
-    run = elsewhere(cluster, device)
-    if file is None:
-        with tempfile.TemporaryDirectory() as folder:
-            found, study = kept(
-                Path(folder) / f"s{ENDING}", plan, base, name, work, force=force, workers=workers, cluster=cluster, device=device, progress=progress
-            )
-        study.path = None
-        return found, study
-    told = None if progress is None else lambda done, of, outcome: progress(done)
-    path = Path(file)
-    with locked(path), joined(cluster, workers, run) as runner, grown(path, plan, base, name or base.name, replace=force) as members:
-        try:
-            found = work(Growing(members, base, workers=workers, runner=runner, told=told))
-        except BrokenOff:
-            raise KeyboardInterrupt from None
-        return found, read_back(members)
+def counting(progress: Callable[[int], None] | None) -> Progress | None:
+    """What tells ``progress`` how many members have been computed."""
+    return None if progress is None else lambda done, of, outcome: progress(done)
