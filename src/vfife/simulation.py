@@ -36,7 +36,7 @@ from .results.runfile import RunFile
 from .results.schemas import RUN
 from .results.start_from import States, initial_state, on_clock
 from .results.view import View
-from .solvers.arguments import Arguments, Asked, Loop
+from .solvers.arguments import Arguments, Loop, RunArguments
 from .solvers.companions import number, step_counts
 from .solvers.record import Checkpoint, Record, recorded_rows
 from .solvers.refinement import other_meshes, refinable, refine, worth_other_meshes, worth_refining
@@ -175,12 +175,12 @@ def simulate(
     given.mechanism(mechanism)
     asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions,
                       settle=settle)  # fmt: skip
-    given.one_of("reference", reference, (bool, Result), "True, False or a Result")
-    given.one_of("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
-    given.one_of("file", file, (RunFile, type(None)), "a RunFile")
+    given.kind("reference", reference, (bool, Result), "True, False or a Result")
+    given.kind("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
+    given.kind("file", file, (RunFile, type(None)), "a RunFile")
     given.callable("progress", progress)
-    given.one_of("confirm", confirm, (bool,), "True or False")
-    given.tell()
+    given.kind("confirm", confirm, (bool,), "True or False")
+    given.check()
     with job_of("simulate", None if file is None else file.path, confirm, progress) as job:
         return carry_out(prepare(mechanism, asked, reference, start, job), progress=job, file=file)
 
@@ -198,7 +198,7 @@ def forecast(job: Job, assembly: Assembly, reference: Assembly | None = None, re
 
 def prepare(
     mechanism: Mechanism,
-    asked: Asked,
+    asked: RunArguments,
     reference: bool | Result = True,
     start: StartFrom | None = None,
     job: Job | None = None,
@@ -384,7 +384,7 @@ def resume(run: str | Path, *, until: float | str | None = None, progress: Calla
     given = Arguments("resume")
     end = given.quantity("until", until, "s")
     given.callable("progress", progress)
-    given.tell()
+    given.check()
     path = located(RUN, Path(run))
     with Lock(path.parent), RunFile.write(path) as file:
         prepared, last = taken_up(file, end)

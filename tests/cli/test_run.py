@@ -254,7 +254,7 @@ def test_companions_are_asked_for_and_turned_off(command: Callable) -> None:
     assert json.loads(Path("out/summary.json").read_text())["ranges"] == {}
     assert "companions = 0" in Path("out/model.toml").read_text()
     wrong = command("run", CASE_C, "--companions", "12")
-    assert wrong.exit_code == 2 and "from 0 to 7, or auto" in wrong.stderr
+    assert wrong.exit_code == 2 and 'from 0 to 7, or "auto"' in wrong.stderr
 
 
 @pytest.mark.parametrize(

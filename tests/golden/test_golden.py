@@ -23,7 +23,7 @@ from fake_card import rows_on_card
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.simulation import prepare
-from vfife.solvers.arguments import Asked
+from vfife.solvers.arguments import RunArguments
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 
@@ -54,7 +54,7 @@ def start(name: str) -> Assembly:
     if name in MODELS:
         duration, step = MODELS[name]
         return assemble(getattr(import_module("lane_models"), name)(0), step, duration=duration, outputs=40, force_step=True)
-    return prepare(vfife.load_model(ROOT / "examples" / f"{name}.toml"), Asked(duration=CASES[name])).assembly
+    return prepare(vfife.load_model(ROOT / "examples" / f"{name}.toml"), RunArguments(duration=CASES[name])).assembly
 
 
 def record(name: str, loop: str, companions: int = 0) -> Record:

@@ -11,7 +11,7 @@ import pytest
 
 import vfife
 from vfife.modelfile import dump, loads
-from vfife.simulation import Asked, prepare
+from vfife.simulation import RunArguments, prepare
 
 HEAD = 'name = "machine"\n'
 # What a builder is given; the same as a table of a model file.
@@ -141,7 +141,7 @@ def test_a_mechanism_is_checked_drawn_and_shown() -> None:
 
 def test_the_step_that_check_tells_is_that_with_which_a_run_begins() -> None:
     m = vfife.gallery.four_bar()
-    begun = prepare(m, Asked()).assembly.choice
+    begun = prepare(m, RunArguments()).assembly.choice
     assert (m.check().step, m.check().set_by) == (begun.step, begun.culprit)
 
 

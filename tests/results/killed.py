@@ -16,7 +16,7 @@ from vfife.codegen.runner import Runner
 from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
 from vfife.solvers import interrupts
-from vfife.solvers.arguments import Asked
+from vfife.solvers.arguments import RunArguments
 from vfife.solvers.synchronised import SynchronisedLanes
 
 
@@ -24,7 +24,7 @@ class Killed(BaseException):
     """The end of a process, as far as one test goes."""
 
 
-def write(path: Path, mechanism: vfife.Mechanism, asked: Asked, reference: bool = True) -> vfife.Result:
+def write(path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True) -> vfife.Result:
     prepared = prepare(mechanism, asked, reference)
     with RunFile.create(path, prepared.kept) as file:
         result = carry_out(prepared, file=file)
@@ -59,7 +59,7 @@ def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
     monkeypatch.setattr(interrupts.Pace, "room", property(lambda self: steps, lambda self, value: None), raising=False)
 
 
-def killed_run(path: Path, mechanism: vfife.Mechanism, asked: Asked, reference: bool = True) -> bool:
+def killed_run(path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True) -> bool:
     """A run that is killed: what was not committed is gone. False where it came to its end before."""
     prepared = prepare(mechanism, asked, reference)
     file = RunFile.create(path, prepared.kept)

@@ -16,7 +16,7 @@ from vfife.result import Result
 from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
 from vfife.solvers import transient
-from vfife.solvers.arguments import Asked
+from vfife.solvers.arguments import RunArguments
 
 
 def same(one: Result, other: Result) -> None:
@@ -41,7 +41,7 @@ def test_saved_and_read(result: Result, tmp_path: Path) -> None:
 
 
 def test_written_while_it_runs(result: Result, tmp_path: Path) -> None:
-    prepared = prepare(four_bar("BCD"), Asked(turns=1.5))
+    prepared = prepare(four_bar("BCD"), RunArguments(turns=1.5))
     with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
         written = carry_out(prepared, file=file)
         written.finish(file)
@@ -50,7 +50,7 @@ def test_written_while_it_runs(result: Result, tmp_path: Path) -> None:
 
 
 def test_an_interrupted_run_has_ranges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    prepared = prepare(four_bar("BCD"), Asked(turns=8.0, outputs=200))
+    prepared = prepare(four_bar("BCD"), RunArguments(turns=8.0, outputs=200))
     monkeypatch.setattr(transient, "CHUNK_BYTES", 2**16)
 
     def stop(progress: object) -> None:
@@ -87,7 +87,7 @@ def test_a_run_of_version_0_2_is_read_and_not_resumed(result: Result, tmp_path: 
 
 def test_chunks_that_nobody_needs_are_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(transient, "CHUNK_BYTES", 2**17)
-    prepared = prepare(four_bar("C"), Asked(turns=6.0, outputs=100, step=1e-5))
+    prepared = prepare(four_bar("C"), RunArguments(turns=6.0, outputs=100, step=1e-5))
     with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
         carry_out(prepared, file=file).finish(file)
     with sqlite3.connect(tmp_path / "run.sqlite") as connection:

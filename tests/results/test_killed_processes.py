@@ -16,12 +16,12 @@ from support import four_bar
 from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
 from vfife.solvers import interrupts
-from vfife.solvers.arguments import Asked
+from vfife.solvers.arguments import RunArguments
 
 RANDOM = random.Random(5)
 
 
-def child(path: Path, mechanism: vfife.Mechanism, asked: Asked) -> int:
+def child(path: Path, mechanism: vfife.Mechanism, asked: RunArguments) -> int:
     """A process of its own that runs, or goes on, and ends without a word."""
     number = os.fork()
     if number:
@@ -48,7 +48,7 @@ def _begun(path: Path) -> bool:
 LONGEST = 0.5  # s that a process is left alive; the first one of all may have to compile
 
 
-def killed_at_random(folder: Path, mechanism: vfife.Mechanism, asked: Asked, kills: int, longest: float) -> int:
+def killed_at_random(folder: Path, mechanism: vfife.Mechanism, asked: RunArguments, kills: int, longest: float) -> int:
     """Kills with -9 at random moments, the very first and last included, until the run is complete; how many there were."""
     path, done = folder / "run.sqlite", 0
     while done < kills:
@@ -66,8 +66,8 @@ def killed_at_random(folder: Path, mechanism: vfife.Mechanism, asked: Asked, kil
 
 def kill_and_compare(tmp_path: Path, kills: int) -> None:
     cases = {
-        "transient": (four_bar("BC"), Asked(turns=2.0, step=2.5e-6, outputs=100, companions=3)),
-        "static": (arch(), Asked()),
+        "transient": (four_bar("BC"), RunArguments(turns=2.0, step=2.5e-6, outputs=100, companions=3)),
+        "static": (arch(), RunArguments()),
     }
     for name, (mechanism, asked) in cases.items():
         (tmp_path / name).mkdir()

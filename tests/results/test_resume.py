@@ -17,9 +17,9 @@ from vfife.results.lock import Lock
 from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
 from vfife.solvers import transient
-from vfife.solvers.arguments import Asked
+from vfife.solvers.arguments import RunArguments
 
-SEARCHED = Asked(turns=1.1, outputs=120)  # two tries of the step
+SEARCHED = RunArguments(turns=1.1, outputs=120)  # two tries of the step
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_companions_and_steps_tried_go_on(whole: Path, tmp_path: Path, monkeypat
 @pytest.mark.parametrize("loop", ["generated", "data-driven"])
 def test_between_two_outputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, loop: Any) -> None:
     """One output for the whole run: checkpoints lie within the interval, extremes since its begin with them."""
-    asked = Asked(duration=2e-3, step=1e-6, outputs=1, loop=loop)
+    asked = RunArguments(duration=2e-3, step=1e-6, outputs=1, loop=loop)
     write(tmp_path / "whole.sqlite", journal_in_bearing(), asked)
     path = tmp_path / "run.sqlite"
     with monkeypatch.context() as context:
@@ -62,7 +62,7 @@ def test_between_two_outputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lo
     same(tmp_path / "whole.sqlite", path)
 
 
-UNTIL = Asked(turns=9, step=5e-6, outputs=200, companions=3, settle=0.005)
+UNTIL = RunArguments(turns=9, step=5e-6, outputs=200, companions=3, settle=0.005)
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,7 @@ def test_a_run_that_has_settled_goes_on_where_it_is_asked_to(settled: Path, tmp_
 @pytest.fixture(scope="module")
 def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("still") / "run.sqlite"
-    write(path, arch(), Asked())
+    write(path, arch(), RunArguments())
     return path
 
 
@@ -115,7 +115,7 @@ def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_statics_go_on(still: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     path = tmp_path / "run.sqlite"
     restore = kill_at(monkeypatch, call)
-    assert killed_run(path, arch(), Asked())
+    assert killed_run(path, arch(), RunArguments())
     restore()
     vfife.resume(path)
     same(still, path)
@@ -128,7 +128,7 @@ def test_a_started_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     mechanism = four_bar("C", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2))
     files = {}
     for name in ("whole", "run"):
-        prepared = prepare(mechanism, Asked(**options), True, first)
+        prepared = prepare(mechanism, RunArguments(**options), True, first)
         files[name] = RunFile.create(tmp_path / f"{name}.sqlite", prepared.kept)
         if name == "run":
             paced(monkeypatch, 500)
@@ -145,7 +145,7 @@ def test_a_started_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 def test_until_a_later_time(tmp_path: Path) -> None:
     """Past the end of a complete run: as one that was asked to last so long."""
-    asked = Asked(duration=2e-3, step=1e-6, outputs=50)
+    asked = RunArguments(duration=2e-3, step=1e-6, outputs=50)
     write(tmp_path / "run.sqlite", journal_in_bearing(), asked)
     before = vfife.load_result(tmp_path / "run.sqlite")
     after = vfife.resume(tmp_path / "run.sqlite", until="3 ms")
@@ -160,7 +160,7 @@ def test_until_a_later_time(tmp_path: Path) -> None:
 
 def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
     path = tmp_path / "run.sqlite"
-    write(path, journal_in_bearing(), Asked(duration=1e-4, step=1e-6, outputs=10))
+    write(path, journal_in_bearing(), RunArguments(duration=1e-4, step=1e-6, outputs=10))
     whole = path.read_bytes()
     with pytest.raises(ResumeError, match="is complete; say how far"):
         vfife.resume(path)
@@ -185,7 +185,7 @@ LOST = {
 def test_a_new_run_does_not_start_without_what_it_needs(tmp_path: Path, case: str) -> None:
     path, (statements, said) = tmp_path / "run.sqlite", LOST[case]
     mechanism = journal_in_bearing()
-    write(path, mechanism, Asked(duration=1e-4, step=1e-6, outputs=10))
+    write(path, mechanism, RunArguments(duration=1e-4, step=1e-6, outputs=10))
     assert vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0).record.status == "complete"
     with sqlite3.connect(path) as connection:
         for statement in statements:
@@ -196,7 +196,7 @@ def test_a_new_run_does_not_start_without_what_it_needs(tmp_path: Path, case: st
 
 def test_a_disk_that_is_full_loses_the_last_transaction_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every write in turn fails; what was there before it is whole, and the run goes on from it when there is room again."""
-    asked = Asked(duration=1e-3, step=1e-6, outputs=40)
+    asked = RunArguments(duration=1e-3, step=1e-6, outputs=40)
     write(tmp_path / "whole.sqlite", journal_in_bearing(), asked)
     insert = RunFile.insert
     paced(monkeypatch, 30)
@@ -218,7 +218,7 @@ def test_a_disk_that_is_full_loses_the_last_transaction_only(tmp_path: Path, mon
 
 def test_rows_of_companions_that_went_before_the_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Killed long after its only checkpoint, when the window over the last turn has left that behind."""
-    asked, mechanism = Asked(turns=3.0, step=1e-5, outputs=60, companions=3), four_bar("BC")
+    asked, mechanism = RunArguments(turns=3.0, step=1e-5, outputs=60, companions=3), four_bar("BC")
     write(tmp_path / "whole.sqlite", mechanism, asked)
     path = tmp_path / "run.sqlite"
     with monkeypatch.context() as context:

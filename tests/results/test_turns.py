@@ -257,7 +257,7 @@ def test_it_goes_on_to_the_end_where_it_does_not_repeat() -> None:
 
 
 @pytest.mark.parametrize(("given", "match"), [
-    ({"settle": 0.0}, "zero or negative"), ({"settle": 2.0}, "a share above 0"), ({"settle": "soon"}, "settle"),
+    ({"settle": 0.0}, "zero or negative"), ({"settle": 2.0}, "above 0 and at most 1"), ({"settle": "soon"}, "settle"),
 ])  # fmt: skip
 def test_a_tolerance_that_cannot_be_is_told(given: dict[str, object], match: str) -> None:
     with pytest.raises(ModelError, match=match):

@@ -12,24 +12,24 @@ from support import four_bar, journal_in_bearing
 from vfife.errors import ModelError
 
 NONSENSE = [
-    ("turns", -1, "zero or negative"),
+    ("turns", -1, "negative"),
     ("turns", 0, "zero or negative"),
     ("turns", math.nan, "not a finite number"),
     ("turns", True, "true or false"),
     ("turns", "2 mm", "a length"),
-    ("duration", -0.1, "zero or negative"),
+    ("duration", -0.1, "negative"),
     ("duration", math.inf, "not a finite number"),
     ("duration", [1.0], "a list"),
     ("step", 0.0, "zero or negative"),
     ("step", "1 um", "a length"),
     ("step", "soon", "does not begin with a number"),
     ("step", False, "true or false"),
-    ("outputs", -3, "out of range"),
-    ("outputs", 0, "out of range"),
+    ("outputs", -3, "too small"),
+    ("outputs", 0, "too small"),
     ("outputs", 2.5, "a number"),
     ("outputs", True, "true or false"),
     ("outputs", "720", "a text"),
-    ("outputs", 10**15, "out of range"),
+    ("outputs", 10**15, "too large"),
     ("loop", "numba", "there is no such loop"),
     ("loop", None, "there is no such loop"),
     ("reference", "yes", "a text"),
@@ -54,7 +54,13 @@ def test_all_faults_are_told_at_once() -> None:
         vfife.simulate(journal_in_bearing(), turns=-1, duration=1.0, outputs=-3, loop="data driven", step="1 mm")
     text = str(told.value)
     assert text.startswith("simulate() has 5 faults:")
-    for words in ("turns and duration exclude each other", "turns = -1: zero", "outputs = -3: out of range", 'Did you mean "data-driven"?', "1 us"):
+    for words in (
+        "turns and duration exclude each other",
+        "turns = -1: this is negative",
+        "outputs = -3: this is too small",
+        'Did you mean "data-driven"?',
+        "20 ms",
+    ):
         assert words in text
 
 
@@ -76,16 +82,16 @@ def test_quantities_carry_units() -> None:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"step": -1e-6}, "step = -1e-06: zero or negative"),
+        ({"step": -1e-6}, "step = -1e-06: this is negative"),
         ({"step": [1e-6, "x"]}, 'step[1] = "x": this is a text that does not begin'),
         ({"step": [1e-6]}, "1 values for 2 mechanisms"),
         ({"step": None}, "no step is given"),
         ({"turns": 2.5}, "turns = 2.5: this is a number"),
         ({"turns": None}, "turns = None: this is"),
-        ({"outputs": 0}, "outputs = 0: out of range"),
-        ({"lanes": 0}, "lanes = 0: out of range"),
-        ({"workers": -1}, "workers = -1: out of range"),
-        ({"tolerance": -0.1}, "tolerance = -0.1: negative"),
+        ({"outputs": 0}, "outputs = 0: this is too small"),
+        ({"lanes": 0}, "lanes = 0: this is too small"),
+        ({"workers": -1}, "workers = -1: this is too small"),
+        ({"tolerance": -0.1}, "tolerance = -0.1: this is negative"),
         ({"tolerance": math.nan}, "tolerance = nan: this is not a finite number"),
         ({"loop": "fast"}, 'loop = "fast": there is no such loop'),
         ({"device": "gpu"}, 'device = "gpu": there is no such device; allowed: "cuda"'),
@@ -107,7 +113,7 @@ def test_the_members_of_an_ensemble_are_examined() -> None:
 
 
 def test_a_comparison_is_asked_the_same() -> None:
-    with pytest.raises(ModelError, match=r"compare\(\), turns = -1: zero or negative"):
+    with pytest.raises(ModelError, match=r"compare\(\), turns = -1: this is negative"):
         vfife.compare(four_bar(), ["pereira"], turns=-1)
 
 

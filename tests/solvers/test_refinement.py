@@ -80,9 +80,9 @@ def test_companions_turn_it_off_and_on() -> None:
 
 def _made(mechanism: Mechanism) -> bool:
     from vfife.simulation import prepare
-    from vfife.solvers.arguments import Asked
+    from vfife.solvers.arguments import RunArguments
 
-    return prepare(mechanism, Asked()).refined
+    return prepare(mechanism, RunArguments()).refined
 
 
 def test_it_is_kept(tmp_path) -> None:

@@ -71,7 +71,7 @@ def compare(
         return line[-1]
 
     with sentences(str(model)):
-        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions)
+        mechanism = with_options(read_model(model, set_, laws), step=step, turns=turns, duration=duration, outputs=outputs, companions=companions)
         place = folder_for(folder, model, dump(mechanism), force)
     try:
         with sentences(str(model)), writing(str(place), kept_in(place)):

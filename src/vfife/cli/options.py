@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
+    from ..fields import Value
     from ..model.mechanism import Mechanism
 
 ModelArgument = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Model file.", show_default=False)]
@@ -66,58 +65,31 @@ def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | N
     return load(path, set=overrides(texts))
 
 
-def positive(option: str, text: str, unit: str) -> float:
-    """A quantity above zero given as an option, a bare number being in SI units."""
+def option(name: str, held: Value, text: Any) -> Any:
+    """The value of an option by a field, a bare number being in SI units. Raises ValueError where the field does not take it."""
     from ..errors import Fault
-    from ..units import number
 
     try:
-        value = number(text, unit)
-    except Fault as error:
-        raise ValueError(f"{option} {text}: {error.what}; allowed: {error.limit} ({error.remedy})") from None
-    if not (value > 0.0 and math.isfinite(value)):
-        raise ValueError(f"{option} {text}: zero or negative; allowed: a quantity above 0 {unit}")
-    return value
+        return held.take(text, written=True)
+    except Fault as fault:
+        raise ValueError(str(Fault(f"{name} {text}", fault.what, "", fault.limit, fault.remedy))) from None
 
 
-def with_options(
-    mechanism: Mechanism,
-    step: str | None,
-    turns: float | None,
-    duration: str | None,
-    outputs: int | None,
-    companions: str | None = None,
-    settle: str | None = None,
-) -> Mechanism:
-    """The mechanism with the settings of a run that were given as options, so that its model file tells what was run."""
-    settings = mechanism.settings
-    if turns is not None and duration is not None:
+def positive(name: str, text: str, unit: str) -> float:
+    """A quantity above zero given as an option."""
+    from ..fields import Measure
+
+    found: float = option(name, Measure(unit, above=0.0), text)
+    return found
+
+
+def with_options(mechanism: Mechanism, **options: Any) -> Mechanism:
+    """The mechanism with the settings of a run that were given as options, so that its model file tells what was run; None: not given."""
+    from ..solvers.arguments import SHARED, RunArguments
+
+    given = {name: text for name, text in options.items() if text is not None}
+    if {"turns", "duration"} <= given.keys():
         raise ValueError("--turns and --duration exclude each other; give one of them")
-    if turns is not None:
-        if not (turns > 0.0 and math.isfinite(turns)):
-            raise ValueError(f"--turns {turns:g}: allowed: a number above 0")
-        settings = dataclasses.replace(settings, turns=turns, duration=None)
-    if duration is not None:
-        settings = dataclasses.replace(settings, turns=None, duration=positive("--duration", duration, "s"))
-    if step is not None:
-        settings = dataclasses.replace(settings, step="auto" if step == "auto" else positive("--step", step, "s"))
-    if outputs is not None:
-        settings = dataclasses.replace(settings, outputs=outputs)
-    if companions is not None:
-        settings = dataclasses.replace(settings, companions=beside(companions))
-    if settle is not None:
-        if (share := positive("--settle", settle, "1")) > 1.0:
-            raise ValueError(f"--settle {settle}: allowed: a share above 0 and up to 1, such as 1%")
-        settings = dataclasses.replace(settings, settle=share)
-    return dataclasses.replace(mechanism, settings=settings)
-
-
-def beside(text: str) -> int | Literal["auto"]:
-    """The number of companions that ``--companions`` asks for."""
-    from ..model.mechanism import MOST_COMPANIONS
-
-    if text == "auto":
-        return "auto"
-    if text.isdecimal() and int(text) <= MOST_COMPANIONS:
-        return int(text)
-    raise ValueError(f"--companions {text}: allowed: a whole number from 0 to {MOST_COMPANIONS}, or auto")
+    if str(given.get("companions", "")).isdecimal():
+        given["companions"] = int(given["companions"])
+    return RunArguments(**{name: option(f"--{name}", SHARED[name], text) for name, text in given.items()}).in_settings(mechanism)

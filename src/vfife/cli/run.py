@@ -110,7 +110,9 @@ def run(
     from ..results.place import placed
 
     with sentences(str(model)):
-        mechanism = with_options(read_model(model, set_, laws), step, turns, duration, outputs, companions, settle)
+        mechanism = with_options(
+            read_model(model, set_, laws), step=step, turns=turns, duration=duration, outputs=outputs, companions=companions, settle=settle
+        )
         if resume and (begun := to_go_on(folder, model)) is not None:
             goes_on(begun, mechanism, figures, as_json, quiet)
             return
@@ -120,11 +122,11 @@ def run(
     with sentences(str(model)):
         from ..result import Result
         from ..simulation import prepare
-        from ..solvers.arguments import Asked
+        from ..solvers.arguments import RunArguments
 
         former = None if start is None else Result.load(start)
         job = CommandJob("run", place.target, yes=yes, quiet=quiet, announced=False)
-        prepared = prepare(mechanism, Asked(loop=loop.value, force_step=force_step), reference, former, job)
+        prepared = prepare(mechanism, RunArguments(loop=loop.value, force_step=force_step), reference, former, job)
     carried(lambda: begun_in(place, prepared), place, figures, as_json, quiet)
 
 

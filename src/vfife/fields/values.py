@@ -96,9 +96,8 @@ class Measure(Value):
             low, high = self.above if self.above is not None else self.low, self.high
             what = "too large" if high is not None and result > high else "zero or negative" if not low else "too small"
             what = "negative" if low == 0.0 and result < 0.0 else what
-            remedy = f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")'
-            if not written:
-                remedy = "correct the value" if self.unit == "1" else f"correct the value, which is in {self.unit}"
+            of_unit = f' or its unit (as in "{dimension_of(self.unit)[1]}")' if written else f", which is in {self.unit}"
+            remedy = "correct the value" if self.unit == "1" else f"correct the value{of_unit}"
             raise Fault("", f"this is {what}", shown(value), self.limits(), remedy)
         return result
 

@@ -25,7 +25,7 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..simulation import expected_forces, prepare
-from ..solvers.arguments import Asked
+from ..solvers.arguments import RunArguments
 from .given import packed
 from .sliders import POSITIONS, Slide
 from .together import Together, refuse_unfit, together, turned
@@ -117,7 +117,7 @@ class Settings:
         self.expected: Mapping[str, float] = {}
         if step is None:
             refuse_unfit(mechanism)
-            prepared = prepare(mechanism, Asked(companions=0))
+            prepared = prepare(mechanism, RunArguments(companions=0))
             step, self.expected = prepared.assembly.choice.step, expected_forces(prepared.reference)
         self.base = together(mechanism, step, force=self.given is not None, known=self.ideals)
         self.every = self.base.own.choice.outputs_every

@@ -1,7 +1,8 @@
-"""What a run is asked for in Python, checked before anything is done: all faults at once, in the sentences of a model file."""
+"""Arguments of a run, read by the fields of the settings of a model file: one validation for Python, files and the command line."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,43 +10,62 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ..errors import Fault, ModelError, kind_of, shown, suggestion
-from ..model.mechanism import MOST_COMPANIONS, Mechanism
-from ..units import dimension_of, number
+from ..errors import ModelError, kind_of, shown, suggestion
+from ..fields import Measure, Reading, Value, Whole, described_fields, value_of
+from ..model.mechanism import Mechanism, Settings
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
 MOST = 10**12  # of anything that is counted; more is a slip of units
+# What the settings of a model file and the arguments of a run have in common.
+SHARED: dict[str, Value] = {
+    field.name: value_of(field)
+    for field in described_fields(Settings)
+    if field.name in ("turns", "duration", "settle", "step", "outputs", "companions")
+}
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What a run is asked for beside its mechanism, checked; None leaves it to the mechanism's settings. Times are in s."""
+class RunArguments:
+    """What is given for a run beside its mechanism, checked; None leaves it to the mechanism's settings. Times are in s."""
 
     turns: float | None = None
     duration: float | None = None
     step: float | str | None = None
     outputs: int | None = None
-    loop: Loop = "auto"
-    force_step: bool = False
     companions: int | str | None = None
     settle: float | None = None
+    loop: Loop = "auto"
+    force_step: bool = False
+
+    def in_settings(self, mechanism: Mechanism) -> Mechanism:
+        """The mechanism with these values in its settings."""
+        values: dict[str, Any] = {name: value for name in SHARED if (value := getattr(self, name)) is not None}
+        if {"turns", "duration"} & values.keys():
+            values = {"turns": None, "duration": None} | values
+        return dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **values))
 
 
-class Arguments:
-    """Reads the arguments of a function one by one and gathers what is wrong with them; :meth:`tell` raises it."""
+class Arguments(Reading):
+    """Reads the arguments of a function one by one and keeps what is wrong with them; :meth:`check` raises it."""
+
+    written = True
 
     def __init__(self, function: str) -> None:
+        super().__init__()
         self.function = function
-        self.faults: list[Fault] = []
 
-    def tell(self) -> None:
+    def check(self) -> None:
         """Raises ModelError with all faults, if there are any."""
         if self.faults:
             raise ModelError(self.faults, f"{self.function}()")
 
     def fault(self, name: str, what: str, value: Any, limit: str, remedy: str) -> None:
-        """Notes a fault of an argument."""
-        self.faults.append(Fault(name, what, told(value), limit, remedy))
+        """Keeps a fault of an argument."""
+        self.refuse((name,), what, "None" if value is None else shown(value), limit, remedy)
+
+    def read(self, name: str, held: Value, value: Any) -> Any:
+        """The value of an argument by a field; None stays None."""
+        return None if value is None else held.read(_plain(value), (name,), self)
 
     def mechanism(self, value: Any, name: str = "mechanism") -> None:
         """A mechanism."""
@@ -63,77 +83,31 @@ class Arguments:
         return list(values)
 
     def quantity(self, name: str, value: Any, unit: str, *, zero: bool = False) -> float | None:
-        """A finite quantity above zero (or zero, where that is allowed): a number in SI units, or a text with a unit; None stays None."""
-        if value is None:
-            return None
-        words, example = dimension_of(unit)
-        limit = f"{words} {'of 0 or more' if zero else f'above 0{_of(unit)}'}"
-        try:
-            found = number(_plain(value), unit)
-        except Fault as error:
-            self.fault(name, f"this is {error.what}", value, limit, f'for example "{example}"' if unit != "1" else "for example 2")
-            return None
-        if found < 0.0 or (found == 0.0 and not zero):
-            self.fault(name, "zero or negative" if not zero else "negative", value, limit, "give a positive one, or leave it out")
-            return None
-        return found
-
-    def share(self, name: str, value: Any) -> float | None:
-        """A quantity above 0 and up to 1: a number, or a text in per cent; None stays None."""
-        found = self.quantity(name, value, "1")
-        if found is not None and found > 1.0:
-            self.fault(name, "out of range", value, "a share above 0 and up to 1", 'for example 0.01, or "1 %"')
-            return None
+        """A quantity above zero (or zero, where that is allowed): a number in SI units, or a text with a unit; None stays None."""
+        found: float | None = self.read(name, Measure(unit, low=0.0) if zero else Measure(unit, above=0.0), value)
         return found
 
     def step(self, value: Any) -> float | str | None:
         """A step (s), "auto" or None."""
-        if isinstance(value, str) and value.strip().lower() == "auto":
-            return "auto"
-        before = len(self.faults)
-        found = self.quantity("step", value, "s")
-        if len(self.faults) > before:
-            last = self.faults[-1]
-            self.faults[-1] = Fault(last.where, last.what, last.value, 'a time above 0 s, or "auto"', 'for example "1 us"')
+        found: float | str | None = self.read("step", SHARED["step"], value)
         return found
 
-    def run(
-        self, *, turns: Any, duration: Any, step: Any, outputs: Any, loop: Any, force_step: Any, companions: Any = None, settle: Any = None
-    ) -> Asked:
+    def run(self, *, loop: Any = "auto", force_step: Any = False, **values: Any) -> RunArguments:
         """The arguments that every run has; of ``turns`` and ``duration`` one at the most."""
+        turns, duration = values.get("turns"), values.get("duration")
         if turns is not None and duration is not None:
-            self.fault("turns", "turns and duration exclude each other", turns, "", f"leave out one of them; duration is {told(duration)}")
-        self.one_of("force_step", force_step, (bool,), "True or False")
-        return Asked(
-            self.quantity("turns", turns, "1"), self.quantity("duration", duration, "s"), self.step(step),
-            self.count("outputs", outputs), self.loop(loop), bool(force_step), self.companions(companions),
-            self.share("settle", settle),
-        )  # fmt: skip
-
-    def companions(self, value: Any) -> int | str | None:
-        """Runs beside a run: a whole number that fits the lanes, "auto" or None."""
-        value = _plain(value)
-        if value is None or value == "auto":
-            return None if value is None else "auto"
-        whole = isinstance(value, int) and not isinstance(value, bool)
-        if not whole or not 0 <= value <= MOST_COMPANIONS:
-            limit = f'a whole number from 0 to {MOST_COMPANIONS}, or "auto"'
-            self.fault("companions", "out of range" if whole else f"this is {kind_of(value)}", value, limit, "give one of these")
-            return None
-        return int(value)
+            remedy = f"leave out one of them; duration is {shown(duration)}"
+            self.fault("turns", "turns and duration exclude each other", turns, "", remedy)
+        self.kind("force_step", force_step, (bool,), "True or False")
+        found = {name: self.read(name, SHARED[name], value) for name, value in values.items()}
+        return RunArguments(**found, loop=self.loop(loop), force_step=bool(force_step))
 
     def count(self, name: str, value: Any, *, optional: bool = True) -> int | None:
         """A whole number of 1 or more; None stays None where it is ``optional``."""
-        if value is None and optional:
-            return None
-        value = _plain(value)
-        if isinstance(value, bool) or not isinstance(value, int):
-            self.fault(name, f"this is {kind_of(value)}", value, "a whole number of 1 or more", "write it without a fraction, unit or quotes")
-        elif not 1 <= value <= MOST:
-            self.fault(name, "out of range", value, f"a whole number from 1 to {MOST:.0e}", "give at least 1" if value < 1 else "give fewer")
-        else:
-            return int(value)
-        return None
+        if value is None and not optional:
+            self.fault(name, "this is nothing", value, "a whole number of 1 or more", "give one")
+        found: int | None = self.read(name, Whole(1, MOST), value)
+        return found
 
     def loop(self, value: Any) -> Loop:
         """The name of a loop."""
@@ -149,7 +123,7 @@ class Arguments:
         if value not in (None, "cuda"):
             self.fault("device", "there is no such device", value, '"cuda", or None for the processor', "give one of these")
 
-    def one_of(self, name: str, value: Any, kinds: tuple[type, ...], limit: str) -> None:
+    def kind(self, name: str, value: Any, kinds: tuple[type, ...], limit: str) -> None:
         """A value of one of some classes."""
         if not isinstance(value, kinds):
             self.fault(name, f"this is {kind_of(value)}", value, limit, "give one of these")
@@ -174,12 +148,3 @@ class Arguments:
 def _plain(value: Any) -> Any:
     """A number of NumPy as one of Python."""
     return value.item() if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0) else value
-
-
-def _of(unit: str) -> str:
-    return "" if unit == "1" else f" {unit}"
-
-
-def told(value: Any) -> str:
-    """A value as it would be written."""
-    return "None" if value is None else shown(value)

@@ -83,7 +83,7 @@ def ensemble(
     given.quantity("tolerance", tolerance, "1", zero=True)
     given.device(device)
     given.callable("progress", progress)
-    given.tell()
+    given.check()
     if device == "cuda":
         card()  # what is missing is told before anything is assembled
     for mechanism in mechanisms:

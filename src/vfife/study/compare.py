@@ -17,7 +17,7 @@ from ..result import Result
 from ..results.comparison import Comparison
 from ..results.schemas import is_run_file
 from ..simulation import Prepared, prepare, reference_of
-from ..solvers.arguments import Arguments, Asked, Loop
+from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.status import Progress, Status
 from .together import carried_out
 
@@ -95,8 +95,8 @@ def compare(
     given.mechanism(mechanism)
     asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions)
     given.callable("progress", progress)
-    given.one_of("folder", folder, (str, Path, type(None)), "a folder")
-    given.tell()
+    given.kind("folder", folder, (str, Path, type(None)), "a folder")
+    given.check()
     names = chosen_joints(mechanism, joints)
     variants = list(varied(mechanism, contact, friction, names))
     reference = reference_of(mechanism, asked.turns, asked.duration) if outlook(mechanism, asked.turns, asked.duration).through else None
@@ -194,7 +194,7 @@ def carried(old: Law, new: Law | type[Law] | None) -> Law:
         raise VfifeError(f"the law {new.name!r} cannot take the place of {old.name!r}: {error}; give it in Python as an instance") from None
 
 
-def prepared(variants: Sequence[tuple[str, Mechanism]], reference: Result | None, asked: Asked) -> list[tuple[str, Prepared]]:
+def prepared(variants: Sequence[tuple[str, Mechanism]], reference: Result | None, asked: RunArguments) -> list[tuple[str, Prepared]]:
     """Every variant, ready to run. Raises VfifeError with all that cannot be run."""
     faults, ready = [], []
     for label, variant in variants:

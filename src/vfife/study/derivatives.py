@@ -76,7 +76,7 @@ def sensitivity(
     given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=force_step, companions=companions)
     if given.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
         given.fault("runs", "more than go side by side", runs, f"a whole number from 1 to {MOST_RUNS}", "give fewer")
-    given.tell()
+    given.check()
     refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
     chosen = matching("to", to, numbers(mechanism))

@@ -19,7 +19,7 @@ from ..errors import DeviceError, VfifeError
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
 from ..simulation import carry_out, prepare
-from ..solvers.arguments import Asked
+from ..solvers.arguments import RunArguments
 from ..solvers.record import Record
 from ..solvers.repeating import Settling, outputs_of_a_turn
 from ..solvers.status import Status
@@ -113,7 +113,7 @@ def single(preparing: Preparing, numbers: Numbers) -> Outcome:
     wanted = preparing.wanted
     try:
         mechanism = loads(preparing.text, set=list(numbers.items()))
-        asked = Asked(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle)
+        asked = RunArguments(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle)
         result = carry_out(prepare(mechanism, asked))
     except VfifeError as error:
         return Outcome(status=FAILED, reason=sentence(error))

@@ -74,12 +74,12 @@ class Simulation:
         given = Arguments("Simulation")
         given.mechanism(mechanism)
         size, chosen = given.step(step), given.loop(loop)
-        given.one_of("force_step", force_step, (bool,), "True or False")
-        given.one_of("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
+        given.kind("force_step", force_step, (bool,), "True or False")
+        given.kind("start", start, (Result, str, Path, Mapping, type(None)), "a Result, the folder of a run, or states of bodies by name")
         for name in (steered,) if isinstance(steered, str) else steered if given.faults == [] else ():
             if name not in mechanism.drivers:
                 given.fault("steered", "there is no such driver", name, "", suggestion(str(name), mechanism.drivers, "name a driver"))
-        given.tell()
+        given.check()
         validate(mechanism)
         if mechanism.settings.analysis == "static":
             raise ModelError([Fault("[run] analysis", "a static analysis has no steps in time", remedy="use simulate")], "Simulation()")

@@ -214,7 +214,7 @@ def fit(
     """
     given = Arguments("fit")
     given.callable("progress", progress)
-    given.tell()
+    given.check()
     task = planned(
         mechanism, data, parameters, columns=columns, weights=weights, offset=offset, skip=skip, compare=compare, width=width, step=step,
         screened=screened, starts=starts, confidence=confidence, derivatives=derivatives, seed=seed, workers=workers,
@@ -240,7 +240,7 @@ def planned(
         given.fault("confidence", "this is no share", confidence, "above 0 and below 1", "write 0.95 for 95 per cent")
     if not 0.0 <= skip < MOST_SKIPPED:
         given.fault("skip", "out of range", skip, f"0 to {MOST_SKIPPED:,} turns", "give fewer")
-    given.tell()
+    given.check()
     if mechanism.settings.analysis == "static":
         raise ModelError([Fault("run.analysis", "a static analysis has no curves over time", "static", "dynamic")], mechanism.name)
     seen = data if isinstance(data, Measured) else measured(data, units_of(mechanism), columns_of(columns), weights)

@@ -30,7 +30,7 @@ from ...results.mapfile import MapFile
 from ...results.store import Store
 from ...results.view import View, standing
 from ...simulation import carry_out, prepare
-from ...solvers.arguments import Asked
+from ...solvers.arguments import RunArguments
 from ...solvers.lyapunov import steps_of_turn
 from ...solvers.record import Record
 from ...solvers.status import Status
@@ -53,7 +53,7 @@ def run_step(model: Mechanism) -> float:
 
     Returns the step (s). Raises ModelError for a model that is not stepped as a straight line, KeyboardInterrupt if the run is interrupted.
     """
-    prepared = prepare(model, Asked(turns=SEARCH_TURNS))
+    prepared = prepare(model, RunArguments(turns=SEARCH_TURNS))
     refuse_large_frame(prepared.assembly)
     record = carry_out(prepared).record
     if record.status == Status.INTERRUPTED:
@@ -173,7 +173,9 @@ def step_count(models: Sequence[Mechanism], step: float | None, search: bool = F
     for model in models:
         if step is not None:
             refuse_large(model, step)
-        size = step if step is not None else run_step(model) if search else prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step
+        size = (
+            step if step is not None else run_step(model) if search else prepare(model, RunArguments(turns=1.0, companions=0)).assembly.choice.step
+        )
         counts.append(math.ceil((turn_of(model) or 0.0) / size * (1.0 - 1e-9)))
     COUNTS[key] = max(counts)
     if len(COUNTS) > MOST_COUNTS:

@@ -27,7 +27,7 @@ from ...results.mapfile import MapFile
 from ...results.spectra import spectrum
 from ...results.view import View, standing
 from ...simulation import prepare
-from ...solvers.arguments import Asked
+from ...solvers.arguments import RunArguments
 from ...solvers.ensemble import placed
 from ...solvers.record import Record
 from ...solvers.streaming import Lane, stepped
@@ -287,7 +287,7 @@ def last_of(last: int | None, turns: int) -> int:
 
 def automatic(models: Sequence[Mechanism]) -> float:
     """The finer automatic step (s) of the first and the last of models."""
-    return min(prepare(model, Asked(turns=1.0, companions=0)).assembly.choice.step for model in (models[0], models[-1]))
+    return min(prepare(model, RunArguments(turns=1.0, companions=0)).assembly.choice.step for model in (models[0], models[-1]))
 
 
 def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:
