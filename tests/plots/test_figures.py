@@ -16,15 +16,11 @@ from drawn_texts import faults
 from vfife import gallery
 from vfife.errors import VfifeError
 from vfife.plots import chosen, figures, style
-from vfife.plots.curves import swept
-from vfife.plots.guides import tilt_and_offset
-from vfife.plots.instants import output_at
-from vfife.plots.orbits import seen_from_bearing
-from vfife.plots.polar import bearing_force
-from vfife.plots.quantities import accelerations, joint_forces, moments
+from vfife.plots.clearances import bearing_force, seen_from_bearing, tilt_and_offset
+from vfife.plots.curves import accelerations, joint_forces, moments, swept
 from vfife.plots.spectra import amplitudes
 from vfife.plots.table import FIGURES, available, usual
-from vfife.plots.turn import Span, span
+from vfife.plots.turn import Span, output_at, span
 from vfife.result import Result
 from vfife.results.folder import FIGURE_NAMES
 from vfife.study.tribology.wear_state import ANGLES, Asked, Surface, Worn

@@ -18,7 +18,7 @@ from mechanisms import everything
 from vfife import gallery
 from vfife.model.strokes import tangent, zigzag
 from vfife.plots import figures
-from vfife.plots.outlines import outline
+from vfife.plots.signs import outline
 from vfife.report.summary import show
 from vfife.result import Result
 from vfife.results.netcdf import write_netcdf

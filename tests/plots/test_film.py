@@ -14,9 +14,8 @@ from vfife import gallery
 from vfife.cli.app import app
 from vfife.errors import StorageError, VfifeError
 from vfife.plots import filmfiles
-from vfife.plots.film import Film
+from vfife.plots.film import Film, places_between
 from vfife.plots.filmfiles import animate
-from vfife.plots.moments import places_between
 from vfife.result import Result
 
 CLEARANCE = gallery.slider_crank_loose_pin().clearances["pin"].clearance

@@ -13,9 +13,8 @@ from matplotlib.collections import LineCollection, QuadMesh
 import vfife
 from study.studies import ASKED, Closed
 from vfife.errors import VfifeError
-from vfife.plots.bands import quantiles
-from vfife.plots.pareto import front
 from vfife.plots.studyaxes import broken, edges, logarithmic, shortened, unit_for
+from vfife.plots.studycurves import front, quantiles
 from vfife.study import run_missing
 
 GRID = ASKED.replace("count = 2", "count = 4")

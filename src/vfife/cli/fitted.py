@@ -279,7 +279,7 @@ def write(found: Fit, figure: Path | None, csv: Path | None) -> None:
             found.write_csv(csv)
     if figure is not None:
         with writing(str(figure)):
-            from ..plots.files import saved_in_style
+            from ..plots.style import saved_in_style
 
             saved_in_style(found.plot, figure)
 

@@ -31,7 +31,7 @@ def drawn_and_told(
     """Draws it, as ``plot`` says, writes its table, and says what it is; where it is not ``whole``, nobody waits for the rest."""
     if drawn is not None:
         with writing(str(drawn)):
-            from ..plots.files import saved_in_style
+            from ..plots.style import saved_in_style
 
             saved_in_style(lambda: found.plot(**plot or {}), drawn)
     if csv is not None:

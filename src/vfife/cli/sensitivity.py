@@ -85,7 +85,7 @@ def sensitivity(
             found.write_csv(csv)
     if figure is not None:
         with writing(str(figure)):
-            from ..plots.files import saved_in_style
+            from ..plots.style import saved_in_style
             from ..plots.tornado import tornado
 
             saved_in_style(lambda: tornado(found), figure)

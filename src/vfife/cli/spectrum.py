@@ -126,7 +126,7 @@ def by_frequency(one: Found) -> Found:
 def draw(found: list[Any], result: Result, path: Path, kind: str) -> None:
     """The figure of them."""
     from ..plots import spectrograms as drawn
-    from ..plots.files import saved_in_style
+    from ..plots.style import saved_in_style
 
     draws: Any = {"spectrum": drawn.spectrums, "spectrogram": drawn.spectrograms, "envelope": drawn.envelopes}[kind]
     saved_in_style(lambda: draws(found, result), path)

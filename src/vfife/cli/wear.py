@@ -101,7 +101,7 @@ def wear(
 def keep(found: Worn, drawn: Path, csv: Path | None, saved: Path | None) -> None:
     """Figure, table and worn model."""
     with writing(str(drawn)):
-        from ..plots.files import saved_in_style
+        from ..plots.style import saved_in_style
 
         saved_in_style(found.plot, drawn)
     if csv is not None:

@@ -16,13 +16,12 @@ from ..files import replacement
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from ..results.view import standing
+from .clearances import orbits
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
-from .files import saved
-from .instants import output_at
-from .orbits import orbits
-from .style import STYLE
+from .style import STYLE, saved
 from .table import EVERY, FIGURES, available, usual
+from .turn import output_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,7 +63,7 @@ def refuse_beside(names: Collection[str]) -> None:
 
 
 def figure(result: View, name: str, reference: View | None = None, at: str | None = None) -> Figure:
-    """One figure that the result has something for; the mechanism ``at`` a moment, see :func:`~vfife.plots.instants.output_at`."""
+    """One figure that the result has something for; the mechanism ``at`` a moment, see :func:`~vfife.plots.turn.output_at`."""
     with matplotlib.rc_context(STYLE):
         return FIGURES[name].draw(result, reference) if at is None else drawing(result, output_at(result, at))
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import matplotlib
 import numpy as np
 
-from .files import saved
-from .style import BODIES, GREY, INK, STYLE, heading, one_legend, panels, scale_of
+from .style import BODIES, GREY, INK, STYLE, heading, one_legend, panels, saved, scale_of
 from .turn import abscissa, one_turn
 
 if TYPE_CHECKING:

@@ -9,12 +9,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ..model.outlines import loose_pins
-from .jointsigns import joint_signs, seen
 from .layout import Panels
 from .names import place_names
-from .outlines import Outline, outline
 from .sheet import Sheet
-from .springsigns import gear_seen, gear_signs, load_signs, spring_signs, tails
+from .signs import Outline, gear_seen, gear_signs, joint_signs, load_signs, outline, seen, spring_signs, tails
 from .style import BODIES, length_unit
 from .turn import abscissa, said_shortly, span
 

@@ -1,4 +1,4 @@
-"""A run as a film: the mechanism as it moves, its play drawn larger, and beside it the forces as they come."""
+"""A run as a film: the mechanism as it moves, its clearance drawn larger, and beside it the forces as they come."""
 
 from __future__ import annotations
 
@@ -14,21 +14,18 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..analysis.motion import pin_path
+from ..results.view import View
+from ..solvers.record import Record
+from .curves import Quantity, joint_forces, loaded_joints
 from .drawing import extent, signs
-from .filmcurves import force_from
-from .jointsigns import joint_names
-from .moments import first_output, moments, places_between
-from .outlines import Outline, outline
-from .quantities import joint_forces, loaded_joints
 from .sheet import Sheet
+from .signs import Outline, joint_names, outline
 from .stage import Drawn, Notes, Stage
 from .style import BLUE, BODIES, INK, ORANGE, STYLE, VERMILION, heading, length_unit, scale_of
-from .turn import abscissa, axis_title, one_turn
+from .turn import Span, abscissa, axis_title, one_turn
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from ..results.view import View
 
 Array = NDArray[np.float64]
 SIZE = (10.0, 5.625)  # inches
@@ -189,3 +186,57 @@ class Film:
 def _limits(x: Array) -> tuple[float, float]:
     low, high = float(min(x)), float(max(x))
     return (low, high) if high > low else (low - 0.5, high + 0.5)
+
+
+def first_output(result: View, turns: float) -> int:
+    """The output at which the last ``turns`` turns of the crank begin; 0 without a crank, and where the run is shorter."""
+    record = result.record
+    turn, step = record.assembly.choice.turn, record.assembly.choice.step
+    if turn is None or record.static:
+        return 0
+    begin = float(record.steps[-1]) - turns * turn / step
+    return int(np.argmax(record.steps > begin - 0.5))
+
+
+def places_between(outputs: int, first: int, frames: int) -> Array:
+    """Where among the outputs each frame is, shape (frames,): output 7 and a quarter is 7.25. Never more frames than outputs."""
+    return np.linspace(first, outputs - 1, min(frames, outputs - first))
+
+
+def moments(result: View, at: Array) -> View:
+    """The run as it is at places between its outputs: positions and angles on a straight line from one to the next, shape (places, rows)."""
+    record = result.record
+    low = np.minimum(at.astype(int), max(len(record.steps) - 2, 0))
+    share = (at - low)[:, None]
+    high = np.minimum(low + 1, len(record.steps) - 1)
+    rows = record.rows[low] * (1.0 - share) + record.rows[high] * share if len(record.steps) > 1 else record.rows[low]
+    steps = record.steps[np.rint(at).astype(int)]
+    return View(Record(record.assembly, steps, rows, record.kept, status=record.status))
+
+
+@dataclass(frozen=True)
+class ForceCurve:
+    """Largest force of a joint in each interval (N) over crank angle (degrees), time (ms) or load factor, and the ideal one's."""
+
+    x: Array
+    force: Array
+    ideal: tuple[Array, Array] | None
+
+
+def force_from(result: View, reference: View | None, one: Quantity, first: int) -> ForceCurve:
+    """The force of a joint from an output on; the ideal one's last turn again for each turn of it."""
+    x, origin = one_turn(abscissa(result)[first:], result)
+    force = largest(result, one)[first:]
+    if reference is None:
+        return ForceCurve(x, force, None)
+    at, values = Span(first, first + len(x) - 1, x, None, axis_title(result), origin).beside(reference, largest(reference, one))
+    if result.crank is not None and not result.record.static:
+        turns = range(1 + int(abs(x[-1] - x[0]) / 360.0))
+        at, values = np.concatenate([at + 360.0 * k for k in turns]), np.tile(values, len(turns))
+    seen = (at >= min(x) - 1e-6) & (at <= max(x) + 1e-6)
+    return ForceCurve(x, force, (at[seen], values[seen]) if seen.sum() > 1 else None)
+
+
+def largest(result: View, one: Quantity) -> Array:
+    """The largest force since the output before, or that of an equilibrium."""
+    return one.samples(result.record) if one.extremes is None or result.record.static else one.extremes(result.record)

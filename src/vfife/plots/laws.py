@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 
-from .files import saved
-from .style import BLUE, BODIES, GREY, STYLE, VERMILION, heading, length_unit, panels, scale_of
+from .style import BLUE, BODIES, GREY, STYLE, VERMILION, heading, length_unit, panels, saved, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

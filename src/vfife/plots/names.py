@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
-from .jointsigns import named_places
 from .layout import fitting, width_of
 from .sheet import Sheet
+from .signs import named_places
 
 Array = NDArray[np.float64]
 SIZE, HIGH = 9.0, 12.0  # points: of the font, and of a line

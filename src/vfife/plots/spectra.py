@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solvers.repeating import outputs_of_a_turn
+from .curves import Quantity, hardest, joint_forces
 from .layout import Panels
-from .quantities import Quantity, hardest, joint_forces
 from .style import BLUE, RAISED, VERMILION, scale_of
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .curves import hardest, joint_forces
 from .layout import Panels
-from .quantities import hardest, joint_forces
 from .spectra import DECADES, logarithmic, power_of_ten
 from .style import BLUE, SKY, VERMILION, scale_of
 

@@ -10,13 +10,9 @@ from typing import TYPE_CHECKING
 import matplotlib
 
 from ..errors import VfifeError, shown, suggestion
-from .bands import curves
-from .files import saved
-from .heatmaps import heat_maps
 from .notebook import sharp
-from .parallel import parallel
-from .pareto import fronts
-from .style import STYLE
+from .studycurves import curves, fronts, heat_maps, parallel
+from .style import STYLE, saved
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

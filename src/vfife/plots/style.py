@@ -1,13 +1,17 @@
-"""One look for all figures: colours that the colour-blind can tell apart (Okabe and Ito 2008), little ink."""
+"""One look for all figures: colours that the colour-blind can tell apart (Okabe and Ito 2008), little ink; figures as files."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
+import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from ..files import replacement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,3 +102,17 @@ def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
 def heading(figure: Figure, text: str) -> None:
     """A title over all panels, broken where the figure is too narrow for it."""
     figure.suptitle("\n".join(wrap(text, max(20, int(10.0 * figure.get_figwidth())))))
+
+
+def saved_in_style(draw: Callable[[], Figure], path: Path) -> Path:
+    """Draws a figure in the style of all and writes it as :func:`saved` does."""
+    with matplotlib.rc_context(STYLE):
+        return saved(draw(), path)
+
+
+def saved(figure: Figure, path: Path) -> Path:
+    """Writes a figure under another name and renames it; the ending of ``path`` chooses PNG, PDF or SVG."""
+    kind, by = path.suffix.lower().removeprefix("."), f"vfife, Matplotlib {matplotlib.__version__}"
+    with replacement(path) as temporary:
+        figure.savefig(temporary, format=kind, metadata={"png": {"Software": by}, "pdf": {"Creator": by}, "svg": {"Creator": by}}.get(kind))
+    return path

@@ -7,18 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .along import bent, deflection, stress, stressed
-from .curves import acceleration_curves, force_curves, moment_curves
+from .clearances import guides, journals, loose_guides, orbits, polar
+from .curves import acceleration_curves, accelerations, force_curves, joint_forces, moment_curves, moments
 from .drawing import drawing, strip
 from .energy import energy
-from .guides import guides, loose_guides
-from .orbits import journals, orbits
-from .phase import phase, portraits
-from .polar import polar
-from .quantities import accelerations, joint_forces, moments
+from .paths import phase, points, portraits, traces
 from .spectra import FEW, LEAST, pieces, spectrum, waterfall
 from .spectrograms import LEAST as SAMPLES
 from .spectrograms import envelope, forces, spectrogram
-from .traces import points, traces
 from .worn import in_a_turn, wears
 
 if TYPE_CHECKING:
@@ -45,6 +41,10 @@ def _moving(has: Callable[[View], object], otherwise: str) -> Callable[[View], s
 
 def _having(has: Callable[[View], object], otherwise: str) -> Callable[[View], str]:
     return lambda result: "" if has(result) else otherwise
+
+
+def _several_outputs(result: View) -> bool:
+    return len(result.record.steps) > 1
 
 
 def _few_turns(result: View) -> str:
@@ -80,7 +80,7 @@ FIGURES: dict[str, Kind] = {
         _moving(accelerations, "what moves is driven evenly"), usual=True,
     ),
     "strip": Kind("the mechanism at moments of the turn, side by side", lambda one, _: strip(one),
-                  _having(lambda one: len(one.record.steps) > 1, "there is one output")),
+                  _having(_several_outputs, "there is one output")),
     "traces": Kind("paths of points, with those of the ideal mechanism", traces, _having(points, "no point moves")),
     "polar": Kind("forces on journals as vectors, seen from their bearings", polar, _having(joint_forces, NO_FORCE)),
     "wear": Kind("depths that bearings and journals lose in a million turns, around them", lambda one, _: in_a_turn(one),
@@ -94,7 +94,7 @@ FIGURES: dict[str, Kind] = {
     "spectrogram": Kind("joint forces in time and frequency, in short windows", lambda one, _: spectrogram(one), _moving(forces, FEW_OUTPUTS)),
     "envelope": Kind("envelopes of joint forces, and their spectra", lambda one, _: envelope(one), _moving(forces, FEW_OUTPUTS)),
     "energy": Kind("what is stored, supplied and lost, and what the ledger leaves", lambda one, _: energy(one),
-                   _moving(lambda one: len(one.record.steps) > 1, "there is one output")),
+                   _moving(_several_outputs, "there is one output")),
     "stress": Kind(
         "stress along elastic links and frames", lambda one, _: stress(one),
         _having(stressed, "no elastic link or frame has a section whose extreme fibre is known"),

@@ -145,7 +145,7 @@ class Basins:
 
     def plot(self) -> Figure:
         """The grid as a figure, each attractor in a colour."""
-        from ...plots.basins import basins as drawn
+        from ...plots.maps import basins as drawn
 
         return drawn(self)
 

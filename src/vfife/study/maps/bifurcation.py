@@ -145,7 +145,7 @@ class Bifurcation:
 
     def plot(self) -> Figure:
         """The diagram as a figure, with the exponents below it."""
-        from ...plots.bifurcation import diagram
+        from ...plots.maps import diagram
 
         return diagram(self)
 

@@ -95,7 +95,7 @@ class PoincareSection:
 
     def plot(self) -> Figure:
         """A figure: points once a turn, the exponent as it converges, and the contacts that began."""
-        from ...plots.sections import section as drawn
+        from ...plots.maps import section as drawn
 
         return drawn(self)
 

@@ -1,0 +1,183 @@
+"""Maps of a motion: bifurcation diagrams, basins, Poincaré sections."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+
+from .style import BLUE, BODIES, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, heading, length_unit, panels, scale_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..study.maps.basins import Basins
+    from ..study.maps.bifurcation import Bifurcation
+    from ..study.maps.sections import PoincareSection
+
+MARKERS = (("o", 1.6), ("x", 2.6), ("^", 2.6), ("s", 1.6), ("+", 4.0), ("v", 2.6))  # with the area of each
+NAMES = {"up": "way up", "down": "way down"}
+
+
+def readable(values: Any, unit: str) -> tuple[float, str]:
+    """Factor and unit in which numbers of a unit read well."""
+    size = float(np.nanmax(np.abs(values), initial=0.0))
+    return length_unit(size) if unit == "m" else scale_of(size, unit)
+
+
+def diagram(found: Bifurcation) -> Figure:
+    """Points of each series, each way or start in a mark of its own, and below them the largest Lyapunov exponent, above zero of chaos.
+
+    Rings are round values where companions with other steps are told to be something else.
+    """
+    rows = len(found.points) + 1
+    figure, axes = panels(rows, 1, 9.0, 2.7, sharex=True)
+    values = np.array(found.asked.values)
+    scale, unit_x = readable(values, found.asked.unit)
+    x = scale * values
+    for ax, (name, points) in zip(axes, found.points.items(), strict=False):
+        factor, unit = readable(points, dict(zip(found.asked.series, found.asked.units, strict=False)).get(name, "SI"))
+        for k, (way, chain) in enumerate(zip(found.asked.ways, points, strict=True)):
+            marker, area = MARKERS[k % len(MARKERS)]
+            across, color, width = np.repeat(x, chain.shape[1]), BODIES[k % len(BODIES)], 0.5 if marker in "x+" else 0.0
+            ax.scatter(across, factor * chain.ravel(), s=area, c=color, marker=marker, lw=width, label=NAMES.get(way, way), rasterized=True)
+        ax.set_ylabel(f"{name}\n({unit}), once a turn")
+        ax.margins(x=0.01)
+    last = axes[-1]
+    for k, chain in enumerate(found.exponents):
+        color = BODIES[k % len(BODIES)]
+        last.fill_between(x, chain[:, 1], chain[:, 2], color=color, alpha=0.25, lw=0.0)
+        last.plot(x, chain[:, 0], color=color, lw=1.0, marker=MARKERS[k % len(MARKERS)][0], ms=2.0)
+    differ = [one for one in found.companions if one.kind != found.kinds[one.way][one.number]]
+    if differ:
+        at = np.array([(x[one.number], found.exponents[one.way, one.number, 0]) for one in differ])
+        last.scatter(
+            at[:, 0], at[:, 1], s=70.0, facecolors="none", edgecolors=VERMILION, lw=1.2, label="another motion with other steps", zorder=4.0
+        )
+        last.legend(loc="lower right")
+    last.axhline(0.0, color=GREY, lw=0.8)
+    last.set_ylabel("largest exponent\n(1/turn)")
+    last.set_xlabel(f"{found.asked.path} ({unit_x})")
+    if len(found.asked.ways) > 1:
+        axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
+    told = f"{found.asked.turns - found.asked.dropped} turns at each value after {found.asked.dropped}, {found.asked.steps:,} steps a turn"
+    heading(figure, f"{found.name}: {told}; {found.laws}; {found.alike}")
+    return figure
+
+
+PERIODIC = (BLUE, ORANGE, GREEN, SKY, PURPLE, "#F0E442", "#5B4B3A")
+OTHERS = {"chaotic": VERMILION, "quasi-periodic": "#44AA99", "not settled": GREY, "not decided": "#DDAA33", "diverged": INK}
+
+
+def colours(found: Basins) -> list[str]:
+    """A colour for each attractor."""
+    left = iter(PERIODIC * (1 + len(found.attractors) // len(PERIODIC)))
+    return [OTHERS.get(one.kind) or next(left) for one in found.attractors]
+
+
+def basins(found: Basins) -> Figure:
+    """The grid, with the share of each attractor among all starts; white is what is no start, crosses where companions are told otherwise."""
+    asked = found.asked
+    figure, (ax,) = panels(1, 1, 8.0, 7.0)
+    scales = [readable(np.degrees(values) if unit == "rad" else np.array(values), "°" if unit == "rad" else unit) for values, unit in
+              ((asked.x, asked.units[0]), (asked.y, asked.units[1]))]  # fmt: skip
+    x, y = (
+        np.array(values) * scale * (180.0 / np.pi if unit == "rad" else 1.0)
+        for values, unit, (scale, _) in zip((asked.x, asked.y), asked.units, scales, strict=True)
+    )
+    colour = colours(found)
+    if colour:
+        mesh = np.ma.masked_invalid(found.labels)
+        norm = BoundaryNorm(np.arange(len(colour) + 1) - 0.5, len(colour)) if len(colour) > 1 else None
+        ax.pcolormesh(x, y, mesh, cmap=ListedColormap(colour), norm=norm, shading="nearest", rasterized=True)
+    crosses = []
+    differ = [one for one in found.companions if one.number in found.verdicts and one.kind != found.verdicts[one.number].kind]
+    if differ:
+        columns, rows = np.array([(one.number % len(x), one.number // len(x)) for one in differ]).T
+        crosses.append(ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0, label="another with another step"))
+    ax.set_xlabel(f"{asked.paths[0]} ({scales[0][1]})")
+    ax.set_ylabel(f"{asked.paths[1]} ({scales[1][1]})")
+    ax.grid(visible=False)
+    ax.set_facecolor("white")
+    of_all = max(len(found.verdicts), 1)
+    told = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in found.attractors]
+    shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, told, strict=True)]
+    figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
+    said = f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped}, {asked.steps:,} steps a turn"
+    heading(figure, f"{found.name}: {said}; {found.laws}; {found.alike}")
+    return figure
+
+
+MARK = 9.0  # area of a point
+BOX = {"boxstyle": "square,pad=0.2", "fc": "white", "ec": "none"}
+
+
+def section(found: PoincareSection) -> Figure:
+    """Points once a turn (of one series over those a turn before), the running mean of the exponent, and below them the onsets of each joint."""
+    rows = 1 + len(found.struck)
+    figure, axes = panels(rows, 2, 4.7, 3.6)
+    points(axes[0], found)
+    converging(axes[1], found)
+    for k, name in enumerate(found.struck, 1):
+        strikes(axes[2 * k], axes[2 * k + 1], found, name)
+    asked = found.asked
+    told = f"{found.done:,} turns after {asked.dropped:,}, {asked.steps:,} steps a turn"
+    heading(figure, f"{found.name}: {found.verdict.kind}; {told}; {found.laws}; no companions")
+    return figure
+
+
+def points(ax: Axes, found: PoincareSection) -> None:
+    """The section at one phase of the crank: the second series over the first, or the only one over itself a turn before."""
+    units = dict(zip(found.asked.series, found.asked.units, strict=True))
+    names = list(found.points)[:2]
+    x, y = found.points[names[0]], found.points[names[-1]]
+    label = names[-1]
+    if len(names) == 1:
+        x, y, label = x[:-1], y[1:], f"{label} a turn later"
+    (scale_x, unit_x), (scale_y, unit_y) = readable(x, units[names[0]]), readable(y, units[names[-1]])
+    ax.scatter(scale_x * x, scale_y * y, s=MARK, c=BLUE, lw=0.0)
+    ax.set_xlabel(f"{names[0]} ({unit_x})")
+    ax.set_ylabel(f"{label} ({unit_y})")
+    ax.set_title(f"once a turn, at {360.0 * found.asked.phase:g}° of it")
+    ax.ticklabel_format(useOffset=False)
+
+
+def converging(ax: Axes, found: PoincareSection) -> None:
+    """The mean growth of a small difference up to each turn, with those of both halves."""
+    exponent = found.exponent
+    ax.axhline(0.0, color=GREY, lw=0.8)
+    if exponent is not None:
+        turns = found.asked.dropped + 1 + np.arange(len(exponent.running))
+        ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
+        ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
+        told = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"
+        low = exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5  # where the curve is not
+        ax.text(0.98, 0.1 if low else 0.9, told, transform=ax.transAxes, ha="right", color=INK, fontsize=9.0, bbox=BOX)
+    ax.set_title("largest exponent, as it converges")
+    ax.set_xlabel("turn")
+    ax.set_ylabel("mean growth (1/turn)")
+
+
+def strikes(left: Axes, right: Axes, found: PoincareSection, name: str) -> None:
+    """Onsets of a joint over the angle of the crank: where on the bearing, in the colours of their speed, and the speed itself."""
+    one = found.struck[name]
+    crank = np.degrees(np.mod(one["crank"], 2.0 * np.pi))
+    scale, unit = readable(one["speed"], "m/s")
+    place = np.degrees(one["place"])
+    for ax, high in ((left, scale * one["speed"]), (right, scale * one["speed"])):
+        ax.set_xlim(0.0, 360.0)
+        ax.set_xticks(np.arange(0.0, 361.0, 90.0))
+        ax.set_xlabel("angle of the crank (°)")
+        if ax is right or not np.isfinite(place).any():
+            ax.scatter(crank, high, s=MARK, c=BLUE, lw=0.0)
+            ax.set_ylabel(f"speed of approach ({unit})")
+    left.set_title(f"{name}: {len(crank):,} contact{'' if len(crank) == 1 else 's'} began")
+    if np.isfinite(place).any():
+        drawn = left.scatter(crank, place, s=MARK, c=scale * one["speed"], cmap="viridis", lw=0.0)
+        left.set_ylim(0.0, 360.0)
+        left.set_yticks(np.arange(0.0, 361.0, 90.0))
+        left.set_ylabel("place round the bearing (°)")
+        left.figure.colorbar(drawn, ax=left, label=f"speed of approach ({unit})")
