@@ -111,7 +111,6 @@ _ROOMS = {  # of nouns and laws: the public names in each, or None for all that 
     "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
     "model.wear": ("Wear",),
 }
-_FORMER = {"Start": "StartSettings"}  # what a name of version 0.1 is called now
 
 
 def _later(module: str, name: str) -> Callable[..., Any]:
@@ -149,12 +148,6 @@ def __dir__() -> list[str]:
 
 def __getattr__(name: str) -> Any:
     """Loads what needs compiled code or large libraries when it is first asked for."""
-    if name in _FORMER:
-        import warnings
-
-        now = _FORMER[name]
-        warnings.warn(f"vfife.{name} is called vfife.{now} now; the old name goes with the next version", DeprecationWarning, stacklevel=2)
-        return getattr(_modules[__name__], now)
     if name in _LAZY:
         from importlib import import_module
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 from .errors import RunFileError, StorageError
 from .files import replacement
 from .model.above import answered
-from .results.companions import beside, kept_companions, restored_companions
 from .results.connections import unwritten
-from .results.provenance import final_state, keep_reference, provenance, restored, versions
+from .results.provenance import beside, final_state, keep_reference, kept_companions, provenance, restored, restored_companions, versions
 from .results.runfile import RunFile
 from .results.schemas import is_run_file
 from .results.store import warn_of_damage

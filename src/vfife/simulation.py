@@ -27,10 +27,9 @@ from .model.mechanism import Mechanism
 from .model.validate import validate
 from .modelfile import dump
 from .result import Result
-from .results.companions import kept_companions, refuse_displaced
 from .results.connections import located
 from .results.lock import Lock
-from .results.provenance import keep_reference, provenance
+from .results.provenance import keep_reference, kept_companions, provenance, refuse_displaced
 from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout, step_of
 from .results.runfile import RunFile
 from .results.schemas import RUN

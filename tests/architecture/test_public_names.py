@@ -44,11 +44,6 @@ def test_every_error_is_one_of_vfife() -> None:
     assert vfife.errors is errors
 
 
-def test_a_former_name_still_works_and_says_what_it_is_called_now() -> None:
-    with pytest.warns(DeprecationWarning, match="is called vfife.StartSettings now"):
-        assert vfife.Start is vfife.StartSettings
-
-
 def test_a_status_is_its_text() -> None:
     assert vfife.Status.COMPLETE == "complete"
     assert f"{vfife.Status.NOT_CONVERGED}" == "not converged"

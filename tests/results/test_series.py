@@ -47,20 +47,6 @@ def test_names_follow_one_pattern(result: Result) -> None:
         assert who in {*"ABCD", "crank", "coupler", "follower", "ground", "mechanism"} and what.count(".") <= 1, name
 
 
-@pytest.mark.parametrize(("former", "present"), [
-    ("lip.C.force", "C.force.lip"), ("lip.follower.angular_acceleration", "follower.angular_acceleration.lip"),
-    ("C.deepest", "C.landing_depth.max"), ("C.fastest", "C.approach_speed.max"), ("C.deep", "C.deep_landings"),
-])  # fmt: skip
-def test_former_names_still_find_their_measures(result: Result, former: str, present: str) -> None:
-    with pytest.warns(DeprecationWarning, match=present):
-        assert result.measures[former] == result.measures[present]
-    with pytest.warns(DeprecationWarning):
-        assert result.measures.get(former) is not None
-    with pytest.warns(DeprecationWarning):
-        assert former in result.measures
-    assert former not in list(result.measures)
-
-
 def test_what_never_was_a_measure_is_none(result: Result) -> None:
     assert result.measures.get("lip.E.force") is None and "lip.E.force" not in result.measures and "deep" not in result.measures
     with pytest.raises(KeyError, match="E.force.max"):

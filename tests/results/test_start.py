@@ -12,7 +12,7 @@ from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.errors import RunFileError
 from vfife.kernels.blocks import BLOCKS
-from vfife.results import provenance, runfile
+from vfife.results import runfile
 from vfife.results.runfile import RunFile
 from vfife.solvers.transient import run
 
@@ -28,7 +28,7 @@ def refuse(*args: object, **kwargs: object) -> None:
 
 def test_the_assembly_comes_back_whole(result: vfife.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     result.save(tmp_path / "run.sqlite")
-    monkeypatch.setattr(provenance, "assemble", refuse)
+    monkeypatch.setattr("vfife.assembly.assemble.assemble", refuse)
     again = vfife.load_result(tmp_path)
     for kept, was in ((again.record.assembly, result.record.assembly), (again.reference.record.assembly, result.reference.record.assembly)):
         for name in ("choice", "bodies", "contacts", "ideals", "pivots", "springs", "contact_joints", "mobility", "notes"):

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
-from contextlib import suppress
 from typing import Any
 
 from ..errors import suggestion
 
 NOT_ESTIMATED = "not estimated"  # in the place of a range where the error of a number is unknown
-FORMER = {"deep": "deep_landings", "deepest": "landing_depth.max", "fastest": "approach_speed.max"}  # endings of names as they were before
 
 
 class Measured(float):
@@ -79,10 +76,7 @@ class MissingMeasure(KeyError):
 
 
 class Measures(dict[str, Measured]):
-    """Measures by name, ``<joint or body>.<quantity>.<statistic>``: ``C.force.max``, ``C.force.lip``; counts have none, ``C.impacts``.
-
-    A name of a former version, such as ``lip.C.force``, still finds its measure, with a DeprecationWarning that says the new one.
-    """
+    """Measures by name, ``<joint or body>.<quantity>.<statistic>``: ``C.force.max``, ``C.force.lip``; counts have none, ``C.impacts``."""
 
     part = ""  # of the run that they are of, but for counts, which are those of all of it
 
@@ -90,42 +84,13 @@ class Measures(dict[str, Measured]):
         return f"<{len(self)} measures, {self.part or 'of a run'}: {dict(self)}>"
 
     def __missing__(self, name: str) -> Measured:
-        new = self._present(name)
-        if new is None:
-            raise MissingMeasure(f"there is no measure {name!r} here: {suggestion(str(name), self, 'their names are those of result.measures')}")
-        return self[new]
-
-    def __contains__(self, name: object) -> bool:
-        return super().__contains__(name) or (isinstance(name, str) and self._present(name) is not None)
-
-    def get(self, name: str, default: Any = None) -> Any:
-        """The measure, or ``default`` where the run has none of that name."""
-        new = name if super().__contains__(name) else self._present(name)
-        return default if new is None else self[new]
-
-    def _present(self, name: str) -> str | None:
-        """What a measure of a former name is called now, said as a warning; None where there is no such measure."""
-        new = present_name(name)
-        if new is None or not super().__contains__(new):
-            return None
-        warnings.warn(f"the measure {name} is called {new} now; the old name goes with the next version", DeprecationWarning, stacklevel=3)
-        return new
+        raise MissingMeasure(f"there is no measure {name!r} here: {suggestion(str(name), self, 'their names are those of result.measures')}")
 
     def of(self, name: str) -> Iterator[tuple[str, Measured]]:
         """What is known of a joint or body: quantities with their statistics, and measures."""
         for key, one in self.items():
             if key.startswith(f"{name}."):
                 yield key.removeprefix(f"{name}."), one
-
-
-def present_name(name: str) -> str | None:
-    """What a measure of a former name is called now; None where the name never meant anything else."""
-    if name.startswith("lip."):
-        with suppress(ValueError):
-            who, what = name.removeprefix("lip.").rsplit(".", 1)
-            return f"{who}.{what}.lip"
-    who, _, ending = name.rpartition(".")
-    return f"{who}.{FORMER[ending]}" if who and ending in FORMER else None
 
 
 def lips(measures: dict[str, Any]) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from typing import ClassVar, Literal
 from ..fields import PLACE, Choice, Each, Inner, Many, Measure, Named, Names, Text, Value, Whole, described, quantity
 from ..laws.law import Material
 from ..numerics.scalar import distance, whole_power
-from .renamed import renamed
 
 Point = tuple[float, float]
 LinkModel = Literal["rigid", "elastic", "two-particle"]
@@ -98,7 +97,6 @@ class Body:
         raise NotImplementedError
 
 
-@renamed(points="pins")
 @dataclass(frozen=True, kw_only=True)
 class RigidBody(Body):
     """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins (m, in the body's frame).
@@ -124,7 +122,6 @@ class RigidBody(Body):
         return "rigid"
 
 
-@renamed(link_model="model", extra_points="pins")
 @dataclass(frozen=True, kw_only=True)
 class Link(Body):
     """Link from ``start`` (0, 0) to ``end`` (length, 0): straight, or bent along the points ``via`` (m, in the link's frame) on the way.
@@ -198,7 +195,6 @@ class Link(Body):
         return {"rigid": 0, "two-particle": 1, "elastic": self.elements}[self.model]
 
 
-@renamed(pins="points")
 @dataclass(frozen=True, kw_only=True)
 class PointMass(Body):
     """A particle: mass (kg), rotary inertia (kg m^2), one pin ``center``."""
@@ -229,7 +225,6 @@ class Member:
     mass: float | None = quantity("kg", "mass; from density, section and length if left out", None, above=0.0)
 
 
-@renamed(pins="points")
 @dataclass(frozen=True, kw_only=True)
 class Frame(Body):
     """Structure of straight members welded together at its nodes (m, in the body's frame); every node is a pin.

@@ -53,9 +53,6 @@ class StartSettings:
     )
 
 
-Start = StartSettings  # as it was called before
-
-
 @spoken("run")
 @dataclass(frozen=True)
 class Settings:

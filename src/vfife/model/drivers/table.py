@@ -7,13 +7,11 @@ from typing import Any, ClassVar
 
 from ...fields import Many, Measure, described
 from ..polynomials import Polynomials, spline
-from ..renamed import renamed
 from .driver import Driver
 
 LOOKS = 1000  # times at which a table is asked for its speed
 
 
-@renamed(angles="values")
 @dataclass(frozen=True, kw_only=True)
 class AngleTable(Driver):
     """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""

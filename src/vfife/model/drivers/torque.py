@@ -8,12 +8,10 @@ from typing import Any, ClassVar, Literal
 
 from ...fields import Choice, Many, Measure, described
 from ..polynomials import Polynomials, constant
-from ..renamed import renamed
 from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, held, table
 from .driver import Driver
 
 
-@renamed(torque="value")
 @dataclass(frozen=True, kw_only=True)
 class Torque(Driver):
     """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along ``direction``.
