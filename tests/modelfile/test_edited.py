@@ -44,7 +44,7 @@ def changed(text: str, path: tuple, written: str | None) -> tuple[list[str], lis
     ("path", "written", "gone", "come"),
     [
         (("name",), '"a = b"', ['name = "four # bar"  # another'], ['name = "a = b"  # another']),
-        (("body", "crank", "length"), "0.2 m", ['length = "100 mm" # of the crank'], ['length = "0.2 m"  # of the crank']),
+        (("body", "crank", "length"), "0.2 m", ['length = "100 mm" # of the crank'], ['length = "0.2 m" # of the crank']),
         (("body", "crank", "pins", "end"), "[1, 3]", ["pins = { start = [0, 0], end = [1, 2] }"], ["pins = { start = [0, 0], end = [1, 3] }"]),
         (("body", "crank", "mass"), "2", [], ["mass = 2"]),
         (("joint", "C 1", "clearance"), None, ["clearance = 0.1"], []),
@@ -53,6 +53,7 @@ def changed(text: str, path: tuple, written: str | None) -> tuple[list[str], lis
         (("joint", "D", "contact", "restitution"), "0.5", ["restitution = 0.9"], ["restitution = 0.5"]),
         (("run", "turns"), "3", [], ["[run]", "turns = 3"]),
         (("note",), '"new"', [], ['note = "new"']),
+        (("other", "list", 0, "x"), "2", ["x = 1"], ["x = 2"]),
     ],
 )  # fmt: skip
 def test_one_line_changes(path, written, gone, come):
@@ -63,9 +64,14 @@ def test_one_line_changes(path, written, gone, come):
     assert (path[-1] in here) == (written is not None)
 
 
-def test_a_list_over_lines_becomes_one_line():
-    text = edited(TEXT, ("body", "crank", "moments", 1), "[2, 4]")
-    assert "moments = [[0, 1], [2, 4]]" in text and tomllib.loads(text)["body"]["crank"]["pins"]["end"] == [1, 2]
+def test_a_list_over_lines_keeps_its_lines_and_comments():
+    assert changed(TEXT, ("body", "crank", "moments", 1), "[2, 4]") == (["  [2, 3]"], ["  [2, 4]"])
+    assert "[[0, 1], [2, 4], [5, 6]]" in edited(TEXT, ("body", "crank", "moments"), "[[0, 1], [2, 4], [5, 6]]")
+
+
+def test_a_key_stands_before_the_comment_of_the_next_table():
+    text = edited('[run]\nturns = 2\n\n# how it starts\n[start]\nmode = "rough"\n', ("run", "outputs"), "360")
+    assert text == '[run]\nturns = 2\noutputs = 360\n\n# how it starts\n[start]\nmode = "rough"\n'
 
 
 def test_a_new_law_takes_away_what_it_has_no_use_for():
@@ -73,9 +79,7 @@ def test_a_new_law_takes_away_what_it_has_no_use_for():
     assert tomllib.loads(text)["joint"]["D"]["contact"] == {"law": "kelvin-voigt"}
 
 
-@pytest.mark.parametrize(
-    ("path", "written"), [(("name", "x"), "1"), (("gone",), None), (("body", "crank", "pins", 5), "1"), (("other", "list", 0, "x"), "2")]
-)
+@pytest.mark.parametrize(("path", "written"), [(("name", "x"), "1"), (("gone",), None), (("body", "crank", "pins", 5), "1")])
 def test_what_cannot_be_changed_alone_is_told(path, written):
     with pytest.raises(ModelError, match="in the text of the file") as error:
         edited(TEXT, path, written)

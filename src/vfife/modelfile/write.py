@@ -165,6 +165,8 @@ def value(entry: Any) -> str:
         return quoted(entry.name)
     if dataclasses.is_dataclass(entry):
         return "{ " + ", ".join(assignments(vars(entry))) + " }"
+    if isinstance(entry, dict):
+        return "{ " + ", ".join(assignments(entry)) + " }" if entry else "{}"
     if isinstance(entry, tuple | list):
         if entry and dataclasses.is_dataclass(entry[0]):
             return "[\n" + "".join(f"  {value(one)},\n" for one in entry) + "]"

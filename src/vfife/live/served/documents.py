@@ -13,7 +13,8 @@ from ...errors import Path as KeyPath
 from ...files import read_bytes, write_text
 from ...model.mechanism import Mechanism
 from ...modelfile import loads
-from ...modelfile.edited import edited, inline
+from ...modelfile.edited import edited
+from ...modelfile.write import value as toml_text
 
 LARGEST = 2_000_000  # bytes of a model file
 KEPT = 200  # texts that can be had back
@@ -199,4 +200,4 @@ def leaves(values: Any) -> Any:
     """Tables of texts: each value as it is typed, texts without their quotes."""
     if isinstance(values, dict):
         return {name: leaves(one) for name, one in values.items()}
-    return values if isinstance(values, str) else inline(values)
+    return values if isinstance(values, str) else toml_text(values)
