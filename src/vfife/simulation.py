@@ -12,8 +12,7 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 
 from .analysis.energy import drifting, too_open
 from .analysis.meshes import mesh_estimate
-from .analysis.ranges import estimate, own_ranges, window
-from .analysis.trust import finer
+from .analysis.ranges import estimate, finer, own_ranges, window
 from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
 from .assembly.possible import Outlook, outlook

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vfife.analysis.chaos import exponent, period, zero_one
-from vfife.analysis.verdict import verdict
+from vfife.analysis.chaos import exponent, period, verdict, zero_one
 
 
 def logistic(r: float, count: int, dropped: int = 2000) -> tuple[np.ndarray, np.ndarray]:

@@ -7,8 +7,7 @@ import pytest
 
 from support import go
 from vfife.analysis import measures
-from vfife.analysis.deflection import elongation, largest_off_the_chord, off_the_start
-from vfife.analysis.stress import along, fibres, stress
+from vfife.analysis.elastic import along, elongation, fibres, largest_off_the_chord, off_the_start, stress
 from vfife.assembly.assemble import assemble
 from vfife.model.bodies import Frame, Member, Section
 from vfife.model.loads import PointForce

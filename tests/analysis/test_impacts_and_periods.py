@@ -10,12 +10,10 @@ import pytest
 
 from made_records import STEP, made_record
 from support import four_bar, journal_in_bearing
-from vfife.analysis.chaos import ALIKE, apart, exponent, period, zero_one
+from vfife.analysis.chaos import ALIKE, apart, exponent, period, rotation, verdict, zero_one
+from vfife.analysis.contacts import impacts, largest_pressures, line_pressure, mean_pressure
 from vfife.analysis.forces import normals
 from vfife.analysis.impact import nothing_remembered, presliding
-from vfife.analysis.impacts import impacts
-from vfife.analysis.pressure import largest_pressures, line_pressure, mean_pressure
-from vfife.analysis.verdict import rotation, verdict
 from vfife.laws import Coulomb, LuGre, Pair
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
@@ -66,7 +64,7 @@ def test_points_at_rest_are_alike_within_a_hundred_thousandth_of_their_size() ->
 @pytest.mark.parametrize(("value", "kind"), [(0.29, "quasi-periodic"), (0.31, "not settled"), (0.69, "not settled"), (0.71, "chaotic")])
 def test_the_0_1_test_decides_where_nothing_else_does(value: float, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Below 0.3 a motion is regular and above 0.7 it is chaotic, of a hundred points and more."""
-    monkeypatch.setattr("vfife.analysis.verdict.zero_one", lambda _: value)
+    monkeypatch.setattr("vfife.analysis.chaos.zero_one", lambda _: value)
     noise = np.random.default_rng(1).uniform(size=120)
     assert verdict(noise).kind == kind and verdict(noise[:100]).zero_one == value
     assert verdict(noise[:99]).zero_one is None and verdict(noise[:99]).kind == "not settled"

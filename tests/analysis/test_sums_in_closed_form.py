@@ -9,12 +9,10 @@ import pytest
 
 from made_records import STEP, made_record
 from support import four_bar
-from vfife.analysis.energy import ledger, too_open
+from vfife.analysis.contacts import losses, lost, mean_power
+from vfife.analysis.energy import driving, ledger, too_open
 from vfife.analysis.ground import ground_load, largest_shaking
-from vfife.analysis.losses import losses, lost, mean_power
-from vfife.analysis.machine import driving
-from vfife.analysis.measures import OVER_TURN, PEAKS, last_turn
-from vfife.analysis.wanted import WantedMeasures
+from vfife.analysis.measures import OVER_TURN, PEAKS, WantedMeasures, last_turn
 from vfife.analysis.wear import rubbed
 from vfife.laws import Coulomb
 from vfife.model.bodies import Section

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vfife.analysis.chaos import exponent
-from vfife.analysis.verdict import rotation, verdict
+from vfife.analysis.chaos import exponent, rotation, verdict
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 

@@ -7,12 +7,8 @@ import pytest
 
 from support import four_bar, go, journal_in_bearing
 from vfife.analysis import ledger, measures
-from vfife.analysis.around import around, contact_angle
-from vfife.analysis.impacts import impacts
-from vfife.analysis.losses import lost, mean_power
+from vfife.analysis.contacts import around, contact_angle, impacts, line_pressure, lost, mean_power, mean_pressure, sliding_speed
 from vfife.analysis.motion import times
-from vfife.analysis.pressure import line_pressure, mean_pressure
-from vfife.analysis.sliding import sliding_speed
 from vfife.gallery import slider_crank_loose_guide
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pair
 
@@ -94,8 +90,8 @@ def test_line_pressure_of_a_roller_on_a_plane() -> None:
 
 
 def test_measures_of_pressure_hold_the_outputs(record) -> None:
+    from vfife.analysis.contacts import load_times_speed, pressures
     from vfife.analysis.measures import last_turn
-    from vfife.analysis.pressure import load_times_speed, pressures
 
     found, window = measures(record), last_turn(record)
     pressure, half, load = (one[window] for one in pressures(record))

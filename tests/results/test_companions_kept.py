@@ -10,7 +10,7 @@ import pytest
 
 import vfife
 from support import four_bar
-from vfife.analysis.trust import trust
+from vfife.analysis.ranges import trust
 from vfife.errors import ResumeError
 from vfife.result import Result
 from vfife.results.runfile import RunFile

@@ -17,8 +17,7 @@ from support import TURN, four_bar, journal_in_bearing
 from support import lanes as beside
 from vfife.analysis.measured import Measured
 from vfife.analysis.measures import measures
-from vfife.analysis.ranges import band, companion_records, own_ranges, ranged
-from vfife.analysis.trust import trust
+from vfife.analysis.ranges import band, companion_records, own_ranges, ranged, trust
 from vfife.analysis.turns import record_of_companion
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import StepChoice

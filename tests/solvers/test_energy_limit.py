@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import vfife
 from support import bits, journal_in_bearing, with_settings
 from vfife.analysis.energy import drifting, ledger
-from vfife.analysis.trust import finer
+from vfife.analysis.ranges import finer
 from vfife.cli.app import app
 from vfife.errors import ResumeError
 from vfife.report.diverged import energy_cause

@@ -17,7 +17,7 @@ import vfife
 from vfife import gallery
 from vfife.analysis.measured import Measured
 from vfife.analysis.meshes import error_of, sizes
-from vfife.analysis.trust import trust
+from vfife.analysis.ranges import trust
 from vfife.assembly.assemble import assemble
 from vfife.laws import Material
 from vfife.model.bodies import Member, Section

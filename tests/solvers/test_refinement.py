@@ -15,8 +15,7 @@ from support import with_settings
 from vfife import gallery
 from vfife.analysis.measured import Measured
 from vfife.analysis.measures import PEAKS
-from vfife.analysis.ranges import error_of, estimate, ranged, sizes, values_of
-from vfife.analysis.trust import Trust, finer, trust
+from vfife.analysis.ranges import Trust, error_of, estimate, finer, ranged, sizes, trust, values_of
 from vfife.model.mechanism import Mechanism
 from vfife.result import Result
 from vfife.solvers.refinement import FINER, PARTS, SAMPLED, Differences, refine

@@ -17,8 +17,7 @@ import vfife
 from differential import constrained as plain
 from differential.pencil import Drawn
 from loose_sample import EACH, FRESH, KINDS, drawn
-from vfife.analysis.ranges import JUDGED, LOADS, own_ranges, sizes
-from vfife.analysis.trust import trust
+from vfife.analysis.ranges import JUDGED, LOADS, own_ranges, sizes, trust
 from vfife.result import Result
 from vfife.solvers.status import Status
 

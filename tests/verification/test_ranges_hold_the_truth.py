@@ -8,8 +8,7 @@ import pytest
 
 import vfife
 from loose import known, made_up, of_the_gallery
-from vfife.analysis.ranges import sizes
-from vfife.analysis.trust import trust
+from vfife.analysis.ranges import sizes, trust
 from vfife.model.mechanism import Mechanism
 from vfife.result import Result
 

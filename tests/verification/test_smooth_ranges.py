@@ -13,8 +13,7 @@ from scipy.integrate import solve_ivp
 
 import vfife
 from support import with_settings
-from vfife.analysis.ranges import sizes, values_of
-from vfife.analysis.trust import trust
+from vfife.analysis.ranges import sizes, trust, values_of
 from vfife.model.mechanism import Mechanism
 from vfife.result import Result
 

@@ -1,4 +1,4 @@
-"""The energy ledger: what drivers and loads put in, what is stored and what is lost, and what is left over."""
+"""The energy ledger: what drivers and loads put in, what is stored, lost and left over; torque, power and efficiency of the machine."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from ..assembly.assembled import Assembly
 from ..kernels import frame
 from ..kernels.topology import CURRENT
 from ..laws.elasticity import elastic_energy
+from ..numerics import products
 from ..numerics.elementwise import exp, hypot, sincos
-from ..numerics.products import times
 from ..solvers.record import Record
 from ..solvers.relaxation import extent
-from .motion import AXES, is_free, velocities
+from .contacts import of_window
+from .motion import AXES, is_free, times, velocities
 
 Array = NDArray[np.float64]
 REST = 1e-6
@@ -127,10 +128,10 @@ def kinetic(record: Record) -> Array:
         before = 2.0 * now[rate][:, moves] - after
         mean = 0.5 * (before * before + after * after)
         mean[0] = now[rate][0, moves] * now[rate][0, moves]
-        total += 0.5 * times(mean, 1.0 / inverse[moves])
+        total += 0.5 * products.times(mean, 1.0 / inverse[moves])
     driven = list(record.assembly.topology.driven)
     turning = now["w"][:, driven]
-    return np.asarray(total + 0.5 * times(turning * turning, record.parameter("driven_inertia")), dtype=float)
+    return np.asarray(total + 0.5 * products.times(turning * turning, record.parameter("driven_inertia")), dtype=float)
 
 
 def strain(record: Record) -> Array:
@@ -188,7 +189,7 @@ def constant_loads(record: Record) -> Array:
     total = np.zeros(len(record.steps))
     for axis, load in (("x", "x"), ("y", "y"), ("theta", "m")):
         place = record.block(f"particle_{axis}")
-        total += times(place - place[0], record.parameter(f"particle_load_{load}"))
+        total += products.times(place - place[0], record.parameter(f"particle_load_{load}"))
     driven = list(record.assembly.topology.driven)
     if driven:
         angle = record.block("particle_theta")[:, driven]
@@ -197,3 +198,53 @@ def constant_loads(record: Record) -> Array:
         height = gx * (c * mx - s * my) + gy * (s * mx + c * my)
         total += (height - height[0]).sum(axis=1)
     return total
+
+
+IDLE = 1e-3  # of what is given off and lost together: a machine that gives off less does no work
+OPEN = 1e-5  # of the largest energy: what a turn leaves over that only goes to and fro
+STILL = 1e-6  # of the torque's range: a mean below it is none
+
+
+def driving(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<driven body>.torque.mean`` (N m), work over angle; ``.torque.ripple`` (1), highest less lowest at the outputs over the size of the mean;
+    ``.power.mean`` (W). The work is that of every step.
+    """
+    found: dict[str, float] = {}
+    if not record.assembly.topology.driven or not record.keeps("driven_work") or not record.keeps("particle_theta"):
+        return found
+    torque_kept = record.keeps("driven_torque")  # not of companions
+    part, inside = of_window(record, window)
+    half, time = 0.5 * part.assembly.choice.step, times(part)
+    for name, body in record.assembly.bodies.items():
+        if body.driven is None or len(time) < 2:
+            continue
+        work = part.block("driven_work")[:, body.driven] - half * part.block("driven_power")[:, body.driven]
+        torque = part.block("driven_torque")[inside, body.driven] if torque_kept else np.zeros(1)
+        angle = part.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
+        found[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
+        if abs(turned := float(angle[-1] - angle[0])) > 1e-9:
+            mean = found[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
+            if torque_kept and abs(mean) > STILL * (reach := float(torque.max() - torque.min())):
+                found[f"{name}.torque.ripple"] = reach / abs(mean)
+    return found
+
+
+def efficiency(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``mechanism.efficiency`` (1) over a full turn: work given off over the same and all losses; nothing for a machine that gives off none.
+
+    Drivers and loads (weight with them) each put in what they do in all over the window, or take it: a press is driven and its load takes,
+    an engine's gas drives and its driver takes. In a motion that repeats, given off + lost = put in.
+    """
+    turn = record.assembly.choice.turn
+    if turn is None or not record.keeps("driven_work") or not record.keeps("particle_x"):
+        return {}
+    part, _ = of_window(record, window)
+    time = times(part)
+    if time[-1] - time[0] < (1.0 - 1e-9) * turn:
+        return {}
+    kept = ledger(part)
+    done = {name: float(values[-1] - values[0]) for name, values in kept.terms.items()}
+    given, lost = sum(max(-done[name], 0.0) for name in ("driver", "external")), sum(done[name] for name in LOST)
+    if not given > max(IDLE * (given + lost), OPEN * kept.largest) or lost < 0.0:
+        return {}
+    return {"mechanism.efficiency": given / (given + lost)}

@@ -9,10 +9,9 @@ from ..kernels.topology import GEARED
 from ..kinematics.forces import driven_body
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
+from .contacts import of_window, places
 from .forces import contact_force
-from .losses import of_window
 from .motion import seen
-from .sliding import places
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from ..kinematics.drives import guide_of
 from ..numerics.elementwise import hypot, sincos
 from ..numerics.products import times
 from ..solvers.record import Record
-from .losses import of_window
+from .contacts import of_window
 from .motion import accelerations, velocities
 
 Array = NDArray[np.float64]

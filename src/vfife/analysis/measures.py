@@ -1,32 +1,111 @@
 """The numbers a run is judged by, as one flat map of names to floats: ``<joint or body>.<quantity>.<statistic>``.
 
 A measure is a function from a record and a window, a choice of its outputs, to numbers by name. Those of a turn are taken turn by turn, of the run
-and of its companions; those of a run are counted over all of it.
+and of its companions; those of a run are counted over all of it; those of a static analysis are the largest over its load factors.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model.bodies import PointMass
+from ..numerics.elementwise import hypot
 from ..solvers.record import Record
-from .deflection import largest_deflections
-from .equilibria import static_measures
-from .forces import joint_force_max, joint_rows, shares
+from .contacts import largest_pressures, largest_sliding, losses
+from .elastic import largest_deflections, largest_stresses
+from .energy import driving, efficiency
+from .forces import joint_force, joint_force_max, joint_moment, joint_rows, shares
 from .ground import largest_shaking
 from .guides import largest_strokes
-from .influence import influence
-from .losses import losses
-from .machine import driving, efficiency
-from .pressure import largest_pressures
-from .sliding import largest_sliding
-from .stress import largest_stresses
+from .motion import is_free, times
 from .wear import worn_depths, worn_volumes
+
+NEGLIGIBLE = 1e-6  # an ideal maximum this small beside the largest of its kind is round-off or nothing, and no share of it says anything
+
+
+def lip(largest: float, ideal: float) -> float:
+    """(max - ideal max)/ideal max * 100, in per cent: Eq. 38 for forces, Eq. 39 for accelerations."""
+    return (largest - ideal) / ideal * 100.0
+
+
+def influence(own: Mapping[str, float], ideal: Mapping[str, float], driven: Iterable[str] = ()) -> dict[str, float]:
+    """``<joint>.force.lip`` and ``<body>.angular_acceleration.lip`` (per cent) for what both mechanisms have.
+
+    Driven bodies are left out, their motion is prescribed; so is what does not move or carry anything in the ideal
+    mechanism.
+    """
+    prescribed = set(driven)
+    found = {}
+    for kind in ("force", "angular_acceleration"):
+        ending = f".{kind}.max"
+        names = [key.removesuffix(ending) for key in own if key.endswith(ending) and key in ideal]
+        floor = NEGLIGIBLE * max((ideal[name + ending] for name in names), default=0.0)
+        for name in names:
+            if name not in prescribed and ideal[name + ending] > floor:
+                found[f"{name}.{kind}.lip"] = lip(own[name + ending], ideal[name + ending])
+    return found
+
+
+Array = NDArray[np.float64]
+
+
+def displacement(record: Record) -> Array:
+    """Largest way of a free particle from its start (m), shape (outputs,)."""
+    free = is_free(record)
+    x, y = (record.block(f"particle_{axis}") - record.assembly.state[record.assembly.layout[f"particle_{axis}"]] for axis in ("x", "y"))
+    return np.asarray(hypot(x, y)[:, free].max(axis=1, initial=0.0), dtype=float)
+
+
+def equilibria(record: Record) -> list[dict[str, Any]]:
+    """For each output: load factor, iterations, unbalanced force over the largest, displacement (m), reaction of each joint (N, N, N m)."""
+    moved, force, moment = displacement(record), joint_force(record), joint_moment(record)
+    found = []
+    for k, factor in enumerate(times(record)):
+        reactions = {
+            name: {"force_x": float(force[k, j, 0]), "force_y": float(force[k, j, 1]), "moment": float(moment[k, j])}
+            for j, name in enumerate(joint_rows(record))
+        }
+        found.append(
+            {
+                "load_factor": float(factor),
+                "iterations": int(record.block("iterations")[k, 0]),
+                "unbalanced": float(record.block("unbalanced")[k, 0]),
+                "displacement": float(moved[k]),
+                "reactions": reactions,
+            }
+        )
+    return found
+
+
+def static_measures(record: Record) -> dict[str, float]:
+    """Largest absolute values over all load factors.
+
+    ``displacement.max`` (m), ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m), ``<joint>.penetration.max`` (m), ``<driven
+    body>.torque.max`` (N m), ``iterations`` of all factors, ``unbalanced.max`` (1), and the last ``load_factor`` that was reached.
+    """
+    found = {
+        "load_factor": float(times(record)[-1]),
+        "displacement.max": float(displacement(record).max()),
+        "iterations": float(record.block("iterations").sum()),
+        "unbalanced.max": float(record.block("unbalanced").max()),
+    }
+    force, moment = joint_force(record), np.abs(joint_moment(record))
+    for k, name in enumerate(joint_rows(record)):
+        found[f"{name}.force.max"] = float(hypot(force[:, k, 0], force[:, k, 1]).max())
+        if moment[:, k].any():
+            found[f"{name}.moment.max"] = float(moment[:, k].max())
+    for k, name in enumerate(record.assembly.contacts):
+        found[f"{name}.penetration.max"] = float(record.block("contact_penetration")[:, k].max())
+    for body in record.assembly.bodies.values():
+        if body.driven is not None:
+            found[f"{body.name}.torque.max"] = float(np.abs(record.block("driven_torque")[:, body.driven]).max())
+    return {name: value for name, value in found.items() if math.isfinite(value)}
+
 
 Window: TypeAlias = NDArray[np.bool_]
 Measure: TypeAlias = Callable[[Record, Window], dict[str, float]]
@@ -177,3 +256,66 @@ OVER_TURN: tuple[Measure, ...] = (
     largest_shaking, largest_stresses, largest_deflections, efficiency, worn_volumes, worn_depths,
 )  # fmt: skip
 OVER_RUN: tuple[Measure, ...] = (contact_counts,)
+
+
+Beside = Callable[[Sequence[Record]], dict[str, float]]
+ENDINGS: dict[str, tuple[str, ...]] = {
+    "largest_loads": (".force.max", ".moment.max"),
+    "deepest_penetrations": (".penetration.max",),
+    "largest_accelerations": (".angular_acceleration.max", ".torque.max"),
+    "driving": (".torque.mean", ".torque.ripple", ".power.mean"),
+    "losses": (".friction_energy.total", ".impact_energy.total", ".friction_power.mean", ".impact_power.mean"),
+    "largest_sliding": (".sliding_velocity.max", ".sliding_distance.total"),
+    "largest_pressures": (".contact_pressure.max", ".contact_half_width.max", ".pressure_velocity.max", ".pressure_velocity.mean"),
+    "largest_strokes": (".position.low", ".position.high", ".velocity.max", ".acceleration.max"),
+    "largest_shaking": (".shaking_force.max", ".shaking_moment.max"),
+    "largest_stresses": (".tension.max", ".compression.max", ".stress.place"),
+    "largest_deflections": (".deflection.max",),
+    "efficiency": ("mechanism.efficiency",),
+    "worn_volumes": (".bearing_wear.total", ".journal_wear.total"),
+    "worn_depths": (".bearing_wear_depth.max", ".journal_wear_depth.max"),
+}  # of names, by the measure that gives them
+INFLUENCE = (".force.lip", ".angular_acceleration.lip")
+COUNTED = (
+    ".impacts", ".grazing", ".deep_landings", ".landing_depth.max", ".approach_speed.max",
+    ".share.free_flight", ".share.impact", ".share.continuous_contact",
+)  # fmt: skip
+BY_TURN: tuple[Measure, ...] = (*PEAKS, losses, worn_volumes)  # what the largest of extremes and the last of all else in a turn tell
+
+
+def of_whole_runs(names: Sequence[str]) -> list[str]:
+    """Those names that measures of a whole run have, whichever of its turns are looked at."""
+    return [name for name in names if name.endswith(COUNTED) and "(" not in name]
+
+
+class WantedMeasures:
+    """Measures by ``names``, all without any; ``beside`` gives more of turns that are recorded output by output."""
+
+    def __init__(self, names: Sequence[str] = (), beside: Beside | None = None) -> None:
+        self.names, self.beside = tuple(names), beside
+        self.peaks = not names or any(name.endswith(INFLUENCE) for name in names)
+        self.counts = not names or any(name.endswith(COUNTED) for name in names)
+        self.every = tuple(
+            measure
+            for measure in OVER_TURN
+            if not names or (self.peaks and measure in PEAKS) or any(name.endswith(ENDINGS[measure.__name__]) for name in names)
+        )
+
+    @property
+    def by_turn(self) -> bool:
+        """Whether one row for each turn tells them all."""
+        return self.beside is None and set(self.every) <= set(BY_TURN)
+
+    def over(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
+        """Means over turns, each a record that begins with the output before it; counts up to the end of the last one."""
+        turnly = []
+        for turn in turns:
+            found = taken(self.every, turn, last_turn(turn))
+            turnly.append(found | (compared(turn, found, reference) if self.peaks else {}))
+        mean: dict[str, float] = {}
+        for name in turnly[-1]:
+            values = [turn[name] for turn in turnly if name in turn]
+            mean[name] = values[0] if len(values) == 1 else math.fsum(values) / len(values)
+        mean |= over_run(turns[-1]) if self.counts else {}
+        mean |= self.beside(turns) if self.beside is not None else {}
+        return {name: mean[name] for name in self.names if name in mean} if self.names else mean

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import FOUR_TIMES, HALF, TWICE
 from ..solvers.relaxation import extent
-from .equilibria import static_measures
 from .measured import Measured
-from .measures import MOMENT
+from .measures import MOMENT, static_measures
 
 TWO_MESHES = 4.0  # times the difference to twice the elements, which is three times an error of second order (Roache's grid convergence index)
 THREE_MESHES = 1.25  # times the error that three meshes tell, by the same author

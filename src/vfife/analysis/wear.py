@@ -16,7 +16,7 @@ from ..laws.wear import coefficient
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, hypot, interpolate, sin
 from ..solvers.record import Record
-from .losses import of_window
+from .contacts import of_window
 
 Array = NDArray[np.float64]
 SIDES = ("bearing", "journal")

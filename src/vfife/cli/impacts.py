@@ -11,7 +11,7 @@ from .options import JsonOption, RunArgument
 from .terminal import grid, output, print_json, row, sentences
 
 if TYPE_CHECKING:
-    from ..analysis.impacts import Impact, Impacts
+    from ..analysis.contacts import Impact, Impacts
 
 Count = Annotated[int, typer.Option("-n", "--count", metavar="N", min=1, help="So many of the hardest.")]
 

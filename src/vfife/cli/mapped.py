@@ -99,7 +99,7 @@ def rank(kind: str) -> tuple[int, str]:
 
 def said_chaos(found: Bifurcation) -> str:
     """Between which values chaos was found, each way; other motions may lie between them."""
-    from ..analysis.verdict import CHAOTIC
+    from ..analysis.chaos import CHAOTIC
     from ..report.study import quantity
 
     said, unit = [], found.asked.unit

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import deflection as deflections
-from ..analysis import stress as stresses
+from ..analysis import elastic
 from ..model.lumping import mesh
 from .layout import Panels
 from .style import BLUE, DEEP, GREY, INK, SKY, digits, length_unit, scale_of
@@ -31,13 +30,13 @@ def stressed(result: View) -> list[str]:
     record = result.record
     if not record.keeps("frame_axial_force") or not any(body.elements for body in record.assembly.bodies.values()):
         return []
-    tension, _ = stresses.fibres(record)
+    tension, _ = elastic.fibres(record)
     return [name for name, body in record.assembly.bodies.items() if body.elements and not np.isnan(tension[:, list(body.elements)]).all()]
 
 
 def bent(result: View) -> list[str]:
     """Elastic links, which have a line through their ends to be off."""
-    return deflections.elastic_links(result.record) if result.record.keeps("frame_moment_1") else []
+    return elastic.elastic_links(result.record) if result.record.keeps("frame_moment_1") else []
 
 
 def places(result: View, name: str) -> Array:
@@ -50,7 +49,7 @@ def stress(result: View) -> Figure:
     """Largest and smallest stress in the outermost fibres along each elastic body, and along it at the moment of the largest."""
     names, over = stressed(result)[:MOST], span(result)
     panels = Panels([PANEL if len(names) > 1 else (7.0, 3.0)] * len(names), 2, down=0.95)
-    tension, compression = (one[over.first : over.last + 1] for one in stresses.fibres(result.record))
+    tension, compression = (one[over.first : over.last + 1] for one in elastic.fibres(result.record))
     for ax, name in zip(panels.axes, names, strict=True):
         own, at = list(result.record.assembly.bodies[name].elements), places(result, name)
         above, below = (one[:, own].reshape(len(one), -1) for one in (tension, compression))
@@ -85,7 +84,7 @@ def deflection(result: View) -> Figure:
 
 
 def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
-    off, at = deflections.off_the_chord(result.record, name)[over.first : over.last + 1], places(result, name)
+    off, at = elastic.off_the_chord(result.record, name)[over.first : over.last + 1], places(result, name)
     nodes = np.append(at[:, 0], at[-1, 1])
     x = np.empty(2 * len(at) + 1)
     x[::2], x[1::2] = nodes, 0.5 * (nodes[1:] + nodes[:-1])

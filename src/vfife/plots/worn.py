@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from ..analysis.losses import of_window
+from ..analysis.contacts import of_window
 from ..analysis.measures import last_turn
 from ..analysis.wear import PLACES, SIDES, depths, is_round, worn_contacts
 from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, digits, heading, length_unit, scale_of

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.pressure import CONFORMAL, line_pressure
+from ..analysis.contacts import CONFORMAL, line_pressure
 from ..laws import Material
 from ..laws.materials import hardness_of
 from ..model.surfaces import cautions, remarks, surfaces

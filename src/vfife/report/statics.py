@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from ..analysis.equilibria import equilibria
+from ..analysis.measures import equilibria
 from ..analysis.meshes import EXACT
 from ..solvers.status import Status
 from .digits import bounds, plain

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..analysis.energy import own_floor
 from ..analysis.forces import MODES
 from ..analysis.measured import Measured, lips
-from ..analysis.trust import OPEN
+from ..analysis.ranges import OPEN
 from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ..analysis.measured import NOT_ESTIMATED
-from ..analysis.trust import HALVINGS, trust
+from ..analysis.ranges import HALVINGS, trust
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
 from .digits import amount, prefixed

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Mapping
 from typing import Any
 
-from ..analysis import forces, guides, motion, stress
+from ..analysis import elastic, forces, guides, motion
 from ..analysis.energy import Ledger
-from ..analysis.equilibria import displacement
+from ..analysis.measures import displacement
 from ..kernels.blocks import BY_NAME
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
@@ -169,7 +169,7 @@ def _clearances(record: Record) -> dict[str, Channel]:
 
 
 def _elements(record: Record) -> dict[str, Channel]:
-    return stress_channels(record) if stress.known(record) else {}
+    return stress_channels(record) if elastic.known(record) else {}
 
 
 def _nothing(record: Record) -> dict[str, Channel]:

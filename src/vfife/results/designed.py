@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..analysis import deflection, guides, pressure, stress
-from ..analysis.around import contact_angle
+from ..analysis import contacts, elastic, guides
+from ..analysis.contacts import contact_angle, lost, mean_power, sliding_speed
 from ..analysis.ground import ground_load
-from ..analysis.losses import lost, mean_power
-from ..analysis.sliding import sliding_speed
 from ..analysis.wear import SIDES, coefficients, work
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
@@ -17,7 +15,7 @@ from .channel import GLOBAL, Channel
 
 def wear_channels(record: Record) -> dict[str, Channel]:
     """Energies, powers, sliding, pressure and places of contact of joints with play."""
-    pressures, slide = pressure.pressures(record), sliding_speed(record)
+    pressures, slide = contacts.pressures(record), sliding_speed(record)
     named = {
         "friction_energy": (lost(record, "friction"), "J", "energy lost in friction since the start"),
         "impact_energy": (lost(record, "impact"), "J", "energy lost in normal damping since the start"),
@@ -38,10 +36,10 @@ def wear_channels(record: Record) -> dict[str, Channel]:
 
 def worn_channels(record: Record) -> dict[str, Channel]:
     """Volumes that the surfaces of joints with play have lost, by Archard's law."""
-    contacts, found = record.assembly.topology.wears, {}
+    wears, found = record.assembly.topology.wears, {}
     for k, side in enumerate(SIDES):
         volume = np.zeros((len(record.steps), len(record.assembly.contacts)))
-        volume[:, list(contacts)] = work(record) * np.array([coefficients(record, contact)[k] for contact in contacts])
+        volume[:, list(wears)] = work(record) * np.array([coefficients(record, contact)[k] for contact in wears])
         found[f"{side}_wear"] = Channel(volume, "clearance", "m^3", f"volume that the {side} has lost since the start")
     return found
 
@@ -69,10 +67,10 @@ def ground_channels(record: Record) -> dict[str, Channel]:
 
 def stress_channels(record: Record) -> dict[str, Channel]:
     """Stresses of elements whose extreme fibre is known."""
-    tension, compression = stress.fibres(record)
+    tension, compression = elastic.fibres(record)
     said = "stress in the outermost fibres, tension positive"
     return {
-        "element_stress": Channel(stress.stress(record), "element", "Pa", "largest size of stress in the outermost fibres"),
+        "element_stress": Channel(elastic.stress(record), "element", "Pa", "largest size of stress in the outermost fibres"),
         "element_stress_max": Channel(tension.max(axis=2), "element", "Pa", f"largest {said}", "link"),
         "element_stress_min": Channel(compression.min(axis=2), "element", "Pa", f"smallest {said}", "link"),
     }
@@ -80,19 +78,19 @@ def stress_channels(record: Record) -> dict[str, Channel]:
 
 def elastic_channels(record: Record) -> dict[str, Channel]:
     """Largest stresses of elastic bodies; how links bend and stretch, no number for frames."""
-    bodies, links = [name for name, where in record.assembly.bodies.items() if where.elements], deflection.elastic_links(record)
+    bodies, links = [name for name, where in record.assembly.bodies.items() if where.elements], elastic.elastic_links(record)
     none = np.full(len(record.steps), np.nan)
     of = {
-        "deflection": (deflection.largest_off_the_chord, "largest deflection along the link from the line through its ends", "chord"),
-        "end_deflection": (deflection.off_the_start, "deflection of the end from the direction at the start", "start"),
-        "elongation": (deflection.elongation, "distance of the ends less that without forces", "link"),
+        "deflection": (elastic.largest_off_the_chord, "largest deflection along the link from the line through its ends", "chord"),
+        "end_deflection": (elastic.off_the_start, "deflection of the end from the direction at the start", "start"),
+        "elongation": (elastic.elongation, "distance of the ends less that without forces", "link"),
     }
     found = {
         f"elastic_{name}": Channel(np.column_stack([one(record, link) if link in links else none for link in bodies]), "elastic", "m", said, frame)
         for name, (one, said, frame) in of.items()
     }
-    if stress.known(record):
-        every = [stress.extremes(record, name) for name in bodies]
+    if elastic.known(record):
+        every = [elastic.extremes(record, name) for name in bodies]
         for k, kind in enumerate(("tension", "compression")):
             values = np.column_stack([one[k] for one in every])
             found[f"elastic_{kind}"] = Channel(values, "elastic", "Pa", f"largest {kind} in the outermost fibres of the body", "link")

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis import Ledger, Measures, last_turn, ledger, ranged
-from ..analysis.around import Around, around
+from ..analysis.contacts import Around, Impacts, around, impacts
+from ..analysis.elastic import along
 from ..analysis.guides import PointMotion, point_motion
-from ..analysis.impacts import Impacts, impacts
 from ..analysis.motion import times
 from ..analysis.ranges import counted
-from ..analysis.stress import along
 from ..analysis.turns import Turns
 from ..assembly.assembled import Assembly
 from ..modelfile import dump
@@ -116,12 +115,12 @@ class View:
 
     @cached_property
     def impacts(self) -> Impacts:
-        """The contacts that began, one by one as far as the outputs tell them apart: see :func:`vfife.analysis.impacts.impacts`."""
+        """The contacts that began, one by one as far as the outputs tell them apart: see :func:`vfife.analysis.contacts.impacts`."""
         return impacts(self.record)
 
     def around(self, side: str = "bearing", bins: int = 72, last_turn: bool = False) -> Around:
         """Time in contact, impulse and friction over the angle of each bearing, or "journal", in the frame of its body, in all or of the last turn:
-        see :func:`vfife.analysis.around.around`.
+        see :func:`vfife.analysis.contacts.around`.
         """
         return around(self.record, side, bins, self.last_turn if last_turn else None)
 

@@ -10,9 +10,8 @@ from functools import partial
 from statistics import fmean
 from types import MappingProxyType
 
-from ..analysis.measures import MOMENT, OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
+from ..analysis.measures import BY_TURN, INFLUENCE, MOMENT, OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
 from ..analysis.ranges import over_tries, ranged
-from ..analysis.wanted import BY_TURN, INFLUENCE
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.numbering import Numbering

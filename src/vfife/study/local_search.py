@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.wanted import COUNTED
+from ..analysis.measures import COUNTED
 from ..errors import VfifeError
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.energy import ledger
-from ..analysis.trust import DEEP_HALVINGS
-from ..analysis.wanted import WantedMeasures
+from ..analysis.measures import WantedMeasures
+from ..analysis.ranges import DEEP_HALVINGS
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import limited_rows
 from ..model.mechanism import Mechanism

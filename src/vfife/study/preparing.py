@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.measures import PEAKS, last_turn, over_turn
-from ..analysis.wanted import WantedMeasures
+from ..analysis.measures import PEAKS, WantedMeasures, last_turn, over_turn
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.possible import Outlook, outlook

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
-from ..analysis.wanted import of_whole_runs
+from ..analysis.measures import of_whole_runs
 from ..assembly.assemble import assemble
 from ..errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, shown, suggestion
 from ..fields import Measure, Reading, Whole, partial

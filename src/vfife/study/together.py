@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.trust import finer
+from ..analysis.ranges import finer
 from ..assembly.assembled import Assembly
 from ..result import Result
 from ..simulation import Prepared, carry_out, concluded, halved

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from vfife.analysis.influence import lip
+from vfife.analysis.measures import lip
 from vfife.solvers.ensemble import Member, advance, ensemble, placed
 
 from .mechanisms import FASTEST, Parameters, four_bar

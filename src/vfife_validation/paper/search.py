@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vfife.analysis.influence import lip
+from vfife.analysis.measures import lip
 from vfife.assembly.assemble import refitted
 from vfife.assembly.assembled import Assembly
 from vfife.laws import ContactLaw, Pereira

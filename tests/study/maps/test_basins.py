@@ -8,8 +8,7 @@ import pytest
 
 import vfife
 from mechanisms import snapping
-from vfife.analysis.attractors import attractors
-from vfife.analysis.verdict import verdict
+from vfife.analysis.chaos import attractors, verdict
 from vfife.errors import ModelError
 from vfife.modelfile import load
 from vfife.study.maps.basins import basins

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.attractors import ALIKE, Attractor, attractors
-from ...analysis.chaos import exponent
-from ...analysis.verdict import Verdict, verdict
+from ...analysis.chaos import ALIKE_POINTS as ALIKE
+from ...analysis.chaos import Attractor, Verdict, attractors, exponent, verdict
 from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
 from ...job.job import job_of

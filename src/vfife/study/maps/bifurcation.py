@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.chaos import exponent
-from ...analysis.verdict import Verdict, verdict
+from ...analysis.chaos import Verdict, exponent, verdict
 from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
 from ...job.job import job_of

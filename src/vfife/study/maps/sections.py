@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.chaos import Exponent, exponent
-from ...analysis.verdict import Verdict, verdict
+from ...analysis.chaos import Exponent, Verdict, exponent, verdict
 from ...assembly.assembled import Assembly
 from ...job.job import job_of
 from ...model.mechanism import Mechanism

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.chaos import exponent
-from ...analysis.verdict import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, verdict
+from ...analysis.chaos import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, exponent, verdict
 from ...assembly.assembled import Assembly
 from ...errors import VfifeError
 from ...solvers.lyapunov import steps_of_turn
