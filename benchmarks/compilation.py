@@ -16,7 +16,7 @@ from measure import EXAMPLES, Options, Part, table
 
 from vfife import Mechanism, load_model
 from vfife.assembly.assemble import assemble
-from vfife.codegen import native
+from vfife.codegen import loops, native
 from vfife.codegen.straight_line import trace
 
 LIMITS = {"case_c": 0.4, "four_bar_22": 1.0, "bar_40": 2.0, "frame_200": 10.0}  # s
@@ -37,7 +37,7 @@ def taken(name: str, lanes: int) -> dict[str, float]:
     topology = assemble(model(name), "auto", duration=1e-2).topology
     native.processor()  # loads LLVM, which every run does
     began = time.perf_counter()
-    native.straight_line(topology, lanes)
+    loops.straight_line(topology, lanes)
     took = time.perf_counter() - began
     return {"seconds": took, "lines": len(trace(topology).operations)}
 

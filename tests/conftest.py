@@ -9,7 +9,7 @@ import typer.testing
 from hypothesis import settings
 
 from one_loop import ForAllLaws
-from vfife.codegen import runner
+from vfife.codegen import loops
 from vfife.laws import ContactLaw, FrictionLaw
 from vfife.results import connections
 
@@ -24,7 +24,7 @@ def pytest_configure(config: pytest.Config) -> None:
     # No test takes the power away: a write need not reach the disk before the test goes on, which takes 10 ms each time.
     connections.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
     if "not verify" in config.option.markexpr:
-        runner.DataDriven = ForAllLaws
+        loops.DataDriven = ForAllLaws
 
 
 @pytest.fixture

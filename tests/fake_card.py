@@ -29,10 +29,11 @@ NAMES = {2: "CUDA_ERROR_OUT_OF_MEMORY", 100: "CUDA_ERROR_NO_DEVICE", 222: "CUDA_
 
 
 @lru_cache(maxsize=4)
-def compiled(topology: Topology) -> Code:
+def compiled(topology: Topology) -> SimpleNamespace:
     """``member`` for this machine."""
     types = [ctypes.c_int64 if size == "" else ctypes.c_void_p for size in gpu.ARGUMENTS.values()]
-    return Code(object_code(gpu.written(topology), 0), "member", ctypes.CFUNCTYPE(None, *types, ctypes.c_int64))
+    code = Code(object_code(gpu.written(topology), 0))
+    return SimpleNamespace(code=code, function=code.named("member", ctypes.CFUNCTYPE(None, *types, ctypes.c_int64)))
 
 
 class FakeDriver:

@@ -11,8 +11,8 @@ import os
 import tempfile
 from collections.abc import Iterator
 
-from vfife.codegen import runner
-from vfife.codegen.runner import DataDriven
+from vfife.codegen import loops
+from vfife.codegen.loops import DataDriven
 from vfife.kernels.topology import Topology
 from vfife.laws import ContactLaw, FrictionLaw, Law
 
@@ -43,7 +43,7 @@ def widened(topology: Topology) -> Topology:
 def compiled_already(topology: Topology) -> bool:
     """Whether the one data-driven loop of a test run can do a topology."""
     contact, friction = ALL
-    return runner.DataDriven is ForAllLaws and {*topology.contact_laws, *topology.friction_laws} <= {*contact, *friction}
+    return loops.DataDriven is ForAllLaws and {*topology.contact_laws, *topology.friction_laws} <= {*contact, *friction}
 
 
 @contextlib.contextmanager

@@ -18,7 +18,7 @@ import vfife
 from choice import default_cases
 from cli.conftest import ENVIRONMENT
 from cli.models import CASE_C, ROOT
-from vfife.codegen import native
+from vfife.codegen import loops
 from vfife.codegen.runner import Runner
 from vfife.errors import RunFileError
 from vfife.results.runfile import RunFile
@@ -285,9 +285,9 @@ def test_what_comes_next_works_as_printed(tmp_path: Path, pendulum: Path, way: s
 
 def test_a_first_run_of_its_kind_says_that_it_compiles(command: Callable, pendulum: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VFIFE_CACHE", str(tmp_path / "cache"))
-    native.straight_line.cache_clear()
+    loops.straight_line.cache_clear()
     first = command("run", pendulum, "--duration", "1e-3")
-    native.straight_line.cache_clear()
+    loops.straight_line.cache_clear()
     second = command("run", pendulum, "--duration", "1e-3", "-o", "again")
     assert first.exit_code == second.exit_code == 0
     assert "note: compiling the step" in first.stderr and "compiling" not in second.stderr

@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ARGUMENTS 24
+#define ARGUMENTS 25
 typedef int Code;
 typedef uint64_t Word;
 typedef void (*Member)(Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word, Word,
-                       Word, Word, Word, Word);
+                       Word, Word, Word, Word, Word);
 
 static Member member;
 
@@ -50,7 +50,7 @@ Code cuLaunchKernel(void *kernel, unsigned blocks, unsigned by, unsigned bz, uns
     for (int k = 0; k < ARGUMENTS; k++) a[k] = *(Word *)given[k];
     for (m = 0; m < (Word)blocks * threads; m++)
         member(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9], a[10], a[11], a[12], a[13], a[14], a[15], a[16], a[17], a[18], a[19],
-               a[20], a[21], a[22], a[23], m);
+               a[20], a[21], a[22], a[23], a[24], m);
     return 0;
 }
 

@@ -12,7 +12,7 @@ import pytest
 
 from support import bits, journal_in_bearing, lanes, rounds
 from vfife.assembly.assemble import assemble
-from vfife.codegen import cache, native
+from vfife.codegen import cache, loops, native
 from vfife.laws import Frictionless
 
 POSIX = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners and permissions are those of POSIX")
@@ -21,10 +21,10 @@ RUN = """
 import json, sys
 sys.path.insert(0, {tests!r})
 from support import go, journal_in_bearing
-from vfife.codegen import native
+from vfife.codegen import loops
 written = []
-keep, make = native.cache.keep, native.step_code
-native.step_code = lambda *given: written.append(1) or make(*given)
+make = loops.step_code
+loops.step_code = lambda *given: written.append(1) or make(*given)
 record = go(journal_in_bearing(), 1e-6, duration=1e-3, loop="generated")
 print(json.dumps([len(written), "numba" in sys.modules, record.rows.tobytes().hex()[-4000:]]))
 """
@@ -62,13 +62,13 @@ OTHER = assemble(journal_in_bearing(friction=Frictionless()), 1e-6, duration=1e-
 
 def fresh(monkeypatch) -> tuple[int, np.ndarray]:
     """Runs as a new process would: steps compiled, and the state after some of them."""
-    native.straight_line.cache_clear()
-    made, make = [], native.step_code
+    loops.straight_line.cache_clear()
+    made, make = [], loops.step_code
     with monkeypatch.context() as patch:
-        patch.setattr(native, "step_code", lambda *given: made.append(1) or make(*given))
+        patch.setattr(loops, "step_code", lambda *given: made.append(1) or make(*given))
         runner = lanes([ASSEMBLY], "generated")
     runner.advance(300, 1)
-    native.straight_line.cache_clear()
+    loops.straight_line.cache_clear()
     return len(made), runner.S.copy()
 
 
@@ -95,7 +95,9 @@ def test_several_processes_may_start_at_once(folder):
     some = [subprocess.Popen(command(), **given) for _ in range(rounds(8, 3))]
     rows = {answer(one.communicate(timeout=300)[0])[2] for one in some}
     assert len(rows) == 1
-    assert sorted(path.name.partition("-")[0] for path in folder.iterdir()) == ["loop", "step"], "the routines of numerics, and the step"
+    assert sorted(path.name.partition("-")[0] for path in folder.iterdir()) == ["loop", "loop", "step"], (
+        "the routines of numerics, the driver, and the step"
+    )
 
 
 @pytest.mark.parametrize("harm", ["empty", "half", "cut", "flipped", "garbage", "unsealed", "longer"])
@@ -121,7 +123,7 @@ def test_a_foreign_file_is_compiled_anew(folder, monkeypatch):
     _, whole = fresh(monkeypatch)
     path = kept(folder)
     found = path.read_bytes()
-    native.straight_line(OTHER, 1)
+    loops.straight_line(OTHER, 1)
     (foreign,) = set(folder.glob("step-*.o")) - {path}
     path.write_bytes(foreign.read_bytes())
     compiled, again = fresh(monkeypatch)
@@ -133,8 +135,8 @@ def test_a_foreign_file_is_compiled_anew(folder, monkeypatch):
 def test_what_decides_the_code_decides_its_name(monkeypatch, what):
     """A stale file is never met: it goes by another name."""
     topology, width = ASSEMBLY.topology, 1
-    before = native.name_of(topology, width)
-    assert native.name_of(topology, width) == before
+    before = loops.name_of(topology, width)
+    assert loops.name_of(topology, width) == before
     if what == "sources":
         monkeypatch.setattr(cache, "sources", lambda: b"another text")
     elif what == "processor":
@@ -145,13 +147,13 @@ def test_what_decides_the_code_decides_its_name(monkeypatch, what):
         width = 2
     else:
         topology = OTHER
-    assert native.name_of(topology, width) != before
+    assert loops.name_of(topology, width) != before
 
 
 def test_every_text_of_the_step_is_among_its_sources(tmp_path, monkeypatch):
     """A nudged coefficient in a kernel, a law or a writer never meets old machine code."""
     package = Path(cache.__file__).parents[1]
-    for part in ("kernels/frame.py", "laws/contact/flores.py", "codegen/llvm.py", "codegen/driver.ll"):
+    for part in ("kernels/frame.py", "laws/contact/flores.py", "codegen/llvm.py", "codegen/driver.py"):
         copy = tmp_path / part.replace("/", "-")
         for name in ("kernels", "codegen", "laws"):
             for source in (package / name).rglob("*"):

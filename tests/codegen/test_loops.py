@@ -81,12 +81,15 @@ def test_lanes_are_data_driven_each(model, width):
 SCRIPT = """
 const {{S, T, count, outputs, kept, extremes}} = {given};
 const numbers = (bits) => new Float64Array(BigUint64Array.from(bits.map(BigInt)).buffer);
-const state = numbers(S), tables = numbers(T), rows = [];
-const note = () => rows.push(Array.from(new BigUint64Array(Float64Array.from(kept, (row) => state[row]).buffer), String));
-const take = (n, steps) => {{ for (const row of extremes) state[row] = 0; advance(state, tables, n, steps); note(); }};
-take(0, 1);
-for (let m = 0; m < outputs; m++) take(1 + m * count, count);
-console.log(JSON.stringify(rows));
+const state = numbers(S), tables = numbers(T), size = kept.length, rows = new Float64Array((outputs + 1) * size);
+const room = (length) => new Float64Array(length);
+const memory = [
+  state, room(state.length), room(state.length), room(3), tables, [], [1, 1, state.length, 8, 1000], room(1), kept, extremes, [], [], room(1),
+];
+advance(...memory, 1, 1000, 0, 1, 1, rows.subarray(0, size));
+advance(...memory, 1, 999, 1, count, outputs, rows.subarray(size));
+const bits = Array.from(new BigUint64Array(rows.buffer), String);
+console.log(JSON.stringify(Array.from({{ length: outputs + 1 }}, (_, m) => bits.slice(m * size, (m + 1) * size))));
 """
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from support import SQUARE, bits, four_bar, go, journal_in_bearing, rounds
 from vfife.assembly.assemble import assemble
-from vfife.codegen import functiontext, native, runner, traceable
+from vfife.codegen import cache, functiontext, loops, traceable
 from vfife.codegen.python import written
 from vfife.codegen.source import data_driven
 from vfife.laws import Flores, Frictionless, HuntCrossley, LuGre
@@ -26,7 +26,7 @@ MODELS = (
 
 def forget() -> None:
     """As a new process begins."""
-    for known in (native.straight_line, runner._data_driven, traceable.function_code, traceable.text_code):
+    for known in (loops.straight_line, loops.data_driven_loop, traceable.function_code, traceable.text_code):
         known.cache_clear()
     functiontext._files.clear()
 
@@ -69,7 +69,7 @@ def alone() -> list[np.ndarray]:
 def test_steps_are_traced_compiled_and_run_at_once(alone, empty):
     for _ in range(rounds(3)):
         forget()
-        shutil.rmtree(native.cache.cache_folder(), ignore_errors=True)
+        shutil.rmtree(cache.cache_folder(), ignore_errors=True)
         for k, found in enumerate(together(rows)):
             assert (bits(found) == bits(alone[k % len(MODELS)])).all()
 

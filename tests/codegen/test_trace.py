@@ -89,7 +89,7 @@ def test_a_law_that_branches_compiles_beside_others():
     laws = (LankaraniNikravesh, branch_law())
     gathered = Gathered()
     choice = dispatch("contact", laws, gathered)
-    asked = "@jit\ndef ask(kind, depth, S, out):\n    out[0], out[1] = contact_law(kind, depth, 2.0, S, 0)\n    return 0\n"
+    asked = "def ask(kind, depth, S, out):\n    out[0], out[1] = contact_law(kind, depth, 2.0, S, 0)\n    return 0\n"
     ask = compiled("\n\n".join([*gathered.texts.values(), choice, asked]), "ask", "i d f1 f1")
     out, slots = np.zeros(2), np.array([6e10, 0.3])
     for kind, law in enumerate(laws):

@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from vfife.codegen import native
+from vfife.codegen import loops
+from vfife.codegen.compile import Called
 
 PAGE, STACK = 4096, 1 << 20  # bytes
 WIDEST, SMALL = 512 << 20, 16 << 20  # bytes of mappings: the widest that is taken in, and those that are so though nobody asks
@@ -59,17 +60,18 @@ class Room:
         return ctypes.addressof(ctypes.c_char.from_buffer(self.kept[-1]))
 
 
-def loading(processor: Callable[[], Processor]) -> type[native.Loaded]:
+def loading(processor: Callable[[], Processor]) -> type[loops.Straight]:
     """Steps in memory that are called in an emulated processor."""
 
-    class Emulated(native.Loaded):
-        def __init__(self, code: bytes, width: int) -> None:
-            super().__init__(code, width)
+    class Emulated(loops.Straight):
+        def __init__(self, code: bytes, lanes: int) -> None:
+            super().__init__(code, lanes)
             processor().renewed()
-            self.code.function, self.stream = map(self._calling, ("advance", "stream"))
 
-        def _calling(self, name: str) -> Callable[..., int]:
+        def function(self, name: str) -> Called:
+            called = super().function(name)
             address = self.code.engine.get_function_address(name)
-            return lambda *arguments: processor().call(address, *arguments)
+            called.function = lambda *arguments: processor().call(address, *arguments)
+            return called
 
     return Emulated

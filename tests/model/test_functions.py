@@ -88,7 +88,7 @@ def test_kinks_are_counted_where_value_slope_or_curvature_jumps():
 def test_compiled_as_interpreted():
     gathered = Gathered()
     gathered.add(polynomial)
-    asked = "@jit\ndef ask(table, start, time, out):\n    out[0], out[1], out[2], out[3] = polynomial(table, start, time)\n    return 0\n"
+    asked = "def ask(table, start, time, out):\n    out[0], out[1], out[2], out[3] = polynomial(table, start, time)\n    return 0\n"
     ask, out = compiled(f"{gathered.text()}\n\n{asked}", "ask", "f1 i d f1"), np.zeros(4)
     functions = [
         motion_function(Harmonic(body="b", amplitude=0.7, frequency=3.3, phase=0.1), 0.2),

@@ -8,7 +8,7 @@ import pytest
 
 from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble, refitted
-from vfife.codegen import native
+from vfife.codegen import loops
 from vfife.laws import Ambrosio, LankaraniNikravesh, Pereira
 from vfife.solvers.ensemble import advance, ensemble, placed
 from vfife.solvers.repeating import distance
@@ -146,6 +146,6 @@ def test_several_topologies_may_be_prepared_at_once():
     """The steps of four topologies are written out by four threads that have nothing to go by; Python 3.11 cannot parse in two at once."""
     mixed = [bars(), four_bar("BCD"), four_bar("C"), four_bar("BC")] * 2
     for _ in range(2):
-        native.straight_line.cache_clear()
+        loops.straight_line.cache_clear()
         members = ensemble(mixed, step=1e-5, turns=1, outputs=10, loop="generated", lanes=1, workers=8)
     assert (bits(members[1].last.rows) == bits(members[5].last.rows)).all()

@@ -81,10 +81,9 @@ class Elsewhere:
 def routines(monkeypatch: pytest.MonkeyPatch, name: str, head: str = "", machine: Any = None, change: Callable[[str], str] = str) -> dict[str, Any]:
     """All routines in code for a processor of this name, which no cache keeps."""
     monkeypatch.setattr(native, "processor", lambda: (name, ""))
-    monkeypatch.setattr(compiling, "processor", lambda: (name, ""))
     if machine is not None:
         monkeypatch.setattr(native, "machine", machine)
-    monkeypatch.setattr(compiling, "optimised_code", lambda text, wide: OPTIMISED_CODE(head + change(text), wide))
+    monkeypatch.setattr(native, "optimised_code", lambda text, wide: OPTIMISED_CODE(head + change(text), wide))
     monkeypatch.setattr(compiling.cache, "read", lambda file: None)
     monkeypatch.setattr(compiling.cache, "keep", lambda file, code: None)
     library.compiled.cache_clear()

@@ -19,10 +19,11 @@ import pytest
 from emulated import arm, loading, x86
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.codegen import native
+from vfife.codegen import loops, native
 from vfife.codegen.cuda import Card
 from vfife.codegen.pieces import written
 from vfife.errors import DeviceError
+from vfife.numerics import library
 from vfife.solvers.ensemble import ensemble
 from vfife.solvers.transient import run
 
@@ -41,13 +42,14 @@ BASELINE, SSE4, AVX2, AVX512 = "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4"
 
 def forgotten() -> None:
     """No step is there already, nor a piece of one."""
-    native.straight_line.cache_clear()
-    native._shared.cache_clear()
+    loops.straight_line.cache_clear()
 
 
 @pytest.fixture
 def code_for(monkeypatch):
     """Has steps compiled for another processor of this kind."""
+
+    library.compiled()  # the start is closed by this processor
 
     def use(name: str) -> None:
         monkeypatch.setattr(native, "processor", lambda: (name, ""))
@@ -94,7 +96,7 @@ def eight_wide(code_for, monkeypatch):
     code_for(AVX512)
     if not here:
         x86.processor()
-        monkeypatch.setattr(native, "Loaded", loading(x86.processor))
+        monkeypatch.setattr(loops, "Straight", loading(x86.processor))
 
 
 @X86
@@ -132,13 +134,15 @@ def test_a_fused_product_would_move_the_bits(eight_wide, monkeypatch):
 def aarch64(monkeypatch):
     """Steps run in an emulated processor of telephones and of newer Macs."""
     arm.processor()
+    library.compiled()
     for name, value in {
         "processor": lambda: (arm.NAME, ""),
         "machine": arm.machine,
         "object_code": arm.object_code,
-        "Loaded": loading(arm.processor),
+        "optimised_code": arm.optimised_code,
     }.items():
         monkeypatch.setattr(native, name, value)
+    monkeypatch.setattr(loops, "Straight", loading(arm.processor))
     forgotten()
     yield
     forgotten()
@@ -169,9 +173,9 @@ CHILD = """
 import sys
 sys.path[:0] = [{tests!r}, {tests!r} + "/golden"]
 from one_loop import ForAllLaws
-from vfife.codegen import compile, native, runner
-runner.DataDriven = ForAllLaws
-native.processor = compile.processor = lambda: ({name!r}, "")
+from vfife.codegen import loops, native
+loops.DataDriven = ForAllLaws
+native.processor = lambda: ({name!r}, "")
 import test_golden
 for name in test_golden.RICH:
     print(test_golden.digest(name, "data-driven"))

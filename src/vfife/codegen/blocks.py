@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import ast
-from typing import Any
+from typing import NoReturn
 
 from ..errors import SourceError
-from .llvm import literal
-from .values import Kind, Value, joined, members, types_of
+from .values import Kind, Value, named, types_of
 
 
 class Blocks:
     """The text of a function as it grows: what makes room comes ``first``, all else is in ``out``."""
 
     def __init__(self, name: str) -> None:
-        self.name = name
+        self.name, self.line = name, 1
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -61,7 +60,6 @@ class Blocks:
 
     def store(self, place: Value, value: Value) -> None:
         """Puts a value in its place."""
-        value = self.convert(value, place.kind)
         for one, where, part in zip(types_of(place.kind), place.parts, value.parts, strict=True):
             self.out.append(f"  store {one} {part}, ptr {where}")
 
@@ -70,20 +68,16 @@ class Blocks:
         parts = zip(types_of(place.kind), place.parts, strict=True)
         return Value(place.kind, tuple(self.fresh(f"load {one}, ptr {where}") for one, where in parts))
 
-    def convert(self, value: Value, kind: Kind) -> Value:
-        """The value as one of a wider kind."""
-        if value.kind == kind:
-            return value
-        if isinstance(kind, tuple):
-            return joined([self.convert(one, to) for one, to in zip(members(value), kind, strict=True)])
-        (part,) = value.parts
-        if value.kind == "b" and kind == "i":
-            return Value(kind, (self.fresh(f"zext i1 {part} to i64"),))
-        if value.kind in ("b", "i") and kind == "d":
-            if part.lstrip("-").isdigit():
-                return Value(kind, (literal(float(part)),))
-            return Value(kind, (self.fresh(f"{'uitofp i1' if value.kind == 'b' else 'sitofp i64'} {part} to double"),))
-        raise SourceError(f"{self.name}: a value of kind {value.kind} is used as one of kind {kind}")
+    def same(self, node: ast.AST, first: Kind, second: Kind) -> Kind:
+        """The kind of two values, which have to be of one: 0 is no 0.0, whose negative has a sign."""
+        if first != second:
+            self.refuse(node, f"one is {named(first)}, the other {named(second)}; write both as one kind, such as 0.0 for 0")
+        return first
 
-    def _refused(self, node: ast.AST) -> Any:
-        raise SourceError(f"{self.name}: {ast.unparse(node)!r} is more than a plain function of numbers may say")
+    def refuse(self, node: ast.AST, reason: str) -> NoReturn:
+        """Raise SourceError with function, line of its text, what stands there and why it cannot be translated exactly."""
+        line = getattr(node, "lineno", self.line) - self.line + 1
+        raise SourceError(f"{self.name}, line {line}: {ast.unparse(node).splitlines()[0]!r}: {reason}")
+
+    def _unknown(self, node: ast.AST) -> NoReturn:
+        self.refuse(node, "this is no part of the language that is compiled")

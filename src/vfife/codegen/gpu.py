@@ -10,25 +10,37 @@ The same text, but for the two lines that ask a card which thread this is, runs 
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .llvm import Lane, Writer, driver, resize, searched, whole
+from .driver import STEPS, llvm_text
+from .llvm import Lane, Writer, operators, resize, searched, whole
+from .lock import WRITING
+from .native import _target, machine
 from .pieces import brief
 from .schedule import streamed
 from .straight_line import Function, functions, resizing, trace
 from .trace import STEP_NUMBER, Operand, Trace, is_row, rows_used
 
 TILE = 32
-# Arguments of ``stream`` but for the step, and how many numbers of those that are addresses a member has: whole rows where members lie side by
-# side, else one after the other; None where all members share them.
+# What a kernel is given, and how many numbers of those that are addresses a member has: whole rows where members lie side by side, else one after
+# the other; None where all members share them. N has the numbers of a run, as the driver takes them.
 SHARED = None
 ARGUMENTS: dict[str, str | None] = {
-    "S": "ROWS", "Q": "ROWS", "T": "%stride", "stride": "", "count": "", "parts": "", "kept": SHARED, "keeping": "", "extremes": SHARED,
-    "resetting": "", "look": "", "sound": SHARED, "finite": "", "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1", "due": "1",
-    "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
+    "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "", "kept": SHARED, "keeping": "",
+    "extremes": SHARED, "resetting": "", "sound": SHARED, "finite": "", "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
+    "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
-SIDE_BY_SIDE = ("S", "Q", "limits")
+# Arguments of ``stream`` in their order: arrays with their length, or 0 where the driver does not ask for it. A card's lean step has its rows in
+# registers and needs no copy R; I is the topology of the data-driven loop.
+PASSED = (
+    *("ptr %S.own, i64 0", "ptr %Q.own, i64 0", "ptr %Q.own, i64 0", "ptr %C.own, i64 0", "ptr %T.own, i64 %stride", "ptr %N, i64 0"),
+    *("ptr %N, i64 0", "ptr %kept, i64 %keeping", "ptr %extremes, i64 %resetting", "ptr %sound, i64 %finite", "ptr %limited, i64 %limiting"),
+    *(f"ptr %{name}.own, i64 0" for name in ("limits", "broken", "due", "every", "at", "stop", "out")),
+    *("i64 %room", "i64 %until", "i64 %n", "i64 %count"),
+)
+SIDE_BY_SIDE = ("S", "Q", "C", "limits")
 
 
 class Thread(Lane):
@@ -56,7 +68,7 @@ class Thread(Lane):
 
 
 def lean(step: Trace, found: list[Function], layout: Layout) -> str:
-    """``lean(S, Q, T, stride, n0, count)`` as that of ``llvm.py``, with rows in registers: read before the first step, written after the last."""
+    """``lean(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before the first step, written after the last."""
     w = Thread(TILE)
     own = {row for f in found for row in f.rows}  # made before a step, not by it: of these, %p is what the step before had
     after = {row: f"%v{row}" for row in own} | {row: w.value(value) for row, value in step.stores.items()}
@@ -80,7 +92,7 @@ def lean(step: Trace, found: list[Function], layout: Layout) -> str:
     for row in after:
         w.out.append(f"  store double %h{row}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
-    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline {{
+    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline {{
 entry:
   %end = add i64 %n0, %count
 {body}
@@ -111,9 +123,7 @@ def member(layout: Layout) -> str:
     """``member(..., m)``: ``stream`` for member m, given the addresses of all, from the step it has ``reached``; one that has its outputs rests."""
     lines = [f"  %tile = lshr i64 %m, {TILE.bit_length() - 1}", f"  %lane = and i64 %m, {TILE - 1}"]
     lines += ["  %handed = mul i64 %room, %keeping", "  %bounds = mul i64 %limiting, 2"]
-    passed = []
     for name, size in ARGUMENTS.items():
-        passed.append(f"{kind(size)} %{name}{'.own' if size else ''}")
         if not size:
             continue
         rows = size.replace("ROWS", str(layout.rows))
@@ -124,7 +134,6 @@ def member(layout: Layout) -> str:
             lines.append(f"  %{name}.first = mul i64 %m, {rows}")
         lines.append(f"  %{name}.own = getelementptr double, ptr %{name}, i64 %{name}.first")
     given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
-    passed.insert(4, "i64 %n")
     body = "\n".join(lines)
     return f"""define void @member({given}, i64 %m) {{
 entry:
@@ -132,16 +141,38 @@ entry:
   %has = load i64, ptr %at.own, align 8
   %wants = load i64, ptr %stop.own, align 8
   %n = load i64, ptr %reached.own, align 8
+  %past = urem i64 %n, %look
+  %until = sub i64 %look, %past
   %more = icmp slt i64 %has, %wants
   br i1 %more, label %steps, label %done
 steps:
-  %made = call i64 @stream({", ".join(passed[:-1])})
+  %made = call i64 @stream({", ".join(PASSED)})
   store i64 %made, ptr %reached.own, align 8
   br label %done
 done:
   ret void
 }}
 """
+
+
+@lru_cache(maxsize=1)
+def stream() -> str:
+    """The driver's ``stream`` with what it calls but the steps, without variables in memory: on a card these would lie elsewhere than the rows."""
+    with WRITING:
+        llvm = _target()
+        module = llvm.parse_assembly(llvm_text("stream"))
+        builder = llvm.create_pass_builder(machine(), llvm.create_pipeline_tuning_options())
+        passes = llvm.create_new_module_pass_manager()
+        passes.add_always_inliner_pass()
+        passes.add_sroa_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_strip_dead_prototype_pass()
+        passes.run(module, builder)
+        module.verify()
+        text = str(module)
+    steps = "|".join(STEPS)
+    text = re.sub(rf"^declare [^@]*@({steps})\(.*\n", "", text, flags=re.M)
+    return re.sub(r"^(; ModuleID|source_filename|target ).*\n", "", text, flags=re.M)
 
 
 def kind(size: str | None) -> str:
@@ -158,7 +189,8 @@ def written(topology: Topology) -> str:
             lean(step, found, layout),
             whole(long, 1, bool(found), brief(step, long), TILE),
             resize(resizing(topology), 1, TILE),
-            re.sub(r"^define [^@]*@(advance|displace)\(.*?^}\n", "", driver(layout, 1, stride=TILE), flags=re.M | re.S),  # a card has streams alone
+            operators(1),
+            stream(),
             member(layout),
         ]
     )

@@ -311,7 +311,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     flags = {
         "plain": made.layout.plain, "plain_count": t.particles - len(t.bound), "path_unit": t.path_unit, "damped": t.damped, "worked": worked,
         "close_again": made.graph.close_again, "watched": watched, "closing": any(made.graph.closing), "redundant": t.redundant,
-        "coarse": t.coarse, "together": any(made.graph.together), "turned": turned,
+        "coarse": t.coarse, "together": any(made.graph.together), "turned": turned, "rows": made.layout.rows,
     }  # fmt: skip
     for name, value in flags.items():
         integers[getattr(HEADER, name)] = value

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from pathlib import Path
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from . import driver
 from .schedule import Line, Load, Store, Test, ordered, streamed, woven
+from .scripts import script
 from .straight_line import Function, functions, resizing, trace
 from .trace import Operand, rows_used
 
@@ -19,7 +20,6 @@ PATTERNS = {
     "sqrt": "Math.sqrt({})", "neg": "-({})", "abs": "Math.abs({})", "and": "{} && {}", "or": "{} || {}", "select": "{} ? {} : {}",
     "round": "({} + 6755399441055744) - 6755399441055744", "==": "{} === {}", "!=": "{} !== {}",
 }  # fmt: skip
-DRIVER = Path(__file__).with_name("driver.js")
 
 
 def operand(value: Operand) -> str:
@@ -63,21 +63,18 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 
 def written(topology: Topology, also: Iterable[int] = ()) -> str:
-    """Text with ``advance(S, T, n0, count, parts, share)`` for one simulation: S and T are Float64Arrays, the state and its tables.
+    """Text with ``advance`` of :mod:`vfife.kernels.advance` for one simulation, whose arrays are typed arrays.
 
-    It returns the number of the next step, which is less than n0 + count where places are no longer finite. ``also`` are scratch rows that
-    it leaves.
+    ``also`` are scratch rows that it leaves.
     """
     also = tuple(also)
     lean, whole, layout, resize = trace(topology, also=also), trace(topology, True, also), Layout(topology), resizing(topology)
-    rows = "".join(f"const {name.upper()} = {layout.row(name)};\n" for name in ("step", "shift", "event"))
-    places = [row for axis in ("x", "y", "theta") for row in layout[f"particle_{axis}"].tolist()]
-    rows += f"const PLACES = {places};\n"
+    text = driver.gathered("advance") + driver.ONE_LANE
     parts = [
-        rows + DRIVER.read_text(),
-        definition("functions(S, T, n)", searched(functions(topology), layout)),
-        definition("resize(S, size, shift, repeated)", map(line, woven(resize, streamed(resize)))),
-        definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
-        definition("whole(S, n)", map(line, woven(whole, streamed(whole)))),
+        script(text, (*driver.STEPS, "clean")),
+        definition("functions(S, T, I, n)", searched(functions(topology), layout)),
+        definition("resize(S, I, C)", ["const [size, shift, repeated] = C;", *map(line, woven(resize, streamed(resize)))]),
+        definition("clean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
+        definition("whole(S, T, I, n)", ["functions(S, T, I, n);", *map(line, woven(whole, streamed(whole)))]),
     ]
     return "\n".join(parts)

@@ -128,7 +128,7 @@ class Loops:
         texts = [whole(trace, width, False, stride == width, stride) for trace in self.traces]
         names = [f"@law{k}(" for k in range(len(texts))]
         named = [one.replace("@whole(", name).replace("define internal ", "define ") for one, name in zip(texts, names, strict=True)]
-        code = Code(object_code("\n".join([operators(width), *named])), "law0", STEP)
+        code = Code(object_code("\n".join([operators(width), *named])))
         functions = [code.named(f"law{k}", STEP) for k in range(len(texts))]
 
         def run(place: int, states: Rows) -> Rows:

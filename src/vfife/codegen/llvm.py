@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Collection, Iterable
-from pathlib import Path
 
 from ..kernels.arrays import Layout
-from .cachelines import LINE, padded
 from .rereading import Again, reread, settled, steady
 from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
 from .straight_line import Function
@@ -22,11 +20,10 @@ BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or"
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
 ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
 ANSWER = "{ double, double, double, double }"  # of a polynomial
-FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %stride, i64 %step)"
+FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %numbers, i64 %step)"
 STACK = 16  # bytes of which where a stack begins is a multiple
 COPY = 6_000  # bytes of a copy of the state of which there may be two
 BLOCK = 400  # lines between two ends of a block
-DRIVER = Path(__file__).with_name("driver.ll")
 
 
 class Writer:
@@ -105,7 +102,7 @@ class Writer:
     def begin(self, searching: bool) -> None:
         """Functions of time at the step, where there are any, and the number of the step in all lanes."""
         if searching:
-            self.out.append(f"  call void @functions(ptr %S, ptr %{'from' if self.moving else 'S'}, ptr %T, i64 %stride, i64 %step)")
+            self.out.append(f"  call void @functions(ptr %S, ptr %{'from' if self.moving else 'S'}, ptr %T, i64 %numbers, i64 %step)")
         self.out.append(f"  %{STEP_NUMBER} = {self.everywhere(self.fresh('sitofp i64 %step to double'))}")
 
     def everywhere(self, number: str) -> str:
@@ -166,7 +163,7 @@ class Lane(Writer):
 
     def polynomial(self, table: str, x: str) -> tuple[str, ...]:
         """Value, two derivatives and kinks of a table."""
-        result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 {table}, double {x})")
+        result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 0, i64 {table}, double {x})")
         return tuple(self.fresh(f"extractvalue {ANSWER} {result}, {k}") for k in range(4))
 
     def along(self, own: str, rate: str, slope: str) -> str:
@@ -180,7 +177,7 @@ def literal(x: float) -> str:
 
 
 def lean(step: Trace, width: int, changing: Collection[int], arranged: bool = False) -> str:
-    """``lean(S, Q, T, stride, n0, count)``: steps until one that something rare wants; their number is returned.
+    """``lean(S, Q, T, numbers, n0, count)``: steps until one that something rare wants; their number is returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so that nothing waits for the test
     or for an old value to be read; in the end all is in S. Where two copies are more than the nearest cache holds, there is one, and what is
@@ -200,12 +197,14 @@ def lean(step: Trace, width: int, changing: Collection[int], arranged: bool = Fa
     body, w.out = "\n".join(w.out), []
     for row, value in same.items():
         w.store(row, value)
-    home, copied = "\n".join(w.out), "\n".join(_copied(step.stores if twice else (), width))
+    home, w.out = "\n".join(w.out), []
+    _copied(w, step.stores if twice else ())
+    copied = "\n".join(w.out)
     there, here = ("to", "from") if twice else ("S", "S")
     rare = "rare:\n  br label %home\n" if step.rare else ""
     phis = f"[ %{there}, %{last} ]" + (f", [ %{here}, %rare ]" if step.rare else "")
     counts = f"[ %next, %{last} ]" + (", [ %step, %rare ]" if step.rare else "")
-    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %stride, i64 %n0, i64 %count) noinline{w.framed} {{
+    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline{w.framed} {{
 entry:
   %end = add i64 %n0, %count
   %going = icmp sgt i64 %count, 0
@@ -237,25 +236,23 @@ never:
 """
 
 
-def _copied(rows: Iterable[int], width: int) -> Iterable[str]:
+def _copied(w: Writer, rows: Iterable[int]) -> None:
     """Rows of the copy ``last`` are copied to S."""
-    w = Writer(width)
     for number, row in enumerate(rows, 1):
         if number % (BLOCK // 4) == 0:
             w.out += [f"  br i1 %going, label %copy{number}, label %never", f"copy{number}:"]
-        value = w.fresh(f"load {w.number}, ptr {w.row(row, 'last')}, align {8 * width}").replace("%x", "%h")
-        w.out.append(f"  store {w.number} {value}, ptr {w.row(row)}, align {8 * width}")
-    return (line.replace("%x", "%h") for line in w.out)
+        value = w.fresh(f"load {w.number}, ptr {w.row(row, 'last')}, align {8 * w.width}")
+        w.out.append(f"  store {w.number} {value}, ptr {w.row(row)}, align {8 * w.width}")
 
 
 def whole(step: Trace, width: int, searching: bool, fast: bool, stride: int = 0) -> str:
-    """``whole(S, T, stride, n)``: step n, whatever it wants; made ``fast`` where that is worth its time."""
+    """``whole(S, T, numbers, n)``: step n, whatever it wants; made ``fast`` where that is worth its time."""
     w = Writer(width, step.truths, stride=stride)
     care = f"noinline{w.framed}" if fast else "noinline optnone"
     w.begin(searching)
     w.lines(reread(woven(step, ordered(step))) if fast else woven(step, streamed(step)))
     body = "\n".join(w.out)
-    return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %stride, i64 %step) {care} {{
+    return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %numbers, i64 %step) {care} {{
   %going = icmp sge i64 %step, 0
 {body}
   ret void
@@ -266,7 +263,7 @@ never:
 
 
 def searched(found: list[Function], width: int, layout: Layout, moving: Iterable[int], directions: int = 0, stride: int = 0) -> str:
-    """``functions(S, from, T, stride, n)``: functions at step n, lane by lane, as the data-driven loop has them.
+    """``functions(S, from, T, numbers, n)``: functions at step n, lane by lane, as the data-driven loop has them.
 
     With ``directions`` the tables of a lane are followed by those of their derivatives, and these by the derivatives of its numbers in each.
     """
@@ -308,6 +305,7 @@ def searched(found: list[Function], width: int, layout: Layout, moving: Iterable
     body = "\n".join(w.out)
     return f"""define internal {FUNCTIONS} noinline {{
 entry:
+  %stride = udiv i64 %numbers, {width}
   %following = add i64 %step, 1
   %nd = sitofp i64 %step to double
   %md = sitofp i64 %following to double
@@ -327,12 +325,13 @@ done:
 
 
 def resize(change: Trace, width: int, stride: int = 0) -> str:
-    """``resize(S, size, shift, repeated)``: the state as steps of another size have it."""
+    """``resize(S, C)``: the state as steps of another size have it; C has three rows: size, phase, and what is added to the count of events."""
     w = Writer(width, change.truths, stride=stride)
+    for row, name in enumerate(("size", "shift", "repeated")):
+        w.out.append(f"  %{name} = load {w.number}, ptr {w.row(row, 'C')}, align {8 * width}")
     w.lines(woven(change, streamed(change)))
-    arguments = ", ".join(f"{w.number} %{name}" for name in ("size", "shift", "repeated"))
     body = "\n".join(w.out)
-    return f"""define internal void @resize(ptr noalias %S, {arguments}) noinline optnone {{
+    return f"""define internal void @resize(ptr noalias %S, ptr noalias %C) noinline optnone {{
   %going = icmp ne ptr %S, null
 {body}
   ret void
@@ -340,34 +339,6 @@ never:
   ret void
 }}
 """
-
-
-def lanes(width: int) -> str:
-    """``any(which)``: whether a truth holds in any lane; ``all(x)``: a number in all lanes."""
-    w, x = Writer(width), Writer(width)
-    held = w.any("which")
-    every = x.fresh(x.everywhere("%x"))
-    return "\n".join(
-        [
-            f"define internal i1 @any({w.truth} %which) alwaysinline {{", *w.out, f"  ret i1 {held}", "}",
-            f"define internal {x.number} @all(double %x) alwaysinline {{", *x.out, f"  ret {x.number} {every}", "}", "",
-        ]
-    )  # fmt: skip
-
-
-def driver(layout: Layout, width: int, directions: int = 0, stride: int = 0) -> str:
-    """Text of ``advance`` and ``stream``, and of what they call beside the steps."""
-    w, stride = Writer(width), stride or width
-    words: dict[str, object] = {"ANSWER": ANSWER, "WIDTH": stride, "LANES": width, "NUMBER": w.number, "TRUTH": w.truth}
-    rows, solid = layout.rows * (directions + 1), stride == width  # whether rows lie one behind the other, with room behind the last
-    words["ENTERED"] = '"stackrealign"' if 8 * width > STACK else ""
-    words |= {"CHUNK_STRIDE": LINE if solid else stride, "CHUNKS": padded(rows * width) // LINE if solid else rows}
-    words |= {"CHUNK": f"<{LINE} x double>" if solid else w.number, "SPARE": padded(rows * width) if solid else rows * stride, "ROWS": rows}
-    words |= {f"{name.upper()}_ROW": layout.row(name) * stride for name in ("step", "shift", "event")}
-    text = DRIVER.read_text()
-    for word, value in words.items():
-        text = text.replace(word, str(value))
-    return "\n".join([operators(width), lanes(width), text, aligned(width)])
 
 
 def aligned(width: int) -> str:

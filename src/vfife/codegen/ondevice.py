@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import weakref
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import DeviceError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from .cuda import WITHOUT, Card, card
 from .gpu import ARGUMENTS, TILE
+from .loops import Integers, Rows
 from .ptx import program
-from .runner import PARTS, Integers, Rows
+from .runner import PARTS
 from .streams import LOOK, Begun
 
 MEMBERS = 1 << 15  # side by side: as many as an H100 has in work at once
@@ -43,7 +46,7 @@ class DeviceStream:
         self.card.enter()
         self.kernel = self.card.program(program(topology), "simulate")
         rows, bounds = self.layout.rows, 2 * len(limited)
-        sizes = {"S": rows, "Q": rows, "T": tables, "limits": bounds, "out": room * len(handed)} | dict.fromkeys(COUNTS, 1)
+        sizes = {"S": rows, "Q": rows, "C": 3, "T": tables, "limits": bounds, "out": room * len(handed)} | dict.fromkeys(COUNTS, 1)
         tiles = min(-(-lanes // TILE), self._room_for(8 * TILE * sum(sizes.values())))
         self.lanes = lanes = TILE * tiles
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
@@ -51,12 +54,13 @@ class DeviceStream:
         weakref.finalize(self, _drop, self.card, self.places)
         for name, size in sizes.items():
             self.places[name] = self.card.memory(8 * lanes * size)
-        shared = {"kept": handed, "extremes": self.extremes, "sound": sound, "limited": limited}
+        numbers = np.array([1, TILE, rows, parts, LOOK], dtype=np.int64)
+        shared: dict[str, NDArray[Any]] = {"N": numbers, "kept": handed, "extremes": self.extremes, "sound": sound, "limited": limited}
         for name, given in shared.items():
             self.places[name] = self.card.memory(given.nbytes)
             self.card.put(self.places[name], given)
         self.numbers = {
-            "stride": tables, "parts": parts, "keeping": len(handed), "resetting": len(self.extremes), "look": LOOK, "finite": len(sound),
+            "stride": tables, "keeping": len(handed), "resetting": len(self.extremes), "look": LOOK, "finite": len(sound),
             "limiting": len(limited), "room": room,
         }  # fmt: skip
         # What lies on the card, here: of these a tile is as it is there where it is ``known``, and goes there where it is ``changed``.

@@ -1,41 +1,31 @@
-"""The text of a step in three modules that call one another: what all steps of a width share, what every step needs, and what few do.
+"""The text of a step in two modules that call one another and the driver: what every step needs, and what few do.
 
-The first is compiled once in a process. The last is compiled with the least effort, which takes a quarter of the time, where it is long or no
-event is to come. A short whole step is made as fast as the rest: impacts, of eight parts each, are a sixth of a run with one loose joint.
+The last is compiled with the least effort, which takes a quarter of the time, where it is long or no event is to come. A short whole step is made
+as fast as the rest: impacts, of eight parts each, are a sixth of a run with one loose joint.
 """
 
 from __future__ import annotations
 
-import re
 from functools import lru_cache
 from typing import NamedTuple
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from .elimination import shared_tangent
-from .llvm import ANSWER, aligned, driver, lanes, lean, operators, resize, searched, whole
+from .llvm import ANSWER, aligned, lean, operators, resize, searched, whole
 from .straight_line import Function, functions, resizing, trace
 from .tangent import of_size, tangent
 from .trace import Trace
 
 SHORT = 4000  # lines of a whole step that is worth being made fast
-FUNCTION = re.compile(r"^define [^@]*@(\w+)\(.*?^}\n", re.M | re.S)
-KNOWN = {
-    "lean": "i64 @lean(ptr, ptr, ptr, i64, i64, i64)",
-    "whole": "void @whole(ptr, ptr, i64, i64)",
-    "functions": "void @functions(ptr, ptr, ptr, i64, i64)",
-    "event": "void @event(ptr, ptr, ptr, i64, i64, i64)",
-    "displace": "void @displace(ptr, ptr, ptr, i64, ptr)",
-    "polynomial": f"{ANSWER} @polynomial(ptr, i64, double)",
-}
-FOR_ALL = ("advance", "stream", "watch", "polynomial")  # functions of the driver that know of no row
-OF_EVENTS = ("event", "displace", "keep", "take")
+# Functions of other modules. A step's own ones are called by the driver.
+POLYNOMIAL = f"declare {ANSWER} @polynomial(ptr, i64, i64, double)"
+FUNCTIONS = "declare void @functions(ptr, ptr, ptr, i64, i64)"
 
 
 class Pieces(NamedTuple):
-    """Three modules; whether the last is ``hurried``, made with the least effort."""
+    """Two modules; whether the last is ``hurried``, made with the least effort."""
 
-    shared: str
     often: str
     seldom: str
     hurried: bool
@@ -45,22 +35,14 @@ def pieces(topology: Topology, width: int, directions: int = 0) -> Pieces:
     """The modules of :func:`written`."""
     found, step, long, change = parts(topology, directions)
     fast = brief(step, long)
-    theirs = {one[1]: one[0] for one in FUNCTION.finditer(driver(Layout(topology), width, directions))}
-    events = [whole(long, width, bool(found), fast), resize(change, width), *(theirs[name] for name in OF_EVENTS)]
-    return Pieces(
-        _module(width, [theirs[name] for name in FOR_ALL]),
-        _module(width, often(topology, width, directions, found, step)),
-        _module(width, events),
-        not fast,
-    )
+    rare = [FUNCTIONS, whole(long, width, bool(found), fast), resize(change, width)]
+    return Pieces(_module(width, often(topology, width, directions, found, step)), _module(width, rare), not fast)
 
 
 def _module(width: int, texts: list[str]) -> str:
-    """A module of functions, all of which others can call, with what it needs of them."""
-    own = {text[: text.index("(")].rpartition("@")[2] for text in texts}
-    needed = [f"declare {said}" for name, said in KNOWN.items() if name not in own]
+    """A module of functions, all of which others can call."""
     public = (text.replace("define internal ", "define ", 1) for text in texts)
-    return "\n".join([operators(width), lanes(width), *needed, *public, aligned(width)])
+    return "\n".join([operators(width), POLYNOMIAL, *public, aligned(width)])
 
 
 @lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
@@ -70,16 +52,10 @@ def _traced(topology: Topology) -> tuple[list[Function], Trace, Trace, Trace]:
 
 
 def written(topology: Topology, width: int, directions: int = 0) -> str:
-    """Text of a module with ``advance``, which ``driver.ll`` describes; with ``directions``, of a state that has its derivatives behind it."""
+    """Text of a step in one module; with ``directions``, of a state that has its derivatives behind it."""
     found, step, long, change = parts(topology, directions)
-    return "\n".join(
-        [
-            *often(topology, width, directions, found, step),
-            whole(long, width, bool(found), brief(step, long)),
-            resize(change, width),
-            driver(Layout(topology), width, directions),
-        ]
-    )
+    rare = [whole(long, width, bool(found), brief(step, long)), resize(change, width)]
+    return _module(width, [*often(topology, width, directions, found, step), *rare])
 
 
 def parts(topology: Topology, directions: int) -> tuple[list[Function], Trace, Trace, Trace]:

@@ -10,7 +10,8 @@ from . import cache
 from .cuda import LEAST
 from .gpu import ARGUMENTS, TILE, kind, written
 from .lock import WRITING
-from .native import llvmlite_version, origin
+from .loops import origin
+from .native import llvmlite_version
 
 TRIPLE = "nvptx64-nvidia-cuda"
 

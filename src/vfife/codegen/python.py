@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import Any
 
 from ..kernels.arrays import Layout
-from ..kernels.elementary import nearest
-from ..kernels.polynomial import polynomial
 from ..kernels.topology import Topology
-from .native import NEVER, Memory, Take
+from . import driver
+from .loops import ENTRIES, Interpreted, Memory, Stepped, Take
 from .schedule import Line, Load, Store, Test, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
 from .trace import Operand, rows_used
@@ -19,54 +17,6 @@ from .trace import Operand, rows_used
 PATTERNS = {
     "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}", "select": "{1} if {0} else {2}", "round": "nearest({})",
 }  # fmt: skip
-
-ADVANCE = """def again(S, before, T, n, parts):
-    S[:] = before
-    dt, shift = S[STEP], S[SHIFT]
-    functions(S, T, n - 1)
-    resize(S, dt / parts, shift * parts, 1.0)
-    for i in range((n - 1) * parts + 1, n * parts + 1):
-        functions(S, T, i)
-        whole(S, i)
-    resize(S, dt, shift, 0.0)
-
-def displace(S, T, share):
-    dt = S[STEP]
-    resize(S, share * dt, 0.0, 0.0)
-    functions(S, T, 1)
-    whole(S, 1)
-    resize(S, dt, share, 0.0)
-
-def watch(S, kept, limited, limits, broken, n):
-    within = all(isfinite(S[q]) for q in kept)
-    within = within and all(low <= S[q] <= high for q, low, high in zip(limited, limits[::2], limits[1::2]))
-    if broken[0] == 0.0 and not within:
-        broken[0] = n
-
-def advance(memory, n0, steps, out, anew=True, look=NEVER):
-    S, before, T, parts, shares, kept, extremes, limited, limits, broken = memory
-    before = before[: len(S)]
-    for m in range(len(out)):
-        if broken[0] > 0.0:
-            break
-        for q in extremes if anew else ():
-            S[q] = 0.0
-        for n in range(n0 + m * steps, n0 + (m + 1) * steps):
-            functions(S, T, n)
-            if n == 0 or not lean(S, n):
-                before[:] = S
-                whole(S, n)
-                if n > 0 and parts > 1 and S[EVENT] > 0.0:
-                    again(S, before, T, n, parts)
-                if n == 0 and shares[0] > 0.0:
-                    displace(S, T, shares[0])
-            if (n + 1) % look == 0:
-                watch(S, kept, limited, limits, broken, n + 1)
-                if broken[0] > 0.0:
-                    break
-        for q in range(out.shape[1]):
-            out[m, q, 0] = S[kept[q]]
-"""
 
 
 def operand(value: Operand) -> str:
@@ -107,21 +57,22 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 
 def written(topology: Topology) -> str:
-    """Text with ``advance``; it wants ``sqrt``, ``isfinite``, ``nearest``, ``polynomial`` and ``NEVER``."""
+    """Text with ``advance`` and ``stream``; it wants ``sqrt``."""
     lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
+    change = ["size, shift, repeated = C[0], C[1], C[2]", *map(line, woven(resize, streamed(resize)))]
     parts = [
-        "".join(f"{name.upper()} = {layout.row(name)}\n" for name in ("step", "shift", "event")),
-        definition("functions(S, T, n)", searched(functions(topology), layout)),
-        definition("resize(S, size, shift, repeated)", map(line, woven(resize, streamed(resize)))),
-        definition("lean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
-        definition("whole(S, n)", [*map(line, woven(whole, streamed(whole))), "return True"]),
-        ADVANCE,
+        driver.gathered(*ENTRIES),
+        driver.ONE_LANE,
+        definition("functions(S, T, I, n)", searched(functions(topology), layout)),
+        definition("resize(S, I, C)", change),
+        definition("clean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
+        definition("whole(S, T, I, n)", ["functions(S, T, I, n)", *map(line, woven(whole, streamed(whole)))]),
     ]
     return "\n\n".join(parts)
 
 
 def straight_line(topology: Topology) -> Callable[[Memory], Take]:
     """``advance`` of a topology as plain Python, called as :class:`~vfife.codegen.runner.Runner` calls its loops."""
-    space: dict[str, Any] = {"sqrt": math.sqrt, "isfinite": math.isfinite, "nearest": nearest, "polynomial": polynomial, "NEVER": NEVER}
+    space: dict[str, Any] = {"sqrt": math.sqrt}
     exec(compile(written(topology), "<vfife straight line>", "exec"), space)  # the text is our own and the user's laws, never a model file's
-    return lambda memory: partial(space["advance"], memory)
+    return Stepped({name: Interpreted(space[name]) for name in ENTRIES}, 1)

@@ -2,70 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .cachelines import aligned, padded
-from .compile import compiled, interpreted
-from .graph import tables
-from .lock import WRITING
-from .native import NEVER, Memory, Take, llvmlite_version, straight_line
-from .source import data_driven
+from .cachelines import aligned
+from .loops import NEVER, NONE, Integers, Rows, loop_of, memory_of
 
 PARTS = 8  # steps that a step with an event is taken again in
 LOOK = 1000  # steps between two looks at lanes that may break
-Rows = NDArray[np.float64]
-Integers = NDArray[np.uint32]
-NONE: Integers = np.zeros(0, dtype=np.uint32)
-ARGUMENTS = "f1 f1 f1 u1 f1 i i i i i f1 f3 u1 u1 i u1 f1 f1"  # of the data-driven loop
-
-
-@lru_cache(maxsize=16)
-def _data_driven(contact: tuple[type, ...], friction: tuple[type, ...], interpret: bool) -> Callable[..., Any]:
-    with WRITING:
-        text = data_driven(contact, friction)
-        return interpreted(text, "advance") if interpret else compiled(text, "advance", ARGUMENTS)
-
-
-def forget_steps() -> None:
-    """Drops all steps that this process has traced, compiled or loaded: the text of a law is another one."""
-    from .pieces import _traced  # what writes steps is loaded where one is written
-    from .ptx import program
-
-    for cached in (_data_driven, straight_line, _traced, program):
-        cached.cache_clear()
-
-
-def compiler_of(loop: str) -> dict[str, str]:
-    """What compiles a loop, and its version."""
-    return {} if loop == "interpreted" else {"llvmlite": llvmlite_version()}
-
-
-class DataDriven:
-    """The data-driven loop, compiled or as plain Python, lane by lane."""
-
-    def __init__(self, topology: Topology, lanes: int, interpret: bool) -> None:
-        self.integers, layout, size = tables(topology)
-        self.rows, self.lanes = layout.rows, lanes
-        self.scratch, self.kept = np.zeros(size), np.zeros(layout.rows)
-        self.function = _data_driven(topology.contact_laws, topology.friction_laws, interpret)
-
-    def __call__(self, memory: Memory) -> Take:
-        """Steps on a memory."""
-
-        def take(n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
-            self.function(
-                self.scratch, self.kept, memory.T, self.integers, memory.S, self.rows, self.lanes, n0, steps, memory.parts, memory.shares,
-                out, memory.kept, memory.extremes if anew else NONE, look, memory.limited, memory.limits, memory.broken,
-            )  # fmt: skip
-
-        return take
 
 
 class Watched(NamedTuple):
@@ -120,22 +68,17 @@ class Runner:
         self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
         self.done = 0
         size = rows * (directions + 1) * self.lanes
-        self.S, self.spare = aligned(size), aligned(2 * padded(size))
-        self.shares = aligned(self.lanes)
+        limited, limits = (NONE, aligned(0)) if watched is None else self._limits(watched)
+        self.memory = memory_of(size, self.lanes, self.functions, parts, self.kept, self.extremes, limited, limits)
+        self.S, self.shares, self.broken = self.memory.S, self.memory.shares, self.memory.broken
         self.shares[:] = 0.0 if shares is None else shares
+        self.broken[:] = 0.0 if watched is None else np.where(watched.lanes, 0.0, -1.0)
+        self.look = NEVER if watched is None else LOOK
         self.states[:] = states
         self.states[self.layout["c"]] = 1.0
-        self.look, self.broken = NEVER, aligned(self.lanes)
-        limited, limits = self._watch(watched)
-        self.memory = Memory(self.S, self.spare, self.functions, parts, self.shares, self.kept, self.extremes, limited, limits, self.broken)
-        chosen = straight_line(topology, self.lanes, directions) if loop == "generated" else DataDriven(topology, self.lanes, loop == "interpreted")
-        self.take = chosen(self.memory)
+        self.take = loop_of(topology, loop, self.lanes, directions)(self.memory)
 
-    def _watch(self, watched: Watched | None) -> tuple[Integers, Rows]:
-        if watched is None:
-            return NONE, aligned(0)
-        self.look = LOOK
-        self.broken[:] = np.where(watched.lanes, 0.0, -1.0)
+    def _limits(self, watched: Watched) -> tuple[Integers, Rows]:
         limits = aligned(2 * watched.low.size)
         limits.reshape(-1, 2, self.lanes)[:] = np.stack([watched.low, watched.high], axis=1)
         return np.ascontiguousarray(watched.rows, dtype=np.uint32), limits

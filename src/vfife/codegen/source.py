@@ -99,7 +99,7 @@ def names_of(function: Callable[..., Any]) -> frozenset[str]:
 
 
 def definition(function: Callable[..., Any], name: str) -> str:
-    """Source of a function as a jitted definition called ``name``, without decorators, annotations and docstring."""
+    """Source of a function as a definition called ``name``, without decorators, annotations and docstring."""
     key = function_text(function), name, _said(function)
     if key not in _DEFINITIONS:
         _DEFINITIONS[key] = _definition(function, name)
@@ -121,7 +121,7 @@ def _definition(function: Callable[..., Any], name: str) -> str:
     if ast.get_docstring(tree) is not None:
         tree.body = tree.body[1:] or [ast.Pass()]
     tree = ast.fix_missing_locations(_Literal(function).visit(tree))
-    return "@jit\n" + ast.unparse(tree) + "\n"
+    return ast.unparse(tree) + "\n"
 
 
 class _Literal(ast.NodeTransformer):
@@ -168,7 +168,7 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
     """
     friction = kind == "friction"
     given = "normal, free, mobility, dt" if friction else "depth, slowness"
-    lines = ["@jit", f"def {kind}_law(kind, {given}, S, base{', memory' if friction else ''}):", "    first = 0.0", "    second = 0.0"]
+    lines = [f"def {kind}_law(kind, {given}, S, base{', memory' if friction else ''}):", "    first = 0.0", "    second = 0.0"]
     for number, law in enumerate(laws):
         if getattr(law, "tabled", False):  # its table is not among the slots: kernels/tabled.py
             lines += [f"    {'el' if number else ''}if kind == {number}:", "        first, second = 0.0, 0.0"]
@@ -201,7 +201,7 @@ def room(kind: str, law: Any) -> tuple[int, int]:
 
 def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
     """An if-chain over friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
-    lines = ["@jit", "def friction_regime(kind, sliding, S, base):", "    regime = 0.0"]
+    lines = ["def friction_regime(kind, sliding, S, base):", "    regime = 0.0"]
     for number, law in enumerate(laws):
         if getattr(law, "regime", None) is not None:
             name = gathered.add(law.regime, f"regime_{law_name('friction', law)}")  # type: ignore[attr-defined]
@@ -213,7 +213,7 @@ def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
 def films(laws: tuple[type, ...], gathered: Collector) -> str:
     """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
     signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
-    lines = ["@jit", f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
+    lines = [f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
     for number, law in enumerate(laws):
         if getattr(law, "film", False):
             name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]
@@ -233,6 +233,7 @@ def _data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]
     gathered = Gathered()
     gathered.given = choices(contact_laws, friction_laws, gathered)
     gathered.add(loop.advance)
+    gathered.add(loop.stream)
     return gathered.text()
 
 

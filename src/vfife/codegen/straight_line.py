@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from ..kernels import advance
 from ..kernels import step as loop
 from ..kernels.arrays import PARTICLE, Layout
+from ..kernels.data_driven import change_step
 from ..kernels.topology import AIMED, FREE, TIME, Topology
 from .graph import derive, tables
 from .lock import WRITING
@@ -86,7 +86,7 @@ def give_laws_of(traceable: Traceable, contact_laws: tuple[type, ...], friction_
     """Puts the choice between laws where the kernels ask for one."""
     laws = _Laws()
     for name, text in choices(contact_laws, friction_laws, laws).items():
-        traceable.given[name] = traceable.written(text.removeprefix("@jit\n"), laws.functions)
+        traceable.given[name] = traceable.written(text, laws.functions)
 
 
 def trace(topology: Topology, whole: bool = False, also: Iterable[int] = ()) -> Trace:
@@ -119,7 +119,7 @@ def resizing(topology: Topology) -> Trace:
     tape = Tape()
     rows = Rows(tape, known_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *(layout.row(name) for name in ("step", "shift"))})
     with WRITING:
-        resize = Traceable(tape)(advance.resize)
+        resize = Traceable(tape)(change_step)
     resize(rows, integers.tolist(), *(Symbol(tape, name) for name in ("size", "shift", "repeated")))
     stores = rows.stores()
     return Trace(tape.needed(stores.values()), {row: _operand(value) for row, value in stores.items()})

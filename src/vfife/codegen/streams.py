@@ -5,17 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .cachelines import aligned, padded
-from .native import Memory, straight_line
-from .runner import NONE, PARTS, Integers, Rows, Runner
+from .loops import NEVER, NONE, Counts, Integers, Lanes, Rows, loop_of, memory_of
+from .runner import PARTS, Runner
 
-NEVER = 2**62  # steps after which a lane without a simulation is due
 LOOK = 250  # steps between two looks at lanes that may break
-Counts = NDArray[np.int64]
 
 
 class Begun(NamedTuple):
@@ -57,21 +53,15 @@ class Stream:
     ) -> None:  # fmt: skip
         self.layout, self.lanes, self.handed, self.room = Layout(topology), lanes, handed, room
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
-        size = self.layout.rows * lanes
-        self.S, self.spare = aligned(size), aligned(2 * padded(size))
-        self.T, self.shares, self.limits, self.broken = np.zeros(lanes * tables), aligned(lanes), aligned(2 * len(limited) * lanes), aligned(lanes)
+        memory = memory_of(self.layout.rows * lanes, lanes, np.zeros(lanes * tables), parts, handed, self.extremes, limited)
+        self.S, self.T, self.limits, self.broken = memory.S, memory.T, memory.limits, memory.broken
         self.broken[:] = -1.0
         self.every, self.at, self.stop = (np.zeros(lanes, dtype=np.int64) for _ in range(3))
         self.due: Counts = np.full(lanes, NEVER, dtype=np.int64)
         self.out = np.zeros((lanes, room, len(handed)))
         self.done = 1  # what comes into a lane has made its first step
-        memory = Memory(self.S, self.spare, self.T, parts, self.shares, handed, self.extremes, limited, self.limits, self.broken)
-        self.memory = memory, sound  # what machine code has the addresses of
-        self.code = straight_line(topology, lanes) if loop == "generated" else None
-        self.take = None if self.code is None else self.code.streaming(memory, sound, self.due, self.every, self.at, self.stop, self.out, look)
-        self.alone = (
-            None if loop == "generated" else Runner(topology, np.zeros((self.layout.rows, 1)), np.zeros((1, tables)), loop, handed, parts=parts)
-        )
+        self.memory = memory  # what machine code has the addresses of
+        self.take = loop_of(topology, loop, lanes).streaming(memory, Lanes(self.due, self.every, self.at, self.stop, self.out, sound, look))
 
     @property
     def states(self) -> Rows:
@@ -120,23 +110,4 @@ class Stream:
 
     def advance(self, count: int) -> None:
         """So many steps, or fewer: up to where a lane has all its outputs, or breaks."""
-        self.done = self._alone(count) if self.take is None else self.take(self.done, count)
-
-    def _alone(self, count: int) -> int:
-        """The same with one lane in a loop that knows no streams."""
-        runner, n, last = self.alone, self.done, self.done + count
-        while runner is not None and n < last:
-            runner.states[:], runner.done = self.states, n
-            piece = int(min(last, self.due[0])) - n
-            runner.functions[:] = self.T
-            runner.advance(piece, 1, anew=False, record=False)
-            self.states[:] = runner.states
-            n += piece
-            if n == self.due[0]:
-                self.out[0, self.at[0]] = self.states[self.handed, 0]
-                self.states[self.extremes, 0] = 0.0
-                self.at[0] += 1
-                self.due[0] += self.every[0]
-                if self.at[0] >= self.stop[0]:
-                    break
-        return n
+        self.done = self.take(self.done, count)

@@ -1,25 +1,36 @@
-"""Kinds of values in a plain function, and their conversion: truths, integers of 64 bits, numbers, arrays of these, tuples of all of them."""
+"""Kinds of values in a plain function, and what they are made of: truths, integers of 64 bits, numbers, arrays of these, tuples of all of them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..errors import SourceError
-
-TYPES = {"b": "i1", "i": "i64", "d": "double", "u": "i32"}  # u: an item of an array, read as an integer
-ORDER = "bid"  # each holds what stands before it
+TYPES = {"b": "i1", "i": "i64", "d": "double", "u": "i32", "l": "i64"}  # u, l: items of arrays, read as integers
 
 
 @dataclass(frozen=True)
 class Array:
-    """Kind of a contiguous array: its items (``d``, or ``u`` for unsigned integers of 32 bits) and its number of dimensions."""
+    """Kind of a contiguous array: its items (``d``, ``l`` for integers of 64 bits, ``u`` for unsigned ones of 32) and its number of dimensions."""
 
     item: str
     dimensions: int
 
 
 Kind = str | Array | tuple["Kind", ...]
+
+
+class External(NamedTuple):
+    """A function of another module: kinds of its arguments, which of their parts it is called with, and the kind of what it returns."""
+
+    kinds: tuple[Kind, ...]
+    passed: tuple[int, ...]
+    answer: Kind | None = None
+
+    def declared(self, name: str) -> str:
+        """Its declaration."""
+        types = [one for kind in self.kinds for one in types_of(kind)]
+        answer = "void" if self.answer is None else answered(self.answer)
+        return f"declare {answer} @{name}({', '.join(types[k] for k in self.passed)})\n"
 
 
 class Value(NamedTuple):
@@ -40,10 +51,8 @@ def types_of(kind: Kind) -> list[str]:
 
 def members(value: Value) -> list[Value]:
     """The values of a tuple."""
-    if not isinstance(value.kind, tuple):
-        raise SourceError("a number is taken apart like a tuple")
     found, place = [], 0
-    for kind in value.kind:
+    for kind in value.kind if isinstance(value.kind, tuple) else ():
         size = len(types_of(kind))
         found.append(Value(kind, value.parts[place : place + size]))
         place += size
@@ -55,18 +64,17 @@ def joined(values: list[Value]) -> Value:
     return Value(tuple(value.kind for value in values), tuple(part for value in values for part in value.parts))
 
 
-def wider(first: Kind, second: Kind) -> Kind:
-    """The kind that holds both; SourceError where there is none."""
-    if isinstance(first, tuple) and isinstance(second, tuple) and len(first) == len(second):
-        return tuple(wider(a, b) for a, b in zip(first, second, strict=True))
-    if isinstance(first, str) and isinstance(second, str):
-        return max(first, second, key=ORDER.index)
-    if first == second:
-        return first
-    raise SourceError("one name stands for values of two kinds")
-
-
 def answered(kind: Kind) -> str:
     """LLVM's type of what a function returns."""
     types = types_of(kind)
     return types[0] if len(types) == 1 else f"{{ {', '.join(types)} }}"
+
+
+NOUNS = {"b": "a truth", "i": "an integer", "d": "a number"}
+
+
+def named(kind: Kind) -> str:
+    """A kind in words."""
+    if isinstance(kind, Array):
+        return "an array"
+    return NOUNS[kind] if isinstance(kind, str) else f"({', '.join(map(named, kind))})"

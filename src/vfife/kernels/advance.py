@@ -1,165 +1,217 @@
-"""Steps one after the other: those in which something begins are taken again as smaller ones, and lanes may be out of phase.
+"""The loop driver, one text for all loops: which steps are taken, which are taken again in parts, what is recorded, and when a lane breaks.
 
 A central difference takes the force at the end of a step for all of it. Where a contact begins, friction changes its regime or a load has a kink,
-that is an error of first order; eight steps of an eighth leave a sixty-fourth of it, for as many steps more as there are such events.
+that is an error of first order in the step; eight steps of an eighth leave a sixty-fourth of it. Such a step is an *event*, and is taken again in
+``parts``.
 
-What was before such a step has to be known. To copy the state before every step takes a seventh of a small one's time, so it is kept before every
-eighth, and the few steps since then are taken again: they have the same bits.
+The driver calls four functions, which differ between loops:
+
+    lean(S, R, T, I, n, count, watching)  takes up to ``count`` steps from step n and stops before the first that the lean step cannot take;
+                                          returns how many it took. R is scratch of the size of S.
+    whole(S, T, I, n)                     takes step n, whatever happens in it.
+    functions(S, T, I, n)                 functions of time at step n.
+    resize(S, I, C)                       gives the state the step size C[0], phase C[1] and adds C[2] to the count of events, lane by lane.
+
+Those of the data-driven loop are in :mod:`~vfife.kernels.data_driven`. Straight-line code has its own
+(:mod:`vfife.codegen.straight_line`); there the driver is compiled once for all mechanisms, or translated to JavaScript.
+
+Row r of lane w lies at ``S[r * stride + w]``: lanes side by side on a processor, members of a tile on a graphics card. Q, R and C are scratch: two
+copies of the state and three rows.
 """
 
-from .arrays import (
-    CONSTRAINT,
-    CONSTRAINT_INDEX,
-    CONTACT,
-    CONTACT_INDEX,
-    DRIVEN,
-    DRIVEN_INDEX,
-    FUNCTION,
-    FUNCTION_INDEX,
-    HEADER,
-    PARTICLE,
-    PLAIN,
-    SPRING,
-    SPRING_INDEX,
-    SYSTEM,
-)
-from .central_difference import resized
-from .closing import close_velocities
-from .step import functions, step
-from .topology import TIME
+from .arrays import SYSTEM, Fields
+from .data_driven import copy_lane, lean, resize, whole
+from .step import functions
 
-KEPT = 8  # steps from one copy of the state to the next
+# Numbers of a run, the array N: lanes, distance of two rows, rows of a state, parts of a step with an event, steps between two checks of lanes.
+RUN = Fields((name, 1) for name in ("lanes", "stride", "rows", "parts", "look"))
 
 
-def resize(S, I, size, shift, repeated):
-    """The state after step n as steps of another size (s) have it: velocities and works up to t_n + size/2, reactions before at t_n - size.
+def advance(S, Q, R, C, T, I, N, shares, kept, extremes, limited, limits, broken, anew, until, n0, count, outputs, out):
+    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``kept`` after each ``count`` in ``out`` (outputs, kept, lanes).
 
-    At t_n positions, velocities and accelerations are all known, so nothing is lost there, but that ideal joints would open by a third order
-    of the step: they are closed. For one size this changes nothing but rounding.
+    Rows ``extremes`` start from zero before each output where ``anew`` is not 0. Nothing is recorded into an empty ``out``. Right after the start
+    lane w takes a step of ``shares[w]`` of one, where that is not zero. Lanes are checked ``until`` steps from n0 and every ``look`` steps from
+    there; when no lane is left that is sound and watched, the rest is left out.
     """
-    old = S[SYSTEM.step]
-    zeta = S[SYSTEM.damping] if I[HEADER.damped] != 0 else 0.0
-    for q in range(I[HEADER.bound_count]):
-        retime(S, I[I[HEADER.bound] + q], old, size, zeta)
-    for q in range(I[HEADER.plain_count]):
-        retime(S, I[HEADER.plain] + PLAIN * q, old, size, zeta)
-    more = 0.5 * (size - old)
-    for m in range(I[HEADER.contact_count]):
-        j = I[I[HEADER.contact] + CONTACT_INDEX.SIZE * m]
-        S[j + CONTACT.damping_work] += more * S[j + CONTACT.damping_power]
-        S[j + CONTACT.friction_work] += more * S[j + CONTACT.friction_power]
-    for m in range(I[HEADER.spring_count]):
-        g = I[I[HEADER.spring] + SPRING_INDEX.SIZE * m]
-        S[g + SPRING.damping_work] += more * S[g + SPRING.damping_power]
-    for m in range(I[HEADER.driven_count]):
-        k = I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m]
-        S[k + DRIVEN.work] += more * S[k + DRIVEN.power]
-    S[SYSTEM.damping_work] += more * S[SYSTEM.damping_power]
-    S[SYSTEM.external_work] += more * S[SYSTEM.external_power]
-    for m in range(I[HEADER.constraint_count]):
-        q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m]
-        S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (S[q + CONSTRAINT.force] - S[q + CONSTRAINT.before]) * (size / old)
-    S[SYSTEM.pivots_before] = S[SYSTEM.pivots] - (S[SYSTEM.pivots] - S[SYSTEM.pivots_before]) * (size / old)
-    for m in range(I[HEADER.function_count]):
-        f = I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.row]
-        if I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.argument] == TIME:
-            S[f + FUNCTION.next] = S[f + FUNCTION.value] + size * (S[f + FUNCTION.rate] + 0.5 * size * S[f + FUNCTION.acceleration])
-    if I[HEADER.joint_count] > 0:
-        close_velocities(S, I, size)
-    S[SYSTEM.step] = size
-    S[SYSTEM.shift] = shift
-    S[SYSTEM.repeated] += repeated
+    lanes, stride, look = N[RUN.lanes], N[RUN.stride], N[RUN.look]
+    n = n0
+    seen = n0 + until
+    for m in range(outputs):
+        if anew != 0:
+            for q in range(len(extremes)):
+                for w in range(lanes):
+                    S[extremes[q] * stride + w] = 0.0
+        last = n0 + (m + 1) * count
+        while n < last:
+            if n == 0:
+                whole(S, T, I, 0)
+                displace(S, Q, C, T, I, N, shares)
+                n = 1
+            else:
+                n = proceed(S, Q, R, C, T, I, N, n, min(last, seen))
+            if n == seen:
+                seen += look
+                if not watch(S, N, kept, limited, limits, broken, n):
+                    return
+        if len(out) > 0:
+            first = m * len(kept)
+            if lanes == 4:
+                record(out, S, kept, first, 4, 4)
+            elif lanes == 8:
+                record(out, S, kept, first, 8, 8)
+            else:
+                record(out, S, kept, first, lanes, stride)
 
 
-def retime(S, i, old, size, zeta):
-    """The half-step velocity of a free particle for a step of another size."""
-    S[i + PARTICLE.u] = resized(S[i + PARTICLE.u], S[i + PARTICLE.ax], old, size, zeta)
-    S[i + PARTICLE.v] = resized(S[i + PARTICLE.v], S[i + PARTICLE.ay], old, size, zeta)
-    S[i + PARTICLE.w] = resized(S[i + PARTICLE.w], S[i + PARTICLE.aw], old, size, zeta)
+def record(out, S, kept, first, lanes, stride):
+    """Copy the rows ``kept`` to rows of ``out`` from ``first`` on. Compiled for a written number of lanes, a row is copied as one vector."""
+    for q in range(len(kept)):
+        for w in range(lanes):
+            out[(first + q) * lanes + w] = S[kept[q] * stride + w]
 
 
-def again(S, K, T, I, tables, n, before, parts, rows):
-    """Step n once more, as so many smaller ones; K is the state after step n - 1 - ``before``."""
-    for q in range(rows):
-        S[q] = K[q]
-    for i in range(n - before, n):
-        functions(S, T, I, tables, i)
-        step(S, I, i, i == 0)
-    dt = S[SYSTEM.step]
-    shift = S[SYSTEM.shift]
-    functions(S, T, I, tables, n - 1)
-    resize(S, I, dt / parts, shift * parts, 1.0)
-    for i in range((n - 1) * parts + 1, n * parts + 1):
-        functions(S, T, I, tables, i)
-        step(S, I, i, i == 0)  # the kinds that the first call has: another literal would be compiled anew
-    resize(S, I, dt, shift, 0.0)
+def stream(S, Q, R, C, T, I, N, kept, extremes, sound, limited, limits, broken, due, every, at, stop, out, room, until, n0, count):
+    """Take up to ``count`` steps from step n0, which is not 0; every lane records outputs of its own.
 
-
-def displace(S, T, I, tables, n, share):
-    """After the start, a first step of a share of one, as step n = 1: all that follow are out of phase with those of a simulation without it."""
-    dt = S[SYSTEM.step]
-    resize(S, I, share * dt, 0.0, 0.0)
-    functions(S, T, I, tables, n)
-    step(S, I, n, n == 0)
-    resize(S, I, dt, share, 0.0)
-
-
-def watch(S, w, lanes, kept, limited, limits, broken, n):
-    """Lane w breaks after n steps: a number among the rows ``kept`` is not finite, or one in a row of ``limited`` not between its two ``limits``.
-
-    What is not at zero in ``broken`` has broken before, or nobody looks at it.
+    After step ``due[w]`` the rows ``kept`` of lane w are recorded as output ``at[w]`` in ``out`` (lanes, room, kept), its extremes start from zero,
+    and it is due again ``every[w]`` steps later. Rows ``sound`` are checked, as :func:`advance` does. It ends when a lane has reached its output
+    ``stop[w]`` or is found broken; the number of steps made since the very start is returned.
     """
-    if broken[w] == 0.0:
-        nothing = 0.0
-        for q in kept:
-            nothing += S[q] * 0.0
-        within = nothing == 0.0
-        for q in range(len(limited)):
-            x = S[limited[q]]
-            within = within and x >= limits[2 * q * lanes + w] and x <= limits[(2 * q + 1) * lanes + w]
-        if not within:
-            broken[w] = n
+    lanes, stride, look = N[RUN.lanes], N[RUN.stride], N[RUN.look]
+    last = n0 + count
+    seen = n0 + until
+    n = n0
+    ended = False
+    while n < last and not ended:
+        soonest = last
+        for w in range(lanes):
+            soonest = min(soonest, due[w])
+        while n < soonest and not ended:
+            n = proceed(S, Q, R, C, T, I, N, n, min(soonest, seen))
+            if n == seen:
+                seen += look
+                watch(S, N, sound, limited, limits, broken, n)
+                for w in range(lanes):
+                    ended = ended or broken[w] > 0.0
+        if not ended:
+            for w in range(lanes):
+                if due[w] == n:
+                    place = (w * room + at[w]) * len(kept)
+                    for q in range(len(kept)):
+                        out[place + q] = S[kept[q] * stride + w]
+                    for q in range(len(extremes)):
+                        S[extremes[q] * stride + w] = 0.0
+                    at[w] += 1
+                    due[w] += every[w]
+                    ended = ended or at[w] >= stop[w]
+    return n
 
 
-def advance(S, K, T, I, wide, rows, lanes, n0, count, parts, shares, out, kept, extremes, look, limited, limits, broken):
-    """Lane by lane: fills ``out[m, :, lane]`` with the rows ``kept`` after ``count`` steps more; ``extremes`` start anew before them.
+def proceed(S, Q, R, C, T, I, N, n, end):
+    """Take steps from n up to ``end``, or up to and with the first event; return the number of the next step."""
+    n += lean(S, Q, T, I, n, end - n, N[RUN.parts] > 1)
+    if n < end:
+        event(S, Q, R, C, T, I, N, n)
+        n += 1
+    return n
 
-    ``wide`` holds the states, rows by lanes; S and K are scratch for one of them. T holds the tables of all lanes, one after the other.
-    A step in which something begins, ends or changes its regime is taken again in ``parts``. The first step of lane w is ``shares[w]`` of one,
-    where that is not zero, beside those that are counted. Wherever ``look`` divides the number of steps made, a lane is watched, and one that
-    breaks is left there; rows of ``out`` after that mean nothing.
+
+def watch(S, N, kept, limited, limits, broken, n):
+    """Mark lanes that have failed after n steps, and return whether a sound watched lane is left.
+
+    A lane fails where one of the rows ``kept`` is not finite (times zero it is NaN then) or a row of ``limited`` is not between its two ``limits``
+    (limited, 2, lanes). ``broken`` is 0 for a sound lane, else the step at which it was found broken, or negative if the lane is not watched.
     """
-    watched = parts > 1 and I[HEADER.watched] != 0
+    lanes, stride = N[RUN.lanes], N[RUN.stride]
+    left = False
     for w in range(lanes):
-        tables = w * (len(T) // lanes)
-        for q in range(rows):
-            S[q] = wide[q * lanes + w]
-        until = look - n0 % look
-        for m in range(out.shape[0]):
-            if broken[w] > 0.0:
-                break
-            for q in extremes:
-                S[q] = 0.0
-            since = 0  # steps since the state was kept in K
-            for n in range(n0 + m * count, n0 + (m + 1) * count):
-                if watched and since == 0:
-                    for q in range(rows):
-                        K[q] = S[q]
-                functions(S, T, I, tables, n)
-                step(S, I, n, n == 0)
-                if watched and n > 0 and S[SYSTEM.event] > 0.0:
-                    again(S, K, T, I, tables, n, since, parts, rows)
-                    since = KEPT
-                since = since + 1 if n > 0 and since + 1 < KEPT else 0
-                if n == 0 and shares[w] > 0.0:
-                    displace(S, T, I, tables, n + 1, shares[w])
-                until -= 1
-                if until == 0:
-                    until = look
-                    watch(S, w, lanes, kept, limited, limits, broken, n + 1)
-                    if broken[w] > 0.0:
-                        break
-            for q in range(out.shape[1]):
-                out[m, q, w] = S[kept[q]]
-        for q in range(rows):
-            wide[q * lanes + w] = S[q]
+        if broken[w] == 0.0:
+            nothing = 0.0
+            for q in range(len(kept)):
+                nothing += S[kept[q] * stride + w] * 0.0
+            within = nothing == 0.0
+            for q in range(len(limited)):
+                x = S[limited[q] * stride + w]
+                within = within and x >= limits[2 * q * stride + w] and x <= limits[(2 * q + 1) * stride + w]
+            if within:
+                left = True
+            else:
+                broken[w] = float(n)
+    return left
+
+
+def event(S, Q, R, C, T, I, N, n):
+    """Take step n as a whole; lanes in which something began, ended or changed its regime take it again in ``parts``.
+
+    The small steps are those of a state of its own, Q, from before step n: they are numbered from (n - 1) parts + 1 to n parts, and the phase
+    is multiplied by ``parts``, so that time stays (step + phase) * size. All lanes go along; only those with an event keep the result.
+    """
+    lanes, stride, rows, parts = N[RUN.lanes], N[RUN.stride], N[RUN.rows], N[RUN.parts]
+    copy(Q, S, rows, lanes, stride)
+    whole(S, T, I, n)
+    count = 0
+    if parts > 1:
+        for w in range(lanes):
+            if S[SYSTEM.event * stride + w] > 0.0:
+                count += 1
+    if count == 0:
+        return
+    for w in range(lanes):
+        C[w] = S[SYSTEM.step * stride + w] / parts
+        C[stride + w] = S[SYSTEM.shift * stride + w] * parts
+        C[2 * stride + w] = 1.0
+    functions(Q, T, I, n - 1)
+    resize(Q, I, C)
+    last = n * parts
+    i = last - parts
+    while i < last:
+        i += lean(Q, R, T, I, i + 1, last - i, False)
+        if i < last:
+            i += 1
+            whole(Q, T, I, i)
+    for w in range(lanes):
+        C[w] = S[SYSTEM.step * stride + w]
+        C[stride + w] = S[SYSTEM.shift * stride + w]
+        C[2 * stride + w] = 0.0
+    resize(Q, I, C)
+    if count == lanes:
+        copy(S, Q, rows, lanes, stride)
+    else:
+        for w in range(lanes):
+            if S[SYSTEM.event * stride + w] > 0.0:
+                copy_lane(S, Q, rows, stride, w)
+
+
+def displace(S, Q, C, T, I, N, shares):
+    """After the start, take a first step of a share of one in lanes where that is not zero: their later steps lie between those of the others."""
+    lanes, stride, rows = N[RUN.lanes], N[RUN.stride], N[RUN.rows]
+    moved = False
+    for w in range(lanes):
+        moved = moved or shares[w] > 0.0
+    if not moved:
+        return
+    copy(Q, S, rows, lanes, stride)
+    for w in range(lanes):
+        C[w] = shares[w] * S[SYSTEM.step * stride + w]
+        C[stride + w] = 0.0
+        C[2 * stride + w] = 0.0
+    resize(Q, I, C)
+    whole(Q, T, I, 1)
+    for w in range(lanes):
+        C[w] = S[SYSTEM.step * stride + w]
+        C[stride + w] = shares[w]
+    resize(Q, I, C)
+    for w in range(lanes):
+        if shares[w] > 0.0:
+            copy_lane(S, Q, rows, stride, w)
+
+
+def copy(to, source, rows, lanes, stride):
+    """Copy a state."""
+    if lanes == stride:
+        for q in range(rows * lanes):
+            to[q] = source[q]
+    else:
+        for w in range(lanes):
+            copy_lane(to, source, rows, stride, w)

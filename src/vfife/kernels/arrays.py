@@ -96,7 +96,7 @@ HEADER = Fields(
         *LISTS,
         *(f"{name}_count" for name in LISTS),
         *("plain", "plain_count", "profile", "profile_count", "inverse", "y", "gn", "gt"),
-        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "coarse", "turned", "together"),
+        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "coarse", "turned", "together", "rows"),
     )
 )
 

@@ -71,15 +71,15 @@ def argument(S, kind, i, j, f, time, dt):
     return x
 
 
-def functions(S, T, I, shift, n):
-    """Functions at t_n, and their value at t_(n+1); T holds this simulation's tables from ``shift`` on."""
+def functions(S, T, I, n):
+    """Functions at t_n, and their value at t_(n+1); T holds their tables."""
     time = (n + S[SYSTEM.shift]) * S[SYSTEM.step]
     after = (n + 1 + S[SYSTEM.shift]) * S[SYSTEM.step]
     dt = 0.0 if n == 0 else S[SYSTEM.step]  # the step that leads to t_n
     for m in range(I[HEADER.function_count]):
         r = I[HEADER.function] + FUNCTION_INDEX.SIZE * m
         f = I[r + FUNCTION_INDEX.row]
-        start = shift + I[r + FUNCTION_INDEX.table]
+        start = I[r + FUNCTION_INDEX.table]
         kind = I[r + FUNCTION_INDEX.argument]
         i = I[r + FUNCTION_INDEX.first]
         j = I[r + FUNCTION_INDEX.second]
@@ -384,7 +384,7 @@ def step(S, I, n, start):
     S[SYSTEM.event] = 0.0
     pass_kinks(S, I)
     move(S, I, (n + S[SYSTEM.shift]) * dt, d)
-    tiles(S, I, n % I[HEADER.path_unit] == 0, d, h, b, k, p)
+    tiles(S, I, n % max(I[HEADER.path_unit], 1) == 0, d, h, b, k, p)
     loads(S, I)
     springs(S, I, span, p, h)
     joints(S, I, start, span, (h, b, k, p))

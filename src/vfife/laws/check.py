@@ -242,7 +242,7 @@ _TEXTS: WeakKeyDictionary[type[Law], str] = WeakKeyDictionary()
 def renew(law: type[Law]) -> None:
     """Drops what was compiled and compared of a law whose text is another one since."""
     from ..codegen.lawloops import Single, text_of
-    from ..codegen.runner import forget_steps
+    from ..codegen.loops import forget_steps
     from .agreement import forget
 
     text = "\n".join(text_of(Single(NAMES.get(part.name, kind_of(law)), law)) for part in parts_of(law, kind_of(law)))

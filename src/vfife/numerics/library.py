@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..codegen.cache import digest
-from ..codegen.compile import interpreted, library
+from ..codegen.compile import Called, interpreted, library
 from ..codegen.lock import WRITING
 from ..codegen.source import Gathered
 from .routines import elimination, general, products, reflections, rotations, series, skyline, symmetric
@@ -42,7 +42,7 @@ def text() -> str:
 
 
 @lru_cache(maxsize=1)
-def compiled() -> dict[str, Callable[..., None]]:
+def compiled() -> dict[str, Called]:
     """Each routine by its name, compiled."""
     entries = {routine.__name__: kinds for routine, kinds in ROUTINES.items()}
     return library(_sources(), entries, wide=True, write=text)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import forms
 from ..assembly.assembled import Assembly, BodyMap, StepChoice
-from ..codegen.runner import compiler_of
+from ..codegen.loops import compiler_of
 from ..errors import ResumeError, RunFileError
 from ..kernels.arrays import Layout
 from ..kernels.blocks import BY_NAME

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..assembly.bounds import bounds, limited_rows, watched
+from ..codegen.loops import NEVER
 from ..codegen.runner import LOOK, Runner
-from ..codegen.streams import NEVER, Stream
+from ..codegen.streams import Stream
 from .record import places
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from ..assembly.bounds import Bounds
 from ..codegen.graph import tables
 from ..codegen.runner import Runner
 from ..errors import VfifeError
-from ..kernels.advance import resize
+from ..kernels.data_driven import change_step
 from .interrupts import Halt, Pace, Workers
 from .lyapunov import ALIGNED, LyapunovRunner, steps_of_turn
 from .record import Record, recorded_rows
@@ -106,7 +106,7 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
     shift, own = layout.row("shift"), layout.row("step")
     time, size = (done - 1 + float(found[shift])) * float(found[own]), assembly.choice.step
     number = round(time / size)
-    kernel: Any = resize
+    kernel: Any = change_step
     kernel(found, integers.tolist(), size, time / size - number, 0.0)
     given = layout.of("parameter")
     ahead = found[shift]

@@ -1,15 +1,20 @@
 // The worker: steps the mechanism, and its ideal reference for one turn, and sends the rows of its outputs as it goes.
-// What comes before is `steps`, the text of a step for each of the two, as an array of functions advance(S, T, n0, count, parts).
+// What comes before is `steps`: for each of the two a function advance, which kernels/advance.py describes.
 
+const LOOK = 1000; // steps between two checks that numbers are finite
 const SLICE = 14; // ms of stepping between two looks at what was asked meanwhile
 
 // One simulation: a state, its tables, and the step it has reached.
 class Stepper {
   constructor(advance, given, state, tables) {
-    this.advance = advance;
     this.given = given;
     this.state = state;
-    this.tables = tables;
+    const { kept, extremes, again } = given;
+    const copy = () => new Float64Array(state.length);
+    const scratch = [copy(), copy(), new Float64Array(3)];
+    const shares = new Float64Array(1), broken = new Float64Array(1);
+    const numbers = [1, 1, state.length, again, LOOK];
+    this.advance = (...last) => advance(state, ...scratch, tables, [], numbers, shares, kept, extremes, [], [], broken, ...last);
     this.next = 0; // step
     this.outputs = 0; // that are made
     this.sound = true;
@@ -17,19 +22,17 @@ class Stepper {
 
   // Rows of so many more outputs, fewer where time is up or numbers leave all bounds.
   take(count, until) {
-    const { kept, extremes, every, again } = this.given;
+    const { kept, every } = this.given;
     const rows = new Float64Array(count * kept.length);
     let made = 0;
     while (made < count && this.sound) {
-      for (const row of extremes) this.state[row] = 0;
       const steps = this.next === 0 ? 1 : every;
-      this.advance(this.state, this.tables, this.next, steps, again);
-      this.next += steps;
       const at = made * kept.length;
-      for (let k = 0; k < kept.length; k++) {
-        const value = this.state[kept[k]] + 0; // zeros that are recorded have no sign
-        rows[at + k] = value;
-        if (!Number.isFinite(value)) this.sound = false;
+      this.advance(1, LOOK - (this.next % LOOK), this.next, steps, 1, rows.subarray(at));
+      this.next += steps;
+      for (let k = at; k < at + kept.length; k++) {
+        rows[k] += 0; // zeros that are recorded have no sign
+        if (!Number.isFinite(rows[k])) this.sound = false;
       }
       if (!this.sound) break;
       made++;
