@@ -17,7 +17,7 @@ from vfife.model.functions import turn_of
 from vfife.modelfile import dump, loads
 from vfife.modelfile.parameter import numbers
 from vfife.solvers.companions import measured_rows
-from vfife.solvers.variants import measures_of
+from vfife.solvers.ensemble import measures_of
 
 FINER = 10.0
 SHARES = 0.01, -0.01, 0.001, -0.001

@@ -43,15 +43,15 @@ if TYPE_CHECKING:
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
     from .study.compare import compare
+    from .study.cosimulation import Simulation
     from .study.derivatives import sensitivity
     from .study.identification.fitting import fit
     from .study.maps.basins import basins
     from .study.maps.bifurcation import bifurcation
-    from .study.maps.kept import load_map
+    from .study.maps.load_map import load_map
     from .study.maps.sections import poincare_section
     from .study.maps.waterfall import waterfall
     from .study.sensitivity_indices import indices
-    from .study.stepped import Simulation
     from .study.studies import allocate, optimise, study
     from .study.tolerance import tolerance
     from .study.tribology.simulate_wear import load_wear, wear
@@ -62,7 +62,7 @@ __version__ = "0.2.0"
 _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
     "Result": "result",
-    "Simulation": "study.stepped",
+    "Simulation": "study.cosimulation",
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
@@ -79,7 +79,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "load": "modelfile.files",
     "load_fit": "results.fitfile",
     "load_laws": "laws.user",
-    "load_map": "study.maps.kept",
+    "load_map": "study.maps.load_map",
     "load_model": "modelfile.files",
     "load_result": "result",
     "load_study": "results.studied",

@@ -44,12 +44,11 @@ EXCEPTIONS = {
     "model/strokes.py": "draws",
     "model/outlines.py": "chooses in which order the corners of a body are drawn",
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",
-    "study/distributions.py": "values of members are rounded to ten digits",
+    "study/sampling.py": "values of members are rounded to ten digits; SciPy's Sobol' points are whole numbers over a power of two",
     "study/identification/": "compares records with data",
     "study/limits.py": "statistics of results",
     "study/local_search.py": "a search that chooses its next members",
     "units.py": "powers of fractions, and of forty digits in decimal arithmetic",
-    "study/sampling.py": "SciPy's Sobol' points are whole numbers over a power of two",
 }
 
 

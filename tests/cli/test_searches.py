@@ -14,7 +14,7 @@ from fake_card import FakeDriver, in_this_machine
 from study.studies import BASE, Closed
 from vfife.cli import forecast, searchcost
 from vfife.study import cluster, run_missing
-from vfife.study.distributions import of_fit
+from vfife.study.sampling import of_fit
 
 pytest.importorskip("SALib")
 pytest.importorskip("optuna")

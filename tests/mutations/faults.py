@@ -21,7 +21,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "analysis": (),  # all of them
     "assembly": ("bounds", "checks", "fill", "linearised", "prestress", "redundancy", "stability", "timestep"),
     "study": (
-        "allocation", "derivatives", "distributions", "iso286", "jumps", "limits", "sampling", "sensitivity_indices", "step_uncertainty",
+        "allocation", "derivatives", "iso286", "jumps", "limits", "sampling", "sensitivity_indices", "step_uncertainty",
         "tolerance", "wear_state",
     ),
     "solvers": (

@@ -16,8 +16,7 @@ import pytest
 
 from vfife import Study, load_model
 from vfife.study import run_missing
-from vfife.study.batch import Answer, Question, run_batch
-from vfife.study.cluster import cluster
+from vfife.study.cluster import Answer, Question, cluster, run_batch
 from vfife.study.engine import Wanted, run_members
 from vfife.study.study_file import understood
 

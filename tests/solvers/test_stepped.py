@@ -11,7 +11,7 @@ import pytest
 
 import vfife
 from vfife.model.loads import Load
-from vfife.solvers.steered import Table
+from vfife.study.cosimulation import Table
 
 STEP = 1e-5
 

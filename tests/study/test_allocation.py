@@ -12,7 +12,7 @@ from scipy import stats
 
 from vfife.errors import Fault, VfifeError
 from vfife.study.allocation import Choice, Option, allocate, by_cost, options_of
-from vfife.study.distributions import Array, Normal
+from vfife.study.sampling import Array, Normal
 
 SLOPES = np.array([3.0, 1.0, 2.0])
 COSTS = {"IT6": 9.0, "IT7": 5.5, "IT8": 3.2, "IT9": 2.0}

@@ -16,8 +16,7 @@ import pytest
 from vfife import load_model
 from vfife.errors import VfifeError
 from vfife.study import cluster as room
-from vfife.study.batch import Answer, Question
-from vfife.study.cluster import cluster, on_cluster
+from vfife.study.cluster import Answer, Question, cluster, on_cluster
 from vfife.study.engine import Outcome, Wanted, run_members
 
 pytest.importorskip("distributed")
@@ -38,7 +37,7 @@ def deadly(mark: str) -> Callable[..., Answer]:
     """The work of a worker that is killed once, in the first batch that finds no mark. Sent by value."""
 
     def work(asked: Question, numbers: Sequence[Any], lanes: int | None) -> Answer:
-        from vfife.study.batch import run_batch
+        from vfife.study.cluster import run_batch
 
         if not numbers:
             return run_batch(asked, numbers, lanes)
@@ -67,7 +66,7 @@ def test_a_member_that_cannot_be_assembled_is_an_outcome(runner: Any) -> None:
 
 
 def test_a_worker_of_another_version_is_told(runner: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vfife.study.batch.sources", lambda: b"other")
+    monkeypatch.setattr("vfife.study.cluster.sources", lambda: b"other")
     with pytest.raises(VfifeError, match="another text of the step"):
         list(runner(load_model(BASE), NUMBERS, WANTED))
 

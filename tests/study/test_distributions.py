@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from vfife.errors import Fault
-from vfife.study.distributions import Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
+from vfife.study.sampling import Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 
 U = np.array([1e-6, 0.01, 0.3, 0.5, 0.77, 0.99, 1 - 1e-6])
 

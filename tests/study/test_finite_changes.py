@@ -14,9 +14,9 @@ from vfife import gallery
 from vfife.analysis.measures import PEAKS, last_turn, over_turn
 from vfife.assembly.assemble import assemble
 from vfife.results.derivatives import Derivative
+from vfife.solvers.ensemble import measures_of, step_sizes
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run
-from vfife.solvers.variants import measures_of, step_sizes
 from vfife.study.finite_difference import LEAST_KNOWN, WIDTHS, FiniteChanges, agreement, alike, compared
 from vfife.study.local_search import pattern_search
 

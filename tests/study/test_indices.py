@@ -9,8 +9,7 @@ import pytest
 
 from vfife.errors import VfifeError
 from vfife.study import sensitivity_indices
-from vfife.study.distributions import Normal, Uniform
-from vfife.study.sampling import places, points
+from vfife.study.sampling import Normal, Uniform, places, points
 from vfife.study.sensitivity_indices import morris_effects, sobol_indices
 
 pytest.importorskip("SALib")

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from vfife.errors import Fault
-from vfife.study.distributions import Normal, Uniform
-from vfife.study.sampling import METHODS, places, points
+from vfife.study.sampling import METHODS, Normal, Uniform, places, points
 
 
 @pytest.mark.parametrize("method", METHODS)

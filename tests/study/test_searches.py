@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from vfife.study.distributions import Truncated
+from vfife.study.sampling import Truncated
 from vfife.study.searches import load_allotment, load_search, numbers_at
 from vfife.study.study_file import load_plan
 

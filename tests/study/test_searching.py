@@ -14,7 +14,7 @@ from study.studies import BASE, Closed
 from vfife.assembly.assemble import assemble
 from vfife.errors import DeviceError
 from vfife.study import run_missing
-from vfife.study.distributions import of_fit
+from vfife.study.sampling import of_fit
 
 FIT = {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}
 SPEED = {"path": "driver.crank.speed", "from": 100, "to": 200}

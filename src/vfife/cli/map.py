@@ -191,7 +191,7 @@ def basins(
 def show(file: Kept, figure: Figured = None, csv: Csv = None) -> None:
     """What a map, a section, basins or a waterfall came to so far, from their file; a figure and a table of it."""
     with sentences(str(file)):
-        from ..study.maps.kept import load_map
+        from ..study.maps.load_map import load_map
 
         refuse_inputs((("--figure", figure), ("--csv", csv)), (file,))
         found = load_map(file)

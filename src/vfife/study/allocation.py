@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import Fault, VfifeError
-from .distributions import Array, Distribution, of_fit
 from .limits import Estimate, allowed_failures, needed, quantile
-from .sampling import places
+from .sampling import Array, Distribution, of_fit, places
 
 GRADE = re.compile(r"IT([0-9]{1,2})")
 MOST_CHOICES = 200_000

@@ -27,11 +27,11 @@ from ..results.view import standing
 from ..simulation import simulate
 from ..solvers.arguments import Arguments
 from ..solvers.companions import SENSITIVE, measured_rows
+from ..solvers.ensemble import StepSize, step_sizes
 from ..solvers.record import Record, recorded_rows
 from ..solvers.status import Progress, Status
 from ..solvers.tangents import Neighbours, Pairs, comparable, displaced, tangents
 from ..solvers.transient import choose_loop, run
-from ..solvers.variants import StepSize, step_sizes
 from .finite_difference import WIDE, FiniteChanges, Way, assembled, beside, finite_changes, neighbours
 from .finite_difference import compared as checked
 from .finite_difference import references as ideal_changes

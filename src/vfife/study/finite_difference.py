@@ -22,9 +22,9 @@ from ..model.mechanism import Mechanism
 from ..modelfile import loads
 from ..modelfile.parameter import Parameter, holds
 from ..results.derivatives import Derivative, Kind
+from ..solvers.ensemble import Look, StepSize, measures_of
 from ..solvers.record import Record, recorded_rows
 from ..solvers.tangents import Neighbours
-from ..solvers.variants import Look, StepSize, measures_of
 from .batches import TROUBLE, unforeseen
 from .columns import Column, Unfit, column, together, varied
 

@@ -13,7 +13,7 @@ from typing import Any
 from ..errors import Fault, kind_of, shown, suggestion
 from ..fields import Reading
 from ..units import number
-from .distributions import Array
+from .sampling import Array
 
 CONFIDENCE = 0.95
 

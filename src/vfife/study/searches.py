@@ -16,12 +16,12 @@ from ..fields.parts import Many
 from ..model.mechanism import Mechanism
 from ..modelfile.read import raw_of, text_of
 from .allocation import Allocated, Choice, Option, allocate, options_of
-from .distributions import Array, Clearance, Uniform
 from .limits import CONFIDENCE, Bound, flat, needed, read_bounds
 from .local_search import Refined, refined, slopes_of
 from .optimise import BATCH, Axis, Found, Search, searched
 from .plan import MOST_MEMBERS, SEARCH, Parameter, Plan
 from .run_missing import Engine, units_of
+from .sampling import Array, Clearance, Uniform
 from .study_file import Written, understood
 
 REFINE = 20  # members more that derivatives may lead to

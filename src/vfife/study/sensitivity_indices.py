@@ -14,11 +14,10 @@ import numpy as np
 from ..errors import VfifeError
 from ..results.studied import Study
 from ..solvers.status import Status
-from .distributions import Array
 from .limits import CONFIDENCE
 from .plan import Parameter
 from .run_missing import base_of
-from .sampling import JUMP, LEVELS, places, points
+from .sampling import JUMP, LEVELS, Array, places, points
 from .study_file import Written, fitting, understood
 
 EXTRA = 'indices are computed by SALib, which is not installed here: pip install "vfife[sensitivity]"'

@@ -13,8 +13,8 @@ from ..model.mechanism import Mechanism
 from ..modelfile.parameter import NO_NUMBER
 from ..modelfile.parameter import Parameter as ModelParameter
 from ..numerics.scalar import power
-from .distributions import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 from .plan import Number, Parameter, Varied
+from .sampling import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 
 ZONE = re.compile(r"[A-Za-z]{1,2}[0-9]{1,2}")
 WAYS = {

@@ -13,7 +13,7 @@ from vfife.errors import ModelError
 from vfife.modelfile import load
 from vfife.study.maps.basins import basins
 from vfife.study.maps.bifurcation import bifurcation
-from vfife.study.maps.kept import load_map
+from vfife.study.maps.load_map import load_map
 from vfife.study.maps.step_check import Companion, packed, sampled, told, unpacked
 
 LOOSE = "examples/slider_crank_loose_pin.toml"

@@ -9,7 +9,7 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
 from vfife.study.maps.bifurcation import bifurcation
-from vfife.study.maps.kept import load_map
+from vfife.study.maps.load_map import load_map
 from vfife.study.maps.section_series import step_count, unit_at
 
 EXAMPLES = "examples"

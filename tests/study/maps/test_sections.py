@@ -11,7 +11,7 @@ from vfife.laws import Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
 from vfife.solvers.impact_section import COLUMNS, Strikes
 from vfife.solvers.turn_runner import TurnRunner, restepped
-from vfife.study.maps.kept import load_map
+from vfife.study.maps.load_map import load_map
 from vfife.study.maps.section_series import stepped
 from vfife.study.maps.sections import poincare_section
 from vfife.study.maps.starts import Starts

@@ -9,7 +9,7 @@ import pytest
 
 import vfife
 from vfife.errors import ModelError, VfifeError
-from vfife.study.maps.kept import load_map
+from vfife.study.maps.load_map import load_map
 from vfife.study.maps.waterfall import Waterfall, waterfall
 from vfife_validation.verification.chaotic import turning
 
